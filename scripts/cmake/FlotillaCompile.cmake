@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: MIT
+# Compile options as interface targets; nothing here touches global flags.
+
+# Warnings, for our own code only.
+add_library(flotilla_warnings INTERFACE)
+target_compile_options(flotilla_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
+  $<$<BOOL:${FLOTILLA_WERROR}>:-Werror>)
+
+# Numerics: the same bits from every compiler and optimisation level.
+#  -ffp-contract=off       no fused multiply-add where the source has none
+#  -fno-tree-slp-vectorize g++ 12 contracts in its SLP vectoriser in spite of the flag above
+#  EIGEN_DONT_VECTORIZE    Eigen's packet sums change the order of additions
+add_library(flotilla_numerics INTERFACE)
+target_compile_features(flotilla_numerics INTERFACE cxx_std_20)
+target_compile_options(flotilla_numerics INTERFACE -ffp-contract=off $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
+target_compile_definitions(flotilla_numerics INTERFACE EIGEN_DONT_VECTORIZE)
+
+# Flags of the kernels compiled for one instruction set and chosen at run time. FMA stays off: a fused operation would
+# give other bits than the scalar code.
+set(FLOTILLA_AVX2_FLAGS -mavx2 -mno-fma)
+set(FLOTILLA_AVX512_FLAGS -mavx512f -mavx512dq -mavx512vl -mno-fma -mprefer-vector-width=512)

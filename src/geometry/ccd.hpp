@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Continuous collision detection of moving features with a minimum separation.
+//
+// A query is a vertex and a triangle (v, f0, f1, f2) or two edges (a0, a1, b0, b1); every point moves on a straight line from
+// x0 at t = 0 to x1 at t = 1. The answer "no hit" is a proof: the features stay farther apart than the separation at every
+// t in [0, 1], in exact arithmetic on the doubles given. Everything doubtful is a hit.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "base/vec3.hpp"
+
+namespace flotilla {
+
+enum class CcdKind : std::uint8_t { vertex_face, edge_edge };
+
+struct CcdQuery {
+    std::array<Vec3, 4> x0, x1; ///< m; vertex_face: v f0 f1 f2, edge_edge: a0 a1 b0 b1
+};
+
+struct CcdResult {
+    Vec3 direction; ///< last separating direction, from the second feature to the first, about unit length; zero if none was found
+    double toi = 1; ///< [0, 1]: the features are proved apart on [0, toi]; 1 where there is no hit
+    bool hit = true;
+    std::uint8_t iterations = 0; ///< closest-point evaluations
+};
+
+/// What a query does when the features start closer than the separation.
+enum class CcdStart : std::uint8_t {
+    strict,  ///< a hit at t = 0
+    relaxed, ///< the separation of this query becomes 0.95 of the start distance, never below the floor (DESIGN 4.1)
+};
+
+struct CcdOptions {
+    double separation = 0; ///< m, >= 0
+    CcdStart start = CcdStart::strict;
+};
+
+[[nodiscard]] CcdResult ccd(CcdKind kind, const CcdQuery& query, const CcdOptions& options);
+
+/// Instruction sets of the wide kernels. All of them, and the scalar code, give the same bits.
+enum class Isa : std::uint8_t { scalar, avx2, avx512 };
+/// The widest instruction set that this processor has.
+[[nodiscard]] Isa best_isa();
+
+/// results[i] = ccd(kind, queries[i], options), several queries at a time. Sizes must agree.
+void ccd_batch(CcdKind kind, std::span<const CcdQuery> queries, const CcdOptions& options, std::span<CcdResult> results,
+               Isa isa);
+
+} // namespace flotilla
