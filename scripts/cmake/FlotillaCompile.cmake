@@ -20,3 +20,17 @@ target_compile_definitions(flotilla_numerics INTERFACE EIGEN_DONT_VECTORIZE)
 # give other bits than the scalar code.
 set(FLOTILLA_AVX2_FLAGS -mavx2 -mno-fma)
 set(FLOTILLA_AVX512_FLAGS -mavx512f -mavx512dq -mavx512vl -mno-fma -mprefer-vector-width=512)
+
+# What a build checks while it runs. Whatever links the library inside this tree gets the same flags, because an
+# instrumented library needs its runtime in the program; nothing of it is exported.
+add_library(flotilla_checks INTERFACE)
+target_compile_definitions(flotilla_checks INTERFACE $<$<CONFIG:RelWithDebInfo>:FLOTILLA_ASSERTIONS>)
+if(FLOTILLA_SANITIZE)
+  set(sanitize "-fsanitize=${FLOTILLA_SANITIZE}" -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_compile_options(flotilla_checks INTERFACE ${sanitize})
+  target_link_options(flotilla_checks INTERFACE ${sanitize})
+endif()
+if(FLOTILLA_COVERAGE)
+  target_compile_options(flotilla_checks INTERFACE --coverage)
+  target_link_options(flotilla_checks INTERFACE --coverage)
+endif()
