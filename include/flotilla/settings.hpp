@@ -34,20 +34,20 @@ struct Settings {
     double restitution = 0.1;      ///< default of bodies, in [0, 1]
     std::uint64_t seed = 0;        ///< of the tangent generator
 
-    double rest_distance = 0;      ///< d_rest; 0: size/330, size = smaller bounding-sphere diameter of the movable bodies
-    double proximity_distance = 0; ///< d_proximity > d_rest; 0: 2 d_rest
-    double separation = 0;         ///< s_min, least certified distance; 0: d_rest/50
-    double proximity_angle = 3;    ///< theta_proximity, degrees, in (0, 90)
+    double rest_distance = 0; ///< d_rest; 0: size/330, size = smaller bounding-sphere diameter of the movable bodies
+    double proximity_distance = 0;  ///< d_proximity > d_rest; 0: 2 d_rest
+    double separation = 0;          ///< s_min, least certified distance; 0: d_rest/50
+    double proximity_angle = 3;     ///< theta_proximity, degrees, in (0, 90)
     double approach_threshold = -1; ///< m/s, slower end proximities are left to static contact; < 0: |g| dt/2
 
-    int collision_iterations = 100;     ///< sweeps of Algorithm 1
-    int collision_pair_iterations = 4;  ///< impulses per pair and sweep
-    int dynamic_iterations = 100;       ///< sweeps of Algorithm 2
-    int dynamic_pair_iterations = 20;   ///< impulses per pair and sweep
-    int static_iterations = 1000;       ///< sweeps of projected Gauss-Seidel
-    double static_tolerance = 1e-6;     ///< L-infinity constraint violation, m/s
-    bool warm_start = true;             ///< start PGS from the last impulses
-    bool shock_propagation = true;      ///< after PGS reached its limit
+    int collision_iterations = 100;    ///< sweeps of Algorithm 1
+    int collision_pair_iterations = 4; ///< impulses per pair and sweep
+    int dynamic_iterations = 100;      ///< sweeps of Algorithm 2
+    int dynamic_pair_iterations = 20;  ///< impulses per pair and sweep
+    int static_iterations = 1000;      ///< sweeps of projected Gauss-Seidel
+    double static_tolerance = 1e-6;    ///< L-infinity constraint violation, m/s
+    bool warm_start = true;            ///< start PGS from the last impulses
+    bool shock_propagation = true;     ///< after PGS reached its limit
 
     bool sleeping = true; ///< resting islands sleep
     Trajectory trajectory = Trajectory::linear;

@@ -14,23 +14,22 @@ constexpr double kLargestDirect = 1e6;
 
 // Taylor series on [-pi/4, pi/4]: the first term left out is below 1e-19 relative.
 double sin_series(double x, double x2) {
-    const double p = -1.0 / 6.0 +
-                     x2 * (1.0 / 120.0 +
-                           x2 * (-1.0 / 5040.0 +
-                                 x2 * (1.0 / 362880.0 +
-                                       x2 * (-1.0 / 39916800.0 +
-                                             x2 * (1.0 / 6227020800.0 +
-                                                   x2 * (-1.0 / 1307674368000.0 + x2 / 355687428096000.0))))));
+    const double p =
+        -1.0 / 6.0 +
+        x2 * (1.0 / 120.0 +
+              x2 * (-1.0 / 5040.0 +
+                    x2 * (1.0 / 362880.0 +
+                          x2 * (-1.0 / 39916800.0 +
+                                x2 * (1.0 / 6227020800.0 + x2 * (-1.0 / 1307674368000.0 + x2 / 355687428096000.0))))));
     return x + (x * x2) * p;
 }
 
 double cos_series(double x2) {
-    const double p = 1.0 / 24.0 +
-                     x2 * (-1.0 / 720.0 +
-                           x2 * (1.0 / 40320.0 +
-                                 x2 * (-1.0 / 3628800.0 +
-                                       x2 * (1.0 / 479001600.0 +
-                                             x2 * (-1.0 / 87178291200.0 + x2 / 20922789888000.0)))));
+    const double p =
+        1.0 / 24.0 +
+        x2 * (-1.0 / 720.0 +
+              x2 * (1.0 / 40320.0 + x2 * (-1.0 / 3628800.0 + x2 * (1.0 / 479001600.0 + x2 * (-1.0 / 87178291200.0 +
+                                                                                             x2 / 20922789888000.0)))));
     const double half = 0.5 * x2;
     const double one_minus = 1.0 - half;
     // (1 - one_minus) - half is what the subtraction rounded away.

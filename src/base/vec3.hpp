@@ -52,7 +52,9 @@ constexpr Vec3 row(const Mat3& a, int i) {
     const auto k = static_cast<std::size_t>(3 * i);
     return {a.m[k], a.m[k + 1], a.m[k + 2]};
 }
-constexpr Vec3 operator*(const Mat3& a, const Vec3& v) { return {dot(row(a, 0), v), dot(row(a, 1), v), dot(row(a, 2), v)}; }
+constexpr Vec3 operator*(const Mat3& a, const Vec3& v) {
+    return {dot(row(a, 0), v), dot(row(a, 1), v), dot(row(a, 2), v)};
+}
 constexpr Mat3 transpose(const Mat3& a) {
     return {{a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8]}};
 }
