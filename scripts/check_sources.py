@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Checks that every include follows the module table and that every source file carries its licence.
+
+usage: check_sources.py [ROOT]
+Prints one line per violation, FILE:LINE: REASON. Exit code: 0 none, 1 some, 2 usage.
+"""
+import os
+import re
+import sys
+
+# The module table, bottom to top: what each module may include beside itself. Permissions are transitive, except that
+# "module/prefix" permits just the headers of that module whose names start with the prefix.
+CORE = ["std", "eigen"]
+STAGES_BELOW = ["broadphase", "islands", "pair"]
+MODULES = {
+    "base": [],
+    "parallel": ["base"],
+    "geometry": ["base"],
+    "mesh": ["geometry", "parallel"],
+    "scene": ["mesh"],
+    "state": ["scene"],
+    "broadphase": ["state"],
+    "ccd": ["state"],
+    "proximity": ["state", "ccd/feature_candidates"],
+    "islands": ["state"],
+    "response": ["state"],
+    "pair": ["ccd", "proximity", "response"],
+    "collision": STAGES_BELOW,
+    "static_contact": STAGES_BELOW,
+    "dynamic_contact": STAGES_BELOW,
+    "failsafe": STAGES_BELOW,
+    "audit": ["geometry/exact", "mesh", "state", "parallel"],
+    "step": ["collision", "static_contact", "dynamic_contact", "failsafe", "audit"],
+    "io": ["state", "audit", "step/report"],
+    "api": ["step", "io"],
+    "cli": [],
+    "python": [],
+}
+# The audit is an independent proof: it may not name what its own modules are built from, except vectors and asserts.
+NOT_TRANSITIVE = {"audit": ["base", "scene"]}
+# These see the library as an embedder does: any public header, no internal one.
+EMBEDDERS = {"cli", "python"}
+
+# The module a public header belongs to; one that is not listed belongs to api.
+PUBLIC_HEADERS = {
+    "types": "base",
+    "error": "base",
+    "settings": "scene",
+    "scene": "scene",
+    "report": "step/report",
+}
+
+# Libraries beside std and Eigen, which every module but the embedders' headers may use.
+LIBRARIES = {
+    "parallel": ["tbb", "openmp", "threads", "locks", "posix"],
+    "io": ["locks", "nlohmann", "hdf5", "xxhash", "random123", "png", "zstd", "tinyobj", "tinygltf", "posix"],
+    "api": ["xxhash", "random123"],
+    "cli": ["cli11", "nlohmann", "png", "posix"],
+    "python": ["pybind11"],
+}
+LIBRARY_OF = [
+    (r"Eigen/", "eigen"),
+    (r"(oneapi/)?tbb/", "tbb"),
+    (r"omp\.h$", "openmp"),
+    (r"nlohmann/", "nlohmann"),
+    (r"(hdf5(_hl)?\.h|H5\w*\.h|hdf5/)", "hdf5"),
+    (r"CLI/", "cli11"),
+    (r"xxh\w*\.h$", "xxhash"),
+    (r"Random123/", "random123"),
+    (r"png(conf)?\.h$", "png"),
+    (r"zstd\w*\.h$", "zstd"),
+    (r"tiny_obj_loader", "tinyobj"),
+    (r"tiny_gltf", "tinygltf"),
+    (r"pybind11/", "pybind11"),
+    (r"(mutex|shared_mutex)$", "locks"),
+    (r"(thread|condition_variable|future|execution|barrier|latch|semaphore|stop_token)$", "threads"),
+    (r"\w*intrin\.h$", "std"),  # the compiler's own, for kernels compiled per instruction set
+    (r"(sys/|linux/|unistd\.h$|fcntl\.h$|sched\.h$|pthread\.h$|signal\.h$|poll\.h$|dirent\.h$|dlfcn\.h$)", "posix"),
+    (r"[a-z_]+$", "std"),  # <vector>, <cmath>: no other library here has headers without an extension or a folder
+]
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
+OPENMP_PRAGMA = re.compile(r"^\s*#\s*pragma\s+omp\b|\b_Pragma\s*\(\s*\"omp\b")
+SPDX = "SPDX-License-Identifier: MIT"
+CODE_SUFFIXES = (".hpp", ".cpp", ".h", ".inl")
+TEXT_SUFFIXES = CODE_SUFFIXES + (".py", ".sh", ".cmake", ".in", "CMakeLists.txt")
+
+
+def permissions(module):
+    """All modules and module/prefix entries that a module may include."""
+    allowed = {module}
+    if module in NOT_TRANSITIVE:
+        return allowed | set(MODULES[module]) | set(NOT_TRANSITIVE[module])
+    for entry in MODULES[module]:
+        allowed |= {entry} if "/" in entry else permissions(entry)
+    return allowed
+
+
+def permits(allowed, header):
+    """header is "module/rest"."""
+    return any(header == entry or header.startswith(entry + "/") or ("/" in entry and header.startswith(entry))
+               for entry in allowed)
+
+
+def library_of(header):
+    for pattern, library in LIBRARY_OF:
+        if re.match(pattern, header):
+            return library
+    return "unknown"
+
+
+def check_public_include(owner, allowed, header):
+    """An include <flotilla/...> from a module; owner is the module's name."""
+    if owner in EMBEDDERS:
+        return None
+    name = re.sub(r"\.hpp$", "", header[len("flotilla/"):])
+    home = PUBLIC_HEADERS.get(name, "api")
+    if not permits(allowed, home if "/" in home else home + "/"):
+        return f"{owner} may not include <{header}>, which belongs to {home.split('/')[0]}"
+    return None
+
+
+def check_include(owner, allowed, bracket, header):
+    """Why a file of module `owner` may not have this include, or None."""
+    if bracket == "<" and header.startswith("flotilla/"):
+        return check_public_include(owner, allowed, header)
+    if bracket == "<":
+        library = library_of(header)
+        if library in CORE or library in LIBRARIES.get(owner, []):
+            return None
+        return f"{owner} may not include <{header}> ({library})"
+    module = header.split("/")[0]
+    if module == owner:
+        return None
+    if module not in MODULES:
+        return f'"{header}" must be named from src, as "module/header.hpp"'
+    if owner in EMBEDDERS:
+        return f'{owner} may include public headers only, not "{header}"'
+    if not permits(allowed, header):
+        return f'{owner} may not include "{header}"'
+    return None
+
+
+def check_public_header(name, bracket, header):
+    """Why the public header flotilla/`name`.hpp may not have this include, or None: std and public headers only."""
+    if bracket == "<" and header.startswith("flotilla/"):
+        home = PUBLIC_HEADERS.get(name, "api").split("/")[0]
+        return check_public_include(home, permissions(home), header)
+    if bracket == "<" and library_of(header) == "std":
+        return None
+    return f"a public header may include std and public headers only, not {header}"
+
+
+def read_lines(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read().splitlines()
+
+
+def check_code(root, path):
+    """Violations of the module table in one file of src or include, as (line number, reason)."""
+    parts = os.path.relpath(path, root).split(os.sep)
+    public = parts[0] == "include"
+    owner = None if public else parts[1]
+    if not public and owner not in MODULES:
+        yield 1, f"src/{owner} is not in the module table"
+        return
+    allowed = set() if public else permissions(owner)
+    for number, line in enumerate(read_lines(path), 1):
+        match = INCLUDE.match(line)
+        if match and public:
+            name = re.sub(r"\.hpp$", "", "/".join(parts[2:]))
+            reason = check_public_header(name, *match.groups())
+        elif match:
+            reason = check_include(owner, allowed, *match.groups())
+        else:
+            reason = "OpenMP outside src/parallel" if OPENMP_PRAGMA.search(line) and owner != "parallel" else None
+        if reason:
+            yield number, reason
+
+
+def check_licence(path):
+    if not any(SPDX in line for line in read_lines(path)[:3]):
+        yield 1, f'no "{SPDX}" in the first three lines'
+
+
+def is_script(path):
+    with open(path, "rb") as file:
+        return file.read(2) == b"#!"
+
+
+def source_files(root):
+    for top in [".ci", "bench", "include", "scripts", "src", "tests"]:
+        for folder, subfolders, names in os.walk(os.path.join(root, top)):
+            subfolders[:] = sorted(name for name in subfolders if name != "__pycache__")
+            yield from (os.path.join(folder, name) for name in sorted(names))
+    yield os.path.join(root, "CMakeLists.txt")
+
+
+def check_tree(root):
+    violations = []
+    for path in source_files(root):
+        found = []
+        if path.endswith(TEXT_SUFFIXES) or is_script(path):
+            found += check_licence(path)
+        in_library = os.path.relpath(path, root).split(os.sep)[0] in ("src", "include")
+        if in_library and path.endswith(CODE_SUFFIXES):
+            found += check_code(root, path)
+        violations += [f"{os.path.relpath(path, root)}:{line}: {reason}" for line, reason in found]
+    return violations
+
+
+def main(arguments):
+    if len(arguments) > 1:
+        print(__doc__, file=sys.stderr)
+        return 2
+    root = arguments[0] if arguments else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+    violations = check_tree(root)
+    print("\n".join(violations) if violations else "every include follows the module table; every file has its licence")
+    return 1 if violations else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: MIT
+# Every header compiles alone. The public ones are compiled as an embedder sees them (CMake's own check of the header set),
+# all internal ones with the library's own options: one translation unit per header, which includes it twice.
+
+file(GLOB_RECURSE headers RELATIVE "${PROJECT_SOURCE_DIR}/src" CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/*.hpp")
+set(header_units)
+foreach(header IN LISTS headers)
+  string(MAKE_C_IDENTIFIER "${header}" name)
+  set(unit "${PROJECT_BINARY_DIR}/header_check/${name}.cpp")
+  file(CONFIGURE OUTPUT "${unit}" CONTENT "#include \"${header}\"\n#include \"${header}\"\n")
+  list(APPEND header_units "${unit}")
+  # A header named for an instruction set needs its flags.
+  if(header MATCHES "avx512")
+    set_source_files_properties("${unit}" PROPERTIES COMPILE_OPTIONS "${FLOTILLA_AVX512_FLAGS}")
+  elseif(header MATCHES "avx2")
+    set_source_files_properties("${unit}" PROPERTIES COMPILE_OPTIONS "${FLOTILLA_AVX2_FLAGS}")
+  endif()
+endforeach()
+
+add_library(flotilla_header_check OBJECT ${header_units})
+# -O0: the objects are thrown away. A header's functions are unused here, and that is not worth a warning.
+target_compile_options(flotilla_header_check PRIVATE
+  $<TARGET_PROPERTY:flotilla,COMPILE_OPTIONS> -O0 -Wno-unused-function)
+target_compile_definitions(flotilla_header_check PRIVATE $<TARGET_PROPERTY:flotilla,COMPILE_DEFINITIONS>)
+target_include_directories(flotilla_header_check PRIVATE
+  $<TARGET_PROPERTY:flotilla,INCLUDE_DIRECTORIES> "${PROJECT_SOURCE_DIR}/include")
+target_compile_features(flotilla_header_check PRIVATE cxx_std_20)
+set_target_properties(flotilla_header_check PROPERTIES CXX_CLANG_TIDY "")
+
+add_custom_target(flotilla_public_header_check ALL)
+add_dependencies(flotilla_public_header_check flotilla_verify_interface_header_sets)

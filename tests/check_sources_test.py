@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Plants violations in a copy of the sources and expects scripts/check_sources.py to name each of them."""
+import contextlib
+import os
+import shutil
+import sys
+import tempfile
+import unittest
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+sys.dont_write_bytecode = True
+import check_sources  # noqa: E402  (the path comes first)
+
+LICENCE = "// SPDX-License-Identifier: MIT\n"
+
+
+class CheckSources(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp()
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        for name in [".ci", "include", "scripts", "src", "CMakeLists.txt"]:
+            source, target = os.path.join(ROOT, name), os.path.join(cls.folder, name)
+            (shutil.copytree if os.path.isdir(source) else shutil.copy)(source, target)
+
+    def check(self):
+        violations = check_sources.check_tree(self.folder)
+        return 1 if violations else 0, "\n".join(violations)
+
+    def plant(self, path, text):
+        """Writes a file into the copy; it is gone at the end of the test."""
+        path = os.path.join(self.folder, path)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        self.addCleanup(lambda: os.path.exists(path) and os.remove(path))
+
+    def expect_refused(self, path, line):
+        self.plant(path, LICENCE + line + "\n")
+        code, output = self.check()
+        self.assertEqual(code, 1, output)
+        self.assertIn(path + ":2: ", output)
+
+    def expect_accepted(self, path, line):
+        self.plant(path, LICENCE + line + "\n")
+        code, output = self.check()
+        self.assertEqual(code, 0, output)
+
+    def test_accepts_the_sources_as_they_are(self):
+        code, output = self.check()
+        self.assertEqual(code, 0, output)
+
+    def test_exit_code_is_one_where_a_violation_is_found(self):
+        self.plant("src/base/planted.hpp", LICENCE + '#include "geometry/closest.hpp"\n')
+        with open(os.devnull, "w", encoding="utf-8") as devnull, contextlib.redirect_stdout(devnull):
+            self.assertEqual(check_sources.main([self.folder]), 1)
+
+    def test_refuses_an_include_against_the_data_flow(self):
+        self.expect_refused("src/base/planted.hpp", '#include "geometry/closest.hpp"')
+
+    def test_refuses_siblings(self):
+        self.expect_refused("src/failsafe/planted.cpp", '#include "collision/collision.hpp"')
+
+    def test_permissions_are_transitive(self):
+        self.expect_accepted("src/state/planted.cpp", '#include "geometry/closest.hpp"\n#include "base/vec3.hpp"')
+
+    def test_a_prefix_permits_only_headers_that_start_with_it(self):
+        self.expect_accepted("src/proximity/planted.cpp", '#include "ccd/feature_candidates.hpp"')
+        self.expect_refused("src/proximity/planted.cpp", '#include "ccd/earliest_hit.hpp"')
+        self.expect_refused("src/io/planted.cpp", '#include "collision/collision.hpp"')
+
+    def test_the_audit_shares_no_collision_detection(self):
+        self.expect_accepted("src/audit/planted.cpp", '#include "geometry/exact/triangle.hpp"')
+        self.expect_refused("src/audit/planted.cpp", '#include "geometry/ccd.hpp"')
+
+    def test_the_command_sees_public_headers_only(self):
+        self.expect_accepted("src/cli/planted.cpp", "#include <flotilla/scene.hpp>")
+        self.expect_refused("src/cli/planted.cpp", '#include "base/vec3.hpp"')
+
+    def test_a_module_may_not_use_public_headers_above_it(self):
+        self.expect_accepted("src/geometry/planted.cpp", "#include <flotilla/types.hpp>")
+        self.expect_refused("src/geometry/planted.cpp", "#include <flotilla/scene.hpp>")
+
+    def test_threads_live_in_one_module(self):
+        self.expect_accepted("src/parallel/planted.cpp", "#include <tbb/task_group.h>\n#include <omp.h>")
+        self.expect_refused("src/step/planted.cpp", "#include <oneapi/tbb/task_group.h>")
+        self.expect_refused("src/step/planted.cpp", "#include <thread>")
+        self.expect_refused("src/step/planted.cpp", "#pragma omp parallel for")
+
+    def test_the_numeric_core_uses_std_and_eigen_only(self):
+        self.expect_accepted("src/io/planted.cpp", "#include <nlohmann/json.hpp>")
+        self.expect_accepted("src/mesh/planted.cpp", "#include <Eigen/Core>")
+        self.expect_refused("src/mesh/planted.cpp", "#include <nlohmann/json.hpp>")
+
+    def test_public_headers_use_std_only(self):
+        self.expect_refused("include/flotilla/planted.hpp", "#include <Eigen/Core>")
+        self.expect_refused("include/flotilla/planted.hpp", '#include "base/vec3.hpp"')
+
+    def test_refuses_includes_relative_to_the_file_and_unknown_modules(self):
+        self.expect_refused("src/mesh/planted.cpp", '#include "triangle_mesh.hpp"')
+        self.plant("src/misc/planted.cpp", LICENCE)
+        self.assertIn("src/misc/planted.cpp:1: ", self.check()[1])
+
+    def test_every_source_script_and_cmake_file_carries_the_licence(self):
+        for path in ["src/base/planted.cpp", "tests/planted.py", "scripts/cmake/Planted.cmake", "bench/x/CMakeLists.txt"]:
+            self.plant(path, "\n")
+            self.assertIn(path + ":1: ", self.check()[1])
+        self.plant("scripts/planted", "#!/bin/sh\n")
+        self.assertIn("scripts/planted:1: ", self.check()[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
