@@ -26,8 +26,8 @@ struct Place {
     std::size_t number;
 
     [[noreturn]] void fail(const std::string& reason) const {
-        throw InputError(path.string() + ":" + std::to_string(number) + ": " + unit + " " + std::to_string(number) + ": " +
-                         reason);
+        throw InputError(path.string() + ":" + std::to_string(number) + ": " + unit + " " + std::to_string(number) +
+                         ": " + reason);
     }
 };
 
@@ -134,7 +134,8 @@ std::vector<CcdFileRow> parse_bin(const std::string& content, const std::filesys
         Place{path, "row", count + 1}.fail("the file ends inside a row of " + std::to_string(kRowBytes) + " bytes");
     std::vector<CcdFileRow> rows;
     rows.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) rows.push_back(parse_bin_row(content.data() + i * kRowBytes, {path, "row", i + 1}));
+    for (std::size_t i = 0; i < count; ++i)
+        rows.push_back(parse_bin_row(content.data() + i * kRowBytes, {path, "row", i + 1}));
     return rows;
 }
 

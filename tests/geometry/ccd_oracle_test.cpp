@@ -15,7 +15,8 @@ namespace {
 CcdQuery still(const std::array<Vec3, 4>& x) { return {x, x}; }
 
 TEST(CcdOracle, FindsCrossingTimeOfVertexThroughFace) {
-    CcdQuery q{{{{0.25, 0.25, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0.25, 0.25, -2}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
+    CcdQuery q{{{{0.25, 0.25, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}},
+               {{{0.25, 0.25, -2}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
     const OracleToi r = exact_ccd(CcdKind::vertex_face, q);
     ASSERT_TRUE(r.hit);
     EXPECT_LE(r.lower, mpq_class(1, 3));
@@ -51,7 +52,8 @@ TEST(CcdOracle, DecidesStillAndDegenerateFeatures) {
 
 TEST(CcdOracle, SolvesAlwaysCoplanarMotion) {
     // A vertex slides in the plane of a still triangle and enters it through the edge x = 0 at t = 1/3.
-    const CcdQuery enter{{{{-1, 0.25, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{2, 0.25, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
+    const CcdQuery enter{{{{-1, 0.25, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}},
+                         {{{2, 0.25, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
     const OracleToi r = exact_ccd(CcdKind::vertex_face, enter);
     ASSERT_TRUE(r.hit);
     EXPECT_NEAR(r.lower.get_d(), 1.0 / 3, 1e-16);
@@ -94,7 +96,8 @@ TEST(CcdOracle, DecidesContactOnTheBoundaryAtAnIrregularTime) {
 }
 
 TEST(CcdOracle, ComparesReportedTimesExactly) {
-    const CcdQuery half{{{{0.25, 0.25, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0.25, 0.25, -1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
+    const CcdQuery half{{{{0.25, 0.25, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}},
+                        {{{0.25, 0.25, -1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
     const OracleToi truth = exact_ccd(CcdKind::vertex_face, half, 8);
     EXPECT_FALSE(is_late(CcdKind::vertex_face, half, truth, 0.5));
     EXPECT_TRUE(is_late(CcdKind::vertex_face, half, truth, std::nextafter(0.5, 1.0)));
@@ -106,7 +109,8 @@ TEST(CcdOracle, ComparesReportedTimesExactly) {
 }
 
 TEST(CcdOracle, BoundsMinimumDistance) {
-    const CcdQuery pass{{{{-1, 0, 2}, {-1, 1, 2}, {0, 0, 0}, {0, 1, 0}}}, {{{1, 0, 2}, {1, 1, 2}, {0, 0, 0}, {0, 1, 0}}}};
+    const CcdQuery pass{{{{-1, 0, 2}, {-1, 1, 2}, {0, 0, 0}, {0, 1, 0}}},
+                        {{{1, 0, 2}, {1, 1, 2}, {0, 0, 0}, {0, 1, 0}}}};
     const DistanceRange r = min_distance(CcdKind::edge_edge, pass);
     EXPECT_LE(r.lower, 2.0L);
     EXPECT_GE(r.upper, 2.0L);

@@ -12,7 +12,7 @@
 
 namespace flotilla::test {
 
-inline constexpr std::array<const char*, 7> kCcdDataFiles{"unit.csv",          "erleben.csv",     "toolkit_cases.csv",
+inline constexpr std::array<const char*, 7> kCcdDataFiles{"unit.csv",          "erleben.csv",       "toolkit_cases.csv",
                                                           "simulation_vf.bin", "simulation_ee.bin", "nearmiss_vf.bin",
                                                           "nearmiss_ee.bin"};
 

@@ -107,8 +107,7 @@ Bernstein bernstein(const Poly& p, const Dyadic& at) {
     case 0: return {a[0]};
     case 1: return {a[0], a[0] + a[1]};
     case 2: return {2 * a[0], 2 * a[0] + a[1], 2 * (a[0] + a[1] + a[2])};
-    default:
-        return {3 * a[0], 3 * a[0] + a[1], 3 * a[0] + 2 * a[1] + a[2], 3 * (a[0] + a[1] + a[2] + a[3])};
+    default: return {3 * a[0], 3 * a[0] + a[1], 3 * a[0] + 2 * a[1] + a[2], 3 * (a[0] + a[1] + a[2] + a[3])};
     }
 }
 
@@ -426,7 +425,8 @@ class Contact {
             for (const auto& [i, j] : {std::pair{0U, 1U}, {1U, 2U}, {2U, 0U}}) pairs_.emplace_back(w_[i], w_[j]);
             prepare_normal(w_[0] - w_[1], w_[0] - w_[2]);
         } else {
-            for (const auto& [i, j] : {std::pair{0U, 1U}, {2U, 3U}, {0U, 2U}, {1U, 3U}}) pairs_.emplace_back(w_[i], w_[j]);
+            for (const auto& [i, j] : {std::pair{0U, 1U}, {2U, 3U}, {0U, 2U}, {1U, 3U}})
+                pairs_.emplace_back(w_[i], w_[j]);
             prepare_normal(w_[2] - w_[0], w_[0] - w_[1]);
         }
     }
