@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Builds and runs the consumer against flotilla and fails where any part of that does.
+# usage: consumer_test.sh installed CMAKE COMPILER LINK_FLAGS BUILD_DIR   the package that BUILD_DIR installs
+#        consumer_test.sh shared    CMAKE COMPILER                        installed from a build with BUILD_SHARED_LIBS=ON
+#        consumer_test.sh embedded  CMAKE COMPILER                        added with add_subdirectory
+set -euo pipefail
+mode=$1 cmake=$2 compiler=$3 link_flags=${4:-} build=${5:-}
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+build_consumer() {
+    "$cmake" -S "$here/consumer" -B "$work/consumer" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
+        -DCMAKE_EXE_LINKER_FLAGS="$link_flags" "$@"
+    "$cmake" --build "$work/consumer"
+    "$work/consumer/consumer"
+}
+
+install_and_use() {
+    "$cmake" --install "$1" --prefix "$work/installed"
+    build_consumer -DCMAKE_PREFIX_PATH="$work/installed"
+    "$work/installed/bin/flotilla" --help
+}
+
+case $mode in
+installed) install_and_use "$build" ;;
+shared)
+    "$cmake" -S "$root" -B "$work/build" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
+        -DBUILD_SHARED_LIBS=ON -DFLOTILLA_BUILD_TESTS=OFF -DFLOTILLA_BUILD_BENCH=OFF
+    "$cmake" --build "$work/build"
+    install_and_use "$work/build"
+    ;;
+embedded) build_consumer -DFLOTILLA_SOURCE="$root" -DCMAKE_BUILD_TYPE=Release -DFLOTILLA_BUILD_CLI=OFF ;;
+*) exit 2 ;;
+esac
