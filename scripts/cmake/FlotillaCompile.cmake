@@ -19,7 +19,9 @@ target_compile_definitions(flotilla_numerics INTERFACE EIGEN_DONT_VECTORIZE)
 # Flags of the kernels compiled for one instruction set and chosen at run time. FMA stays off: a fused operation would
 # give other bits than the scalar code.
 set(FLOTILLA_AVX2_FLAGS -mavx2 -mno-fma)
-set(FLOTILLA_AVX512_FLAGS -mavx512f -mavx512dq -mavx512vl -mno-fma -mprefer-vector-width=512)
+set(FLOTILLA_AVX512_FLAGS -mavx512f -mavx512dq -mavx512vl -mno-fma -mprefer-vector-width=512
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized>        # false alarms in g++ 12's own intrinsics header
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 
 # What a build checks while it runs. Whatever links the library inside this tree gets the same flags, because an
 # instrumented library needs its runtime in the program; nothing of it is exported.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/closest.hpp"
 
+#include "geometry/ray.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -67,6 +69,35 @@ EdgeEdgeClosest closest_edge_edge(const Vec3& a0, const Vec3& a1, const Vec3& b0
         const double s = dot(cross(w, eb), n) / nn;
         const double t = dot(cross(w, ea), n) / nn;
         if (s > 0 && s < 1 && t > 0 && t < 1) offer(s, t);
+    }
+    return best;
+}
+
+TriangleTriangleClosest closest_triangle_triangle(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+    TriangleTriangleClosest best{a[0], b[0], length_sq(a[0] - b[0])};
+    const auto offer = [&](const Vec3& p, const Vec3& q, double d) {
+        if (d < best.distance_sq) best = {p, q, d};
+    };
+    // Where the triangles are apart, a closest pair is vertex-triangle or edge-edge.
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto onto_b = closest_vertex_triangle(a[i], b[0], b[1], b[2]);
+        offer(a[i], onto_b.point, onto_b.distance_sq);
+        const auto onto_a = closest_vertex_triangle(b[i], a[0], a[1], a[2]);
+        offer(onto_a.point, b[i], onto_a.distance_sq);
+        for (std::size_t j = 0; j < 3; ++j) {
+            const auto e = closest_edge_edge(a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]);
+            offer(e.p, e.q, e.distance_sq);
+        }
+    }
+    // Where they cross, an edge of one passes through the other.
+    for (std::size_t i = 0; i < 3 && best.distance_sq > 0; ++i) {
+        if (const auto t = segment_triangle(a[i], a[(i + 1) % 3], b[0], b[1], b[2])) {
+            const Vec3 x = a[i] + *t * (a[(i + 1) % 3] - a[i]);
+            offer(x, x, 0);
+        } else if (const auto s = segment_triangle(b[i], b[(i + 1) % 3], a[0], a[1], a[2])) {
+            const Vec3 x = b[i] + *s * (b[(i + 1) % 3] - b[i]);
+            offer(x, x, 0);
+        }
     }
     return best;
 }

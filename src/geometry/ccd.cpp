@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/ccd.hpp"
+
+#include "base/assert.hpp"
+#include "geometry/ccd_wide.hpp"
+#include "geometry/pack_scalar.hpp"
+
+#include "geometry/ccd_kernel.hpp"
+
+namespace flotilla {
+
+static_assert(sizeof(CcdQuery) == 24 * sizeof(double), "the kernels read a query as 24 doubles");
+
+CcdResult ccd(CcdKind kind, const CcdQuery& query, const CcdOptions& options) {
+    CcdResult result;
+    const double* const lanes[1] = {reinterpret_cast<const double*>(&query)};
+    CcdResult* const results[1] = {&result};
+    Progress<ScalarPack> state{{0.0}, {options.separation}};
+    const bool relaxed = options.start == CcdStart::relaxed;
+    if (kind == CcdKind::vertex_face)
+        advance<CcdKind::vertex_face>(lanes, relaxed, 0, kMaxIterations, state, 1u, results);
+    else
+        advance<CcdKind::edge_edge>(lanes, relaxed, 0, kMaxIterations, state, 1u, results);
+    return result;
+}
+
+bool certified_along(CcdKind kind, const CcdQuery& query, const Vec3& direction, double separation) {
+    const double* const lanes[1] = {reinterpret_cast<const double*>(&query)};
+    const PackVec<ScalarPack> d{{direction.x}, {direction.y}, {direction.z}};
+    const ScalarPack s{separation};
+    return (kind == CcdKind::vertex_face ? certify_along<CcdKind::vertex_face>(lanes, d, s)
+                                         : certify_along<CcdKind::edge_edge>(lanes, d, s)) != 0;
+}
+
+double ccd_error(double w) { return (ScalarPack{kErrFactor} * ceil_power_of_two(ScalarPack{w}) + ScalarPack{kTiny}).v; }
+
+Isa best_isa() {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+        return Isa::avx512;
+    if (__builtin_cpu_supports("avx2")) return Isa::avx2;
+#endif
+    return Isa::scalar;
+}
+
+void ccd_batch(CcdKind kind, std::span<const CcdQuery> queries, const CcdOptions& options, std::span<CcdResult> results,
+               Isa isa) {
+    FLOTILLA_ASSERT(queries.size() == results.size());
+    const auto count = static_cast<long>(queries.size());
+#if defined(__x86_64__)
+    if (isa == Isa::avx512) return ccd_batch_avx512(kind, queries.data(), count, options, results.data());
+    if (isa == Isa::avx2) return ccd_batch_avx2(kind, queries.data(), count, options, results.data());
+#endif
+    for (std::size_t i = 0; i < queries.size(); ++i) results[i] = ccd(kind, queries[i], options);
+}
+
+} // namespace flotilla

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/ccd_wide.hpp"
+#include "geometry/pack_avx2.hpp"
+
+#include "geometry/ccd_kernel.hpp"
+
+namespace flotilla {
+
+void ccd_batch_avx2(CcdKind kind, const CcdQuery* queries, long count, const CcdOptions& options, CcdResult* results) {
+    run_batch<Avx2Pack>(kind, queries, count, options, results);
+}
+
+} // namespace flotilla

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/ccd_wide.hpp"
+#include "geometry/pack_avx512.hpp"
+
+#include "geometry/ccd_kernel.hpp"
+
+namespace flotilla {
+
+void ccd_batch_avx512(CcdKind kind, const CcdQuery* queries, long count, const CcdOptions& options,
+                      CcdResult* results) {
+    run_batch<Avx512Pack>(kind, queries, count, options, results);
+}
+
+} // namespace flotilla

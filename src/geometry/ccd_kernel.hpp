@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: MIT
+// Directional conservative advancement, written once for every vector width.
+//
+// Idea: conservative advancement (Mirtich 1996) with a direction in place of a bound on the speed. With
+//     w_k(t) = p(t) - f_k(t), k = 1..3        (vertex p, triangle f)
+//     w_k(t) = a_i(t) - b_j(t), k = (i, j)    (edges a, b)
+// the vector between any point of the one feature and any point of the other is a convex combination of the w_k(t). So for
+// any vector d the features are at least min_k d.w_k(t) / |d| apart, and each d.w_k is LINEAR in t: g_k(t) = (1-t) g_k0 +
+// t g_k1. At time t take d towards the closest points, advance to the first t' at which some g_k falls to the separation,
+// repeat. Every interval advanced over is proved; how good d is decides only how many iterations it takes and how many
+// misses are reported as hits. Comparisons are written so that NaN means "not proved".
+//
+// The vector d is used as it comes, without normalising: the test is g_k >= (separation) |d|.
+//
+// Rounding. u = 2^-53; W = max |component of any w_k(0), w_k(1)|; the coordinates given are exact, so only differences of them
+// enter, and the bound does not grow with the distance from the origin. Write G for exact and g for computed values of d.w_k
+// at t = 0 and t = 1, where d is the computed (and from then on exact) vector; l for the computed |d|, s for the separation.
+//  (1) l = |d| (1 + e), |e| <= 2.6u: a sum of squares (relative error 3u) under a root (half of it, plus u).
+//  (2) |g - G| <= 7.1 u W |d|: each component of w is off by at most u W and |d|_1 <= sqrt(3) |d|, which gives 1.74 u W |d|;
+//      three products and two sums give 3.01u sum |d_i w_i| <= 3.01u |d| |w| <= 5.3 u W |d|.
+//  (3) The value at t is tested as g0 + t (g1 - g0) >= h l, h = s + err. |g| <= 1.74 W |d|, so the difference and the product
+//      are off by at most 3.5 u W |d| each and the sum by 1.75 u W |d|: 8.8 u W |d| together.
+//  (4) A falling line reaches h l at t' = (g0 - h l)/(g0 - g1), computed to a relative 3.1u, which moves the value by
+//      3.1u (g0 - h l) <= 5.4 u W |d|. A line with g1 >= h l and a value >= h l at t stays so up to t = 1.
+//  (5) h and its product with l are off by a relative 4.7u, and h <= 1.75 W wherever anything is proved: 8.3 u W |d|.
+// On an interval whose ends were found by (3) and (4) the exact distance is thus at least s + err - (7.1 + 8.8 + 8.3) u W >
+// s + err - 25 u W. With err = 64 u 2^ceil(log2 W) + tiny this exceeds s strictly, with more than half of err to spare. Tiny
+// covers underflow: |d| > 2^-250, so tiny |d| > 2^-1050, above the sum of all underflow errors. Queries with W > 2^80 are hits;
+// nothing overflows in what is left.
+//
+// W here replaces the largest coordinate M of the plain bound (W <= 2M): as good near the origin, and much tighter for small
+// features far away from it.
+#pragma once
+
+#include <cstddef>
+
+#include "geometry/ccd.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr double kErrFactor = 0x1p-47;        // 64 u
+constexpr double kTiny = 0x1p-800;            // covers underflow
+constexpr double kLargest = 0x1p80;           // larger differences count as hits
+constexpr double kHuge = 0x1p300;             // above every finite product
+constexpr double kLeastSquare = 0x1p-500;     // a direction shorter than 2^-250 is none
+constexpr double kFloorFactor = 16;           // floor = 16 err (DESIGN 4.1)
+constexpr double kKeep = 0.95;                // relaxed start: share of the start distance that must be kept
+constexpr double kSlackOfSeparation = 0x1p-7; // a hit is reported within this share of the separation ...
+constexpr double kSlackOfErr = 1024;          // ... or this multiple of err above it
+constexpr int kMaxIterations = 2048;          // only grazing motion comes near it
+
+template <class P>
+struct PackVec {
+    P x, y, z;
+};
+template <class P>
+inline PackVec<P> operator-(const PackVec<P>& a, const PackVec<P>& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class P>
+inline PackVec<P> add_scaled(const PackVec<P>& a, P s, const PackVec<P>& b) {
+    return {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+template <class P>
+inline P dot(const PackVec<P>& a, const PackVec<P>& b) {
+    return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
+template <class P>
+inline PackVec<P> cross(const PackVec<P>& a, const PackVec<P>& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class P, class M>
+inline PackVec<P> select(M m, const PackVec<P>& a, const PackVec<P>& b) {
+    return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
+}
+template <class P>
+inline P max_abs(const PackVec<P>& a) {
+    return max(max(abs(a.x), abs(a.y)), abs(a.z));
+}
+
+/// The differences w_k at t = 0 and t = 1.
+template <class P, CcdKind kKind>
+struct Differences {
+    static constexpr std::size_t kCount = kKind == CcdKind::vertex_face ? 3 : 4;
+    PackVec<P> w0[kCount], w1[kCount];
+};
+
+template <class P>
+inline void load_points(const double* const* lanes, int first, PackVec<P> (&x)[4]) {
+    P a[4], b[4], c[4];
+    load_transposed(lanes, first, a);
+    load_transposed(lanes, first + 4, b);
+    load_transposed(lanes, first + 8, c);
+    x[0] = {a[0], a[1], a[2]};
+    x[1] = {a[3], b[0], b[1]};
+    x[2] = {b[2], b[3], c[0]};
+    x[3] = {c[1], c[2], c[3]};
+}
+
+template <CcdKind kKind, class P, std::size_t kCount>
+inline void subtract(const PackVec<P> (&x)[4], PackVec<P> (&w)[kCount]) {
+    if constexpr (kKind == CcdKind::vertex_face) {
+        for (std::size_t k = 0; k < 3; ++k) w[k] = x[0] - x[k + 1];
+    } else {
+        w[0] = x[0] - x[2];
+        w[1] = x[0] - x[3];
+        w[2] = x[1] - x[2];
+        w[3] = x[1] - x[3];
+    }
+}
+
+template <CcdKind kKind, class P>
+inline Differences<P, kKind> load_differences(const double* const* lanes) {
+    Differences<P, kKind> out;
+    PackVec<P> x[4];
+    load_points(lanes, 0, x);
+    subtract<kKind>(x, out.w0);
+    load_points(lanes, 12, x);
+    subtract<kKind>(x, out.w1);
+    return out;
+}
+
+template <class P, CcdKind kKind>
+inline P largest_difference(const Differences<P, kKind>& d) {
+    // A maximum may lose a NaN: Advance::sum catches it.
+    P m = max_abs(d.w0[0]);
+    for (std::size_t k = 1; k < Differences<P, kKind>::kCount; ++k) m = max(m, max_abs(d.w0[k]));
+    for (std::size_t k = 0; k < Differences<P, kKind>::kCount; ++k) m = max(m, max_abs(d.w1[k]));
+    return m;
+}
+
+template <class P>
+inline P inverse_or_zero(P a) {
+    const P zero = P::all(0);
+    return select(zero < a, P::all(1) / a, zero);
+}
+
+/// A vector v and its square.
+template <class P>
+struct Candidate {
+    PackVec<P> v;
+    P square;
+};
+
+/// Keeps in `best` the shorter of it and the shortest vector of the segment from w along e.
+template <class P>
+inline void offer_segment(Candidate<P>& best, const PackVec<P>& w, const PackVec<P>& e, P inv_ee) {
+    const P zero = P::all(0);
+    const P t = min(max((zero - dot(w, e)) * inv_ee, zero), P::all(1));
+    const PackVec<P> c = add_scaled(w, t, e);
+    const P cc = dot(c, c);
+    const auto shorter = cc < best.square;
+    best = {select(shorter, c, best.v), select(shorter, cc, best.square)};
+}
+
+/// The shortest vector to the boundary of the convex hull of the w_k, and the normal of its plane.
+template <class P>
+inline void hull_candidates(const PackVec<P> (&w)[3], Candidate<P>& edge, PackVec<P>& normal) {
+    const PackVec<P> e01 = w[1] - w[0], e12 = w[2] - w[1], e20 = w[0] - w[2];
+    edge = {w[0], dot(w[0], w[0])};
+    offer_segment(edge, w[0], e01, inverse_or_zero(dot(e01, e01)));
+    offer_segment(edge, w[1], e12, inverse_or_zero(dot(e12, e12)));
+    offer_segment(edge, w[2], e20, inverse_or_zero(dot(e20, e20)));
+    normal = cross(e01, e20);
+}
+template <class P>
+inline void hull_candidates(const PackVec<P> (&w)[4], Candidate<P>& edge, PackVec<P>& normal) {
+    const PackVec<P> ea = w[2] - w[0], eb = w[1] - w[0];
+    const P inv_aa = inverse_or_zero(dot(ea, ea)), inv_bb = inverse_or_zero(dot(eb, eb));
+    edge = {w[0], dot(w[0], w[0])};
+    offer_segment(edge, w[0], ea, inv_aa);
+    offer_segment(edge, w[1], ea, inv_aa);
+    offer_segment(edge, w[0], eb, inv_bb);
+    offer_segment(edge, w[2], eb, inv_bb);
+    normal = cross(ea, eb);
+}
+
+template <class P, std::size_t kCount>
+inline P least_of(const P (&g)[kCount]) {
+    P least = g[0];
+    for (std::size_t k = 1; k < kCount; ++k) least = min(g[k], least);
+    return least;
+}
+
+/// The products d.w_k and the least of them.
+template <class P, std::size_t kCount>
+inline P products(const PackVec<P>& d, const PackVec<P> (&w)[kCount], P (&g)[kCount]) {
+    for (std::size_t k = 0; k < kCount; ++k) g[k] = dot(d, w[k]);
+    return least_of(g);
+}
+
+/// The better of two candidates, the closest boundary point and the normal of the hull's plane: that with the larger
+/// min_k d.w_k / |d|. In exact arithmetic one of them is the closest point of the hull, which maximises it; choosing by the
+/// proved gap itself keeps needles and parallel edges, whose normals are noise, harmless. Also returns the products d.w_k.
+template <class P, std::size_t kCount>
+inline Candidate<P> separating_direction(const PackVec<P> (&w)[kCount], P (&g)[kCount]) {
+    const P zero = P::all(0);
+    Candidate<P> edge;
+    PackVec<P> n;
+    hull_candidates(w, edge, n);
+    const P side = dot(n, w[0]);
+    n = {flip_sign(n.x, side), flip_sign(n.y, side), flip_sign(n.z, side)};
+    const P nn = dot(n, n);
+    P g_normal[kCount];
+    const P least = products(edge.v, w, g), least_normal = products(n, w, g_normal);
+    const auto larger = (least * least) * nn < (least_normal * least_normal) * edge.square;
+    const auto use_normal = mask_and(zero < least_normal, mask_or(least <= zero, larger));
+    for (std::size_t k = 0; k < kCount; ++k) g[k] = select(use_normal, g_normal[k], g[k]);
+    return {select(use_normal, n, edge.v), select(use_normal, nn, edge.square)};
+}
+
+/// What one direction proves, seen from time t; all values are multiplied by the direction's length.
+template <class P, std::size_t kCount>
+struct Advance {
+    PackVec<P> direction;
+    P square, length;
+    P g0[kCount], g1[kCount]; ///< d.w_k at t = 0 and t = 1
+    P least;                  ///< min_k g_k(t)
+    P least_rise;             ///< min_k (g_k1 - g_k0)
+    P sum;                    ///< sum_k g_k(t); NaN where any coordinate is, which minima would lose
+};
+
+/// kAtStart: t = 0, where w_k(t) and its products are those of the start.
+template <bool kAtStart, class P, CcdKind kKind>
+inline auto look(const Differences<P, kKind>& x, P t) {
+    constexpr std::size_t kCount = Differences<P, kKind>::kCount;
+    Advance<P, kCount> out;
+    Candidate<P> d;
+    if constexpr (kAtStart) {
+        d = separating_direction(x.w0, out.g0);
+    } else {
+        PackVec<P> w[kCount];
+        for (std::size_t k = 0; k < kCount; ++k) w[k] = add_scaled(x.w0[k], t, x.w1[k] - x.w0[k]);
+        d = separating_direction(w, out.g0);
+        products(d.v, x.w0, out.g0);
+    }
+    out.direction = d.v;
+    out.square = d.square;
+    out.length = sqrt(d.square);
+    products(d.v, x.w1, out.g1);
+    for (std::size_t k = 0; k < kCount; ++k) {
+        const P rise = out.g1[k] - out.g0[k];
+        const P g = kAtStart ? out.g0[k] : out.g0[k] + t * rise;
+        out.sum = k == 0 ? g + rise : (out.sum + g) + rise;
+        out.least = k == 0 ? g : min(g, out.least);
+        out.least_rise = k == 0 ? rise : min(rise, out.least_rise);
+    }
+    return out;
+}
+
+/// The first time at which some falling g_k reaches h (times the length); 1 where none does.
+template <class P, std::size_t kCount>
+inline P first_fall(const Advance<P, kCount>& a, P h) {
+    P t = P::all(1);
+    for (std::size_t k = 0; k < kCount; ++k) t = select(a.g1[k] < h, min((a.g0[k] - h) / (a.g0[k] - a.g1[k]), t), t);
+    return t;
+}
+
+/// The separation that the start allows: unchanged, or 0.95 of the start distance (relaxed start).
+template <class P>
+inline P start_separation(P d0, P err, P separation) {
+    return select(P::all(kFloorFactor) * err <= d0, min(P::all(kKeep) * d0, separation), separation);
+}
+
+template <class P>
+struct Progress {
+    P t, separation;
+};
+
+template <class P, std::size_t kCount>
+inline void finish_lanes(unsigned done, unsigned missed, unsigned proved, const Advance<P, kCount>& a, P at,
+                         int iterations, CcdResult* const* results) {
+    alignas(64) double x[P::kWidth], y[P::kWidth], z[P::kWidth], t[P::kWidth];
+    const P inv = P::all(1) / a.length;
+    (a.direction.x * inv).store(x);
+    (a.direction.y * inv).store(y);
+    (a.direction.z * inv).store(z);
+    at.store(t);
+    for (unsigned i = 0; i < static_cast<unsigned>(P::kWidth); ++i) {
+        if (((done >> i) & 1u) == 0) continue;
+        CcdResult& r = *results[i];
+        const bool known = ((proved >> i) & 1u) != 0;
+        r.hit = ((missed >> i) & 1u) == 0;
+        r.toi = r.hit ? t[i] : 1.0;
+        r.direction.x = known ? x[i] : 0.0;
+        r.direction.y = known ? y[i] : 0.0;
+        r.direction.z = known ? z[i] : 0.0;
+        r.iterations = static_cast<std::uint16_t>(iterations);
+    }
+}
+
+/// One iteration of the active lanes; returns the bits of those that go on.
+template <bool kAtStart, CcdKind kKind, class P>
+inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range, bool relaxed, int iterations,
+                        Progress<P>& state, unsigned active, CcdResult* const* results) {
+    const P zero = P::all(0), one = P::all(1);
+    const auto a = look<kAtStart>(x, state.t);
+    const unsigned valid = in_range & mask_bits(P::all(kLeastSquare) < a.square) & mask_bits(a.sum <= P::all(kHuge));
+    unsigned opening = 0;
+    if (kAtStart && relaxed) {
+        opening = valid & mask_bits(mask_and(zero < a.least, err * a.length <= a.least_rise));
+        state.separation = start_separation(a.least / a.length - err, err, state.separation);
+    }
+    const P h = (state.separation + err) * a.length;
+    const unsigned apart = valid & mask_bits(h <= a.least);
+    const P least_end = least_of(a.g1);
+    unsigned missed = active & (opening | (apart & mask_bits(h <= least_end)));
+    P reach = state.t;
+    unsigned stopped = active & ~missed;
+    if (stopped != 0) {
+        const P slack = max(P::all(kSlackOfSeparation) * state.separation, P::all(kSlackOfErr) * err) * a.length;
+        reach = first_fall(a, h);
+        missed |= stopped & apart & mask_bits(one <= reach);
+        stopped &= ~missed & (~apart | mask_bits(a.least <= h + slack));
+    }
+    if (iterations + 1 == kMaxIterations) stopped = active & ~missed;
+    if ((missed | stopped) != 0)
+        finish_lanes(missed | stopped, missed, apart | opening, a, state.t, iterations + 1, results);
+    state.t = max(reach, state.t);
+    return active & ~(missed | stopped);
+}
+
+/// True where the direction proves the features apart on all of [0, 1].
+template <CcdKind kKind, class P>
+inline unsigned certify_along(const double* const* lanes, const PackVec<P>& d, P separation) {
+    const auto x = load_differences<kKind, P>(lanes);
+    const P largest = largest_difference(x);
+    const P err = P::all(kErrFactor) * ceil_power_of_two(largest) + P::all(kTiny);
+    const P square = dot(d, d);
+    P g0[Differences<P, kKind>::kCount], g1[Differences<P, kKind>::kCount];
+    const P least = min(products(d, x.w0, g0), products(d, x.w1, g1));
+    P sum = g0[0] + g1[0];
+    for (std::size_t k = 1; k < Differences<P, kKind>::kCount; ++k) sum = (sum + g0[k]) + g1[k];
+    const auto valid = mask_and(mask_and(largest < P::all(kLargest), P::all(kLeastSquare) < square),
+                                mask_and(square < P::all(kLargest), sum <= P::all(kHuge)));
+    return mask_bits(mask_and(valid, (separation + err) * sqrt(square) <= least));
+}
+
+/// Runs the active lanes for at most `limit` iterations, counted from the start of the query. Writes the results of the lanes
+/// that finish and returns the bits of those that do not.
+template <CcdKind kKind, class P>
+inline unsigned advance(const double* const* lanes, bool relaxed, int iterations, int limit, Progress<P>& state,
+                        unsigned active, CcdResult* const* results) {
+    const auto x = load_differences<kKind, P>(lanes);
+    const P largest = largest_difference(x);
+    const P err = P::all(kErrFactor) * ceil_power_of_two(largest) + P::all(kTiny);
+    const unsigned in_range = mask_bits(largest < P::all(kLargest));
+    if (iterations == 0) active = iterate<true>(x, err, in_range, relaxed, iterations++, state, active, results);
+    for (; active != 0 && iterations < limit; ++iterations)
+        active = iterate<false>(x, err, in_range, relaxed, iterations, state, active, results);
+    return active;
+}
+
+constexpr int kBlock = 256;         // queries whose survivors are compacted together
+constexpr int kFirstIterations = 1; // iterations before compaction
+
+/// All queries, P::kWidth at a time: one iteration for everybody (that settles nearly all misses), then the survivors packed
+/// together until they are done. A lane's arithmetic never depends on its neighbours.
+template <CcdKind kKind, class P>
+inline void run_batch(const CcdQuery* queries, long count, double separation, bool relaxed, CcdResult* results) {
+    struct Survivor {
+        long index;
+        double t, separation;
+    };
+    for (long begin = 0; begin < count; begin += kBlock) {
+        const long end = begin + kBlock < count ? begin + kBlock : count;
+        Survivor left[kBlock];
+        int num_left = 0;
+        const auto run = [&](const Survivor* items, int n, int iterations, int limit, auto&& keep) {
+            const double* lanes[P::kWidth];
+            CcdResult* out[P::kWidth];
+            alignas(64) double t[P::kWidth], s[P::kWidth];
+            for (int i = 0; i < P::kWidth; ++i) {
+                const Survivor& item = items[i < n ? i : 0];
+                lanes[i] = reinterpret_cast<const double*>(queries + item.index);
+                out[i] = results + item.index;
+                t[i] = item.t;
+                s[i] = item.separation;
+            }
+            Progress<P> state{P::load(t), P::load(s)};
+            const unsigned active = n >= P::kWidth ? (1u << P::kWidth) - 1u : (1u << n) - 1u;
+            const unsigned rest = advance<kKind, P>(lanes, relaxed, iterations, limit, state, active, out);
+            if (rest == 0) return;
+            state.t.store(t);
+            state.separation.store(s);
+            for (int i = 0; i < n; ++i)
+                if (((rest >> i) & 1u) != 0) keep(Survivor{items[i].index, t[i], s[i]});
+        };
+        for (long i = begin; i < end; i += P::kWidth) {
+            Survivor items[P::kWidth];
+            int n = 0;
+            for (; n < P::kWidth && i + n < end; ++n) items[n] = {i + n, 0.0, separation};
+            run(items, n, 0, kFirstIterations, [&](const Survivor& s) { left[num_left++] = s; });
+        }
+        for (int i = 0; i < num_left; i += P::kWidth) {
+            const int n = num_left - i < P::kWidth ? num_left - i : P::kWidth;
+            run(left + i, n, kFirstIterations, kMaxIterations, [](const Survivor&) {});
+        }
+    }
+}
+
+template <class P>
+inline void run_batch(CcdKind kind, const CcdQuery* queries, long count, const CcdOptions& options,
+                      CcdResult* results) {
+    const bool relaxed = options.start == CcdStart::relaxed;
+    if (kind == CcdKind::vertex_face)
+        run_batch<CcdKind::vertex_face, P>(queries, count, options.separation, relaxed, results);
+    else
+        run_batch<CcdKind::edge_edge, P>(queries, count, options.separation, relaxed, results);
+}
+
+} // namespace
+} // namespace flotilla

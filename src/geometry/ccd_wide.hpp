@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// Entry points of the kernels compiled per instruction set. Call only where the processor has it.
+#pragma once
+
+#include "geometry/ccd.hpp"
+
+namespace flotilla {
+
+void ccd_batch_avx2(CcdKind kind, const CcdQuery* queries, long count, const CcdOptions& options, CcdResult* results);
+void ccd_batch_avx512(CcdKind kind, const CcdQuery* queries, long count, const CcdOptions& options, CcdResult* results);
+
+} // namespace flotilla

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/ccd.hpp"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace flotilla {
+namespace {
+
+constexpr CcdKind kVf = CcdKind::vertex_face, kEe = CcdKind::edge_edge;
+
+/// A vertex that falls from height h0 to h1 over the middle of a resting triangle.
+CcdQuery falling_vertex(double h0, double h1) {
+    const Vec3 f0{-1, -1, 0}, f1{1, -1, 0}, f2{0, 1, 0};
+    return {{Vec3{0, 0, h0}, f0, f1, f2}, {Vec3{0, 0, h1}, f0, f1, f2}};
+}
+
+TEST(Ccd, ReportsAHitJustBeforeContact) {
+    const CcdResult r = ccd(kVf, falling_vertex(1, -1), {.separation = 1e-3});
+    EXPECT_TRUE(r.hit);
+    EXPECT_LT(r.toi, 0.5);
+    EXPECT_NEAR(r.toi, 0.5, 1e-3);
+    EXPECT_NEAR(r.direction.z, 1, 1e-12);
+}
+
+TEST(Ccd, DecidesTheEndOfTheStepByTheSeparation) {
+    EXPECT_FALSE(ccd(kVf, falling_vertex(1, 1.01e-3), {.separation = 1e-3}).hit);
+    EXPECT_TRUE(ccd(kVf, falling_vertex(1, 1e-3), {.separation = 1e-3}).hit);
+    EXPECT_TRUE(ccd(kVf, falling_vertex(1, 0), {.separation = 0}).hit);
+    EXPECT_FALSE(ccd(kVf, falling_vertex(1, 1e-9), {.separation = 0}).hit);
+}
+
+TEST(Ccd, TouchingAtTheStartIsAHitAtZero) {
+    const CcdResult r = ccd(kVf, falling_vertex(0, 1), {.separation = 0});
+    EXPECT_TRUE(r.hit);
+    EXPECT_EQ(r.toi, 0);
+}
+
+TEST(Ccd, SeesMotionInsideOnePlane) {
+    // The coplanarity cubic vanishes identically: a vertex slides into a triangle's edge.
+    const Vec3 f0{0, 0, 0}, f1{1, 0, 0}, f2{0, 1, 0};
+    const CcdQuery q{{Vec3{-1, 0.2, 0}, f0, f1, f2}, {Vec3{1, 0.2, 0}, f0, f1, f2}};
+    const CcdResult r = ccd(kVf, q, {.separation = 1e-6});
+    EXPECT_TRUE(r.hit);
+    EXPECT_NEAR(r.toi, 0.5, 1e-5);
+}
+
+TEST(Ccd, CrossingEdgesHitAndPassingEdgesDoNot) {
+    const auto edges = [](double y) {
+        return CcdQuery{{Vec3{-1, 0, 1}, Vec3{1, 0, 1}, Vec3{0, y - 1, 0}, Vec3{0, y + 1, 0}},
+                        {Vec3{-1, 0, -1}, Vec3{1, 0, -1}, Vec3{0, y - 1, 0}, Vec3{0, y + 1, 0}}};
+    };
+    EXPECT_TRUE(ccd(kEe, edges(0.999), {}).hit);
+    EXPECT_TRUE(ccd(kEe, edges(1), {}).hit);
+    EXPECT_FALSE(ccd(kEe, edges(1.001), {}).hit);
+}
+
+TEST(Ccd, SeparatingFromCloserThanTheSeparationIsFreeOnlyWhenRelaxed) {
+    EXPECT_TRUE(ccd(kVf, falling_vertex(1e-4, 1), {.separation = 1e-3}).hit);
+    EXPECT_FALSE(ccd(kVf, falling_vertex(1e-4, 1), {1e-3, CcdStart::relaxed}).hit);
+    // Sliding at constant distance passes, coming closer than 0.95 of it does not.
+    EXPECT_FALSE(ccd(kVf, falling_vertex(1e-4, 1e-4), {1e-3, CcdStart::relaxed}).hit);
+    EXPECT_FALSE(ccd(kVf, falling_vertex(1e-4, 0.96e-4), {1e-3, CcdStart::relaxed}).hit);
+    EXPECT_TRUE(ccd(kVf, falling_vertex(1e-4, 0.94e-4), {1e-3, CcdStart::relaxed}).hit);
+}
+
+TEST(Ccd, BelowTheFloorOnlyOpeningMotionIsFree) {
+    const double below = 8 * ccd_error(1);
+    EXPECT_FALSE(ccd(kVf, falling_vertex(below, 1), {1e-3, CcdStart::relaxed}).hit);
+    EXPECT_TRUE(ccd(kVf, falling_vertex(below, below), {1e-3, CcdStart::relaxed}).hit);
+    EXPECT_TRUE(ccd(kVf, falling_vertex(0, 0), {1e-3, CcdStart::relaxed}).hit);
+}
+
+TEST(Ccd, UndefinedInputIsAHit) {
+    const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+    for (double bad : {nan, inf, -inf, 1e200}) {
+        for (CcdKind kind : {kVf, kEe})
+            for (std::size_t point = 0; point < 4; ++point)
+                for (CcdStart start : {CcdStart::strict, CcdStart::relaxed}) {
+                    CcdQuery q = falling_vertex(2, 1);
+                    q.x1[point].y = bad;
+                    EXPECT_TRUE(ccd(kind, q, {0, start}).hit);
+                    q = falling_vertex(2, 1);
+                    q.x0[point].z = bad;
+                    EXPECT_TRUE(ccd(kind, q, {0, start}).hit);
+                }
+    }
+    EXPECT_TRUE(ccd(kVf, CcdQuery{}, {}).hit);
+}
+
+TEST(Ccd, DistanceFromTheOriginDoesNotMatter) {
+    for (double shift : {0.0, 1e3, 1e6, 0x1p40}) {
+        CcdQuery q = falling_vertex(1, 0x1p-10);
+        for (auto* x : {&q.x0, &q.x1})
+            for (Vec3& p : *x) p += Vec3{shift, -shift, 0};
+        EXPECT_FALSE(ccd(kVf, q, {.separation = 0x1p-11}).hit) << shift;
+    }
+}
+
+TEST(Ccd, TheWitnessOfAOneStepMissCertifiesIt) {
+    std::mt19937_64 rng(5);
+    std::normal_distribution<double> n;
+    int tried = 0;
+    for (int i = 0; i < 3000; ++i) {
+        CcdQuery q;
+        for (auto& p : q.x0) p = {n(rng), n(rng), n(rng)};
+        for (std::size_t k = 0; k < 4; ++k) q.x1[k] = q.x0[k] + 0.1 * Vec3{n(rng), n(rng), n(rng)};
+        const CcdKind kind = i % 2 ? kVf : kEe;
+        const CcdResult r = ccd(kind, q, {.separation = 1e-3});
+        if (r.hit || r.iterations != 1) continue;
+        ++tried;
+        // Normalising the direction costs a few ulp, hence the slightly smaller separation.
+        EXPECT_TRUE(certified_along(kind, q, r.direction, 0.999e-3));
+        EXPECT_FALSE(certified_along(kind, q, -r.direction, 1e-3));
+    }
+    EXPECT_GT(tried, 1000);
+}
+
+bool same_bits(const CcdResult& a, const CcdResult& b) {
+    const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+    return a.hit == b.hit && a.iterations == b.iterations && bits(a.toi) == bits(b.toi) &&
+           bits(a.direction.x) == bits(b.direction.x) && bits(a.direction.y) == bits(b.direction.y) &&
+           bits(a.direction.z) == bits(b.direction.z);
+}
+
+TEST(CcdBatch, EqualsTheScalarCodeForEveryLengthAndWidth) {
+    std::mt19937_64 rng(6);
+    std::normal_distribution<double> n;
+    for (std::size_t count : {0u, 1u, 3u, 4u, 5u, 9u, 255u, 256u, 257u, 1000u}) {
+        std::vector<CcdQuery> queries(count);
+        for (auto& q : queries) {
+            for (auto* x : {&q.x0, &q.x1})
+                for (Vec3& p : *x) p = {n(rng), n(rng), 0.2 * n(rng)};
+        }
+        for (CcdKind kind : {kVf, kEe})
+            for (CcdStart start : {CcdStart::strict, CcdStart::relaxed})
+                for (Isa isa : {Isa::scalar, Isa::avx2, Isa::avx512}) {
+                    if (isa > best_isa()) continue;
+                    const CcdOptions options{1e-3, start};
+                    std::vector<CcdResult> results(count);
+                    ccd_batch(kind, queries, options, results, isa);
+                    for (std::size_t i = 0; i < count; ++i)
+                        ASSERT_TRUE(same_bits(results[i], ccd(kind, queries[i], options)));
+                }
+    }
+}
+
+} // namespace
+} // namespace flotilla
