@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT
+#include "mesh/mass_properties.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <flotilla/error.hpp>
+
+#include "base/rotation.hpp"
+#include "mesh/dd_vec.hpp"
+#include "mesh/topology.hpp"
+
+namespace flotilla {
+namespace {
+
+[[noreturn]] void refuse(const std::string& name, const std::string& reason) {
+    throw InputError("shape '" + name + "': " + reason);
+}
+
+void require_positive(double value, const char* quantity, const std::string& name) {
+    if (!(value > 0) || !std::isfinite(value)) refuse(name, std::string(quantity) + " must be positive and finite");
+}
+
+/// Integrals of 1, x and x x^T over the surface or the volume, x taken from `reference`.
+struct Moments {
+    Vec3 reference;
+    DoubleDouble zeroth;
+    DdVec3 first{};
+    DdMat3 second{};
+};
+
+/// Adds weight (a a^T + b b^T + c c^T + s s^T).
+void add_corner_products(DdMat3& second, const DoubleDouble& weight, const DdVec3& a, const DdVec3& b, const DdVec3& c,
+                         const DdVec3& s) {
+    add_outer(second, weight, a);
+    add_outer(second, weight, b);
+    add_outer(second, weight, c);
+    add_outer(second, weight, s);
+}
+
+template <class Add>
+Moments integrate(const TriangleMesh& mesh, Add&& add) {
+    Moments m;
+    m.reference = center(bounding_box(mesh));
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3& a = mesh.vertices[static_cast<std::size_t>(t[0])];
+        const Vec3& b = mesh.vertices[static_cast<std::size_t>(t[1])];
+        const Vec3& c = mesh.vertices[static_cast<std::size_t>(t[2])];
+        if (!is_zero_area(a, b, c)) add(m, a, b, c);
+    }
+    return m;
+}
+
+Moments surface_moments(const TriangleMesh& mesh) {
+    return integrate(mesh, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
+        const DdVec3 n = doubled_area_vector(va, vb, vc);
+        const DoubleDouble area = DoubleDouble(0.5) * sqrt(dot(n, n));
+        const DdVec3 a = exact_difference(va, m.reference), b = exact_difference(vb, m.reference),
+                     c = exact_difference(vc, m.reference), s = a + b + c;
+        m.zeroth += area;
+        m.first += (area / DoubleDouble(3)) * s;
+        add_corner_products(m.second, area / DoubleDouble(12), a, b, c, s);
+    });
+}
+
+Moments volume_moments(const TriangleMesh& mesh) {
+    return integrate(mesh, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
+        const DdVec3 a = exact_difference(va, m.reference), b = exact_difference(vb, m.reference),
+                     c = exact_difference(vc, m.reference), s = a + b + c;
+        const DoubleDouble d = dot(a, cross(b, c));
+        m.zeroth += d / DoubleDouble(6);
+        m.first += (d / DoubleDouble(24)) * s;
+        add_corner_products(m.second, d / DoubleDouble(120), a, b, c, s);
+    });
+}
+
+DdMat3 to_dd(const Mat3& a) {
+    DdMat3 d;
+    for (std::size_t i = 0; i < 9; ++i) d[i / 3][i % 3] = a.m[i];
+    return d;
+}
+
+/// One Jacobi rotation: makes a[p][q] zero and applies the rotation to the columns of v. Entries below the accuracy of the
+/// matrix are left: theta would overflow, and they move no eigenvalue's leading double.
+void rotate_away(DdMat3& a, DdMat3& v, std::size_t p, std::size_t q) {
+    if (std::abs(a[p][q].hi) <= 0x1p-106 * (std::abs(a[p][p].hi) + std::abs(a[q][q].hi))) return;
+    const DoubleDouble theta = (a[q][q] - a[p][p]) / (DoubleDouble(2) * a[p][q]);
+    const DoubleDouble root = sqrt(theta * theta + DoubleDouble(1));
+    const DoubleDouble t = DoubleDouble(theta.hi < 0 ? -1 : 1) / (abs(theta) + root);
+    const DoubleDouble c = DoubleDouble(1) / sqrt(t * t + DoubleDouble(1)), s = t * c;
+    const DoubleDouble apq = a[p][q];
+    a[p][p] -= t * apq;
+    a[q][q] += t * apq;
+    a[p][q] = a[q][p] = 0;
+    const std::size_t r = 3 - p - q;
+    const DoubleDouble arp = a[r][p], arq = a[r][q];
+    a[r][p] = a[p][r] = c * arp - s * arq;
+    a[r][q] = a[q][r] = s * arp + c * arq;
+    for (DdVec3& row : v) {
+        const DoubleDouble vp = row[p], vq = row[q];
+        row[p] = c * vp - s * vq;
+        row[q] = s * vp + c * vq;
+    }
+}
+
+struct Eigen3 {
+    std::array<DoubleDouble, 3> values; ///< ascending
+    DdMat3 vectors;                     ///< columns, right-handed
+};
+
+/// Cyclic Jacobi in a fixed order. In double-double, so that small values are right relative to themselves after
+/// rounding, and of our own, so that the axes have the same bits with every compiler. Convergence is quadratic: below ten
+/// sweeps; the bound is for input with NaN.
+Eigen3 eigen_decomposition(DdMat3 a) {
+    constexpr int kMaxSweeps = 40;
+    DdMat3 v{};
+    for (std::size_t i = 0; i < 3; ++i) v[i][i] = 1;
+    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+        const double off = std::abs(a[0][1].hi) + std::abs(a[0][2].hi) + std::abs(a[1][2].hi);
+        const double trace = std::abs(a[0][0].hi) + std::abs(a[1][1].hi) + std::abs(a[2][2].hi);
+        if (off <= 0x1p-104 * trace) break;
+        rotate_away(a, v, 0, 1);
+        rotate_away(a, v, 0, 2);
+        rotate_away(a, v, 1, 2);
+    }
+    std::array<std::size_t, 3> order{0, 1, 2};
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return a[i][i] < a[j][j]; });
+    Eigen3 e;
+    for (std::size_t k = 0; k < 3; ++k) {
+        e.values[k] = a[order[k]][order[k]];
+        for (std::size_t i = 0; i < 3; ++i) e.vectors[i][k] = v[i][order[k]];
+    }
+    // A permutation or Jacobi's rotations may leave a left-handed frame: then the last axis turns round.
+    const DdVec3 x{e.vectors[0][0], e.vectors[1][0], e.vectors[2][0]},
+        y{e.vectors[0][1], e.vectors[1][1], e.vectors[2][1]}, z{e.vectors[0][2], e.vectors[1][2], e.vectors[2][2]};
+    if (dot(cross(x, y), z).hi < 0)
+        for (DdVec3& row : e.vectors) row[2] = -row[2];
+    return e;
+}
+
+Mat3 rounded(const DdMat3& a) {
+    Mat3 r;
+    for (std::size_t i = 0; i < 9; ++i) r.m[i] = to_double(a[i / 3][i % 3]);
+    return r;
+}
+
+/// Rounds to double, finds the principal axes and checks that the result is one a body can have.
+MassProperties finish(const DoubleDouble& mass, const DdVec3& com, const DdMat3& inertia, const std::string& name) {
+    MassProperties p;
+    p.mass = to_double(mass);
+    p.center_of_mass = to_double(com);
+    p.inertia = rounded(inertia);
+    const Eigen3 e = eigen_decomposition(inertia);
+    p.principal_inertia = to_double(DdVec3(e.values));
+    p.principal_axes = normalized(quaternion(rounded(e.vectors)));
+    const bool finite = std::isfinite(p.mass) && is_finite(p.center_of_mass) && is_finite(p.principal_inertia) &&
+                        std::all_of(p.inertia.m.begin(), p.inertia.m.end(), [](double x) { return std::isfinite(x); });
+    if (!finite) refuse(name, "mass properties are out of the range of numbers: its size or density is too large");
+    if (!(p.mass > 0) || !(p.principal_inertia.z > 0))
+        refuse(name, "mass properties are out of the range of numbers: its size or density is too small");
+    if (!(p.principal_inertia.x > kMinInertiaRatio * p.principal_inertia.z))
+        refuse(name, "all its triangles lie on one line: it has no inertia about that line (give \"inertia\" and "
+                     "\"center_of_mass\", or make it wider)");
+    return p;
+}
+
+/// Inertia from integrals: density times (trace(C) 1 - C) with C the second moments about the centre of mass. The diagonal
+/// is a sum of two non-negative second moments, so no cancellation makes it negative.
+MassProperties from_moments(const Moments& m, const DoubleDouble& density, const std::string& name) {
+    const DdVec3 shift = (DoubleDouble(1) / m.zeroth) * m.first;
+    DdMat3 c = m.second;
+    add_outer(c, -m.zeroth, shift);
+    DdMat3 inertia{};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            inertia[i][j] = density * (i == j ? c[(i + 1) % 3][(i + 1) % 3] + c[(i + 2) % 3][(i + 2) % 3] : -c[i][j]);
+    const DdVec3 com = shift + DdVec3{m.reference.x, m.reference.y, m.reference.z};
+    return finish(density * m.zeroth, com, inertia, name);
+}
+
+Moments checked_surface_moments(const TriangleMesh& mesh, const std::string& name) {
+    Moments m = surface_moments(mesh);
+    if (!std::isfinite(m.zeroth.hi)) refuse(name, "its surface area is out of the range of numbers");
+    if (!(m.zeroth.hi > 0)) refuse(name, "its surface area is zero: all its triangles are degenerate");
+    return m;
+}
+
+/// The largest deviation from symmetry that is taken for rounding, relative to the largest entry: values typed with ten
+/// digits pass, a transposition error does not.
+constexpr double kSymmetryTolerance = 1e-9;
+/// Allowed excess of the largest principal inertia over the sum of the others, relative: values typed with seven digits for
+/// a flat body (where the two are equal) pass.
+constexpr double kTriangleInequalityTolerance = 1e-6;
+
+void require_symmetric(const Mat3& a, const std::string& name) {
+    double largest = 0;
+    for (double x : a.m) {
+        if (!std::isfinite(x)) refuse(name, "inertia must be finite");
+        largest = std::max(largest, std::abs(x));
+    }
+    const auto asymmetry = std::max({std::abs(a.m[1] - a.m[3]), std::abs(a.m[2] - a.m[6]), std::abs(a.m[5] - a.m[7])});
+    if (asymmetry > kSymmetryTolerance * largest) refuse(name, "inertia must be symmetric");
+}
+
+} // namespace
+
+MassProperties shell_mass_properties(const TriangleMesh& mesh, double surface_density, const std::string& name) {
+    require_positive(surface_density, "surface_density", name);
+    return from_moments(checked_surface_moments(mesh, name), surface_density, name);
+}
+
+MassProperties shell_mass_properties_total(const TriangleMesh& mesh, double mass, const std::string& name) {
+    require_positive(mass, "mass", name);
+    const Moments m = checked_surface_moments(mesh, name);
+    MassProperties p = from_moments(m, DoubleDouble(mass) / m.zeroth, name);
+    p.mass = mass;
+    return p;
+}
+
+MassProperties solid_mass_properties(const TriangleMesh& mesh, double density, const std::string& name) {
+    require_positive(density, "density", name);
+    const Closedness c = closedness(mesh);
+    if (!c.closed) refuse(name, "a density needs a closed mesh, this one has a boundary (use surface_density or mass)");
+    if (!c.oriented)
+        refuse(name, "a density needs a consistently oriented mesh, this one has neighbouring triangles that "
+                     "face opposite sides");
+    const Moments m = volume_moments(mesh);
+    // A volume this far below that of the bounding box is what remains of exact cancellation, as in a plate folded onto itself.
+    const Vec3 e = extent(bounding_box(mesh));
+    if (!(std::abs(m.zeroth.hi) > 1e-24 * ((e.x * e.y) * e.z))) refuse(name, "its volume is zero");
+    return from_moments(m, m.zeroth.hi < 0 ? DoubleDouble(-density) : DoubleDouble(density), name);
+}
+
+MassProperties given_mass_properties(double mass, const Vec3& center_of_mass, const Mat3& inertia,
+                                     const std::string& name) {
+    require_positive(mass, "mass", name);
+    if (!is_finite(center_of_mass)) refuse(name, "center_of_mass must be finite");
+    require_symmetric(inertia, name);
+    const Mat3 symmetric = 0.5 * (inertia + transpose(inertia));
+    const DdVec3 values = eigen_decomposition(to_dd(symmetric)).values;
+    if (!(values[0].hi > kMinInertiaRatio * values[2].hi)) refuse(name, "inertia must be positive definite");
+    if (values[2].hi > (1 + kTriangleInequalityTolerance) * (values[0].hi + values[1].hi))
+        refuse(name, "inertia is impossible: the largest principal value exceeds the sum of the other two");
+    return finish(mass, {center_of_mass.x, center_of_mass.y, center_of_mass.z}, to_dd(symmetric), name);
+}
+
+MassProperties with_overrides(const MassProperties& base, const std::optional<Mat3>& inertia,
+                              const std::optional<Vec3>& center_of_mass, const std::string& name) {
+    const Vec3 com = center_of_mass.value_or(base.center_of_mass);
+    if (inertia) return given_mass_properties(base.mass, com, *inertia, name);
+    if (!center_of_mass) return base;
+    const Vec3 d = com - base.center_of_mass;
+    const Mat3 steiner{{d.y * d.y + d.z * d.z, -d.x * d.y, -d.x * d.z, //
+                        -d.x * d.y, d.x * d.x + d.z * d.z, -d.y * d.z, //
+                        -d.x * d.z, -d.y * d.z, d.x * d.x + d.y * d.y}};
+    return given_mass_properties(base.mass, com, base.inertia + base.mass * steiner, name);
+}
+
+} // namespace flotilla

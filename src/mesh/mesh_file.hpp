@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// Mesh files: strict readers for OBJ, STL and PLY.
+//
+// Geometry is taken as it is: degenerate and duplicate triangles, open and non-manifold surfaces are all accepted. What is
+// refused, by an InputError saying `path:line: reason` (`path:byte N: reason` in binary data), is anything whose meaning is
+// in doubt: malformed numbers, coordinates that are not finite, indices out of range, files shorter or longer than they say,
+// meshes without a triangle. Numbers are read and written the same in every locale.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "mesh/triangle_mesh.hpp"
+
+namespace flotilla {
+
+/// Reads a mesh; the extension (.obj, .stl, .ply, in any case) decides the format. Polygons become fans around their first
+/// corner. STL, which repeats every vertex, has its equal vertices merged. Throws InputError, or IoError where the file
+/// cannot be read.
+[[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path);
+
+/// Throws an InputError naming the shape and the vertex or triangle (counted from 0) unless every coordinate is finite,
+/// every index is in range and there is a triangle.
+void validate_mesh(const TriangleMesh& mesh, const std::string& name);
+
+/// Writes a mesh so that read_mesh returns the same bits. Throws IoError.
+void write_obj(const std::filesystem::path& path, const TriangleMesh& mesh);
+
+/// The mesh with vertices at equal positions (0 and -0 are equal) made one, in order of first appearance.
+[[nodiscard]] TriangleMesh merge_equal_vertices(const TriangleMesh& mesh);
+
+} // namespace flotilla
