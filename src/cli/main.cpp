@@ -2,9 +2,47 @@
 // The flotilla command: arguments and exit codes. Everything it does goes through the public headers.
 #include <CLI/CLI.hpp>
 
+#include <exception>
+#include <iostream>
+
+#include <flotilla/error.hpp>
+
+#include "cli/commands.hpp"
+
+namespace {
+
+using namespace flotilla;
+
+/// The one place where exceptions become exit codes.
+int run(const cli::Action& action) {
+    try {
+        const int code = action();
+        if (!std::cout.flush()) throw IoError("cannot write to standard output");
+        return code;
+    } catch (const InputError& e) {
+        std::cerr << "flotilla: " << e.what() << '\n';
+        return cli::kBadInput;
+    } catch (const IoError& e) {
+        std::cerr << "flotilla: " << e.what() << '\n';
+        return cli::kIoFailure;
+    } catch (const std::exception& e) {
+        std::cerr << "flotilla: internal error: " << e.what() << '\n';
+        return cli::kInternalError;
+    }
+}
+
+} // namespace
+
 int main(int argc, char** argv) {
-    CLI::App app{"flotilla: interpenetration-free rigid bodies without thickness"};
+    CLI::App app{"flotilla: interpenetration-free rigid bodies without thickness", "flotilla"};
     app.require_subcommand(1);
-    CLI11_PARSE(app, argc, argv);
-    return 0;
+    cli::Action action;
+    cli::register_ccd(app, action);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        // Prints help to stdout (code 0) or the complaint to stderr.
+        return app.exit(e) == 0 ? cli::kOk : cli::kBadInput;
+    }
+    return run(action);
 }

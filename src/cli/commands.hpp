@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// The subcommands, one file each. A command declares its arguments in register_<name> and leaves what it does in `action`,
+// which runs once the whole command line is parsed; main.cpp turns exceptions into exit codes, in one place.
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace flotilla::cli {
+
+/// Exit codes of every command.
+enum ExitCode : int {
+    kOk = 0,
+    kInternalError = 1,
+    kBadInput = 2,      ///< usage, options, files with wrong content
+    kBrokenPromise = 3, ///< something that flotilla promises does not hold
+    kOverlap = 4,       ///< bodies intersect at t = 0
+    kIoFailure = 5,
+    kResumable = 6, ///< stopped early
+};
+
+/// What the command line asks for; returns the exit code.
+using Action = std::function<int()>;
+
+void register_ccd(CLI::App& app, Action& action);
+
+} // namespace flotilla::cli
