@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// Impulse at one point between two bodies or clusters: paper section 3.2 (from reference [15]) with the energy clamp of [13].
+//
+// Convention: n points from a to b, relative velocity is that of b minus that of a (approaching where its component along n is
+// negative), the impulse acts on b at its arm and its negative on a.
+#pragma once
+
+#include <optional>
+
+#include "base/vec3.hpp"
+
+namespace flotilla {
+
+/// What an impulse sees of a body or cluster. Infinite mass: inverse_mass = 0 and inverse_inertia = 0.
+struct Impulsive {
+    double inverse_mass = 0; ///< 1/kg
+    Mat3 inverse_inertia;    ///< world axes, about the centre of mass, 1/(kg m^2)
+    Vec3 velocity;           ///< of the centre of mass, m/s
+    Vec3 angular_velocity;   ///< rad/s
+};
+
+struct ContactPoint {
+    Vec3 normal;            ///< unit, from a to b
+    Vec3 arm_a, arm_b;      ///< contact point minus centre of mass, m
+    Vec3 relative_velocity; ///< of the contact points, b minus a, m/s (effective velocity for swept hits)
+    double friction;
+};
+
+/// Velocity of the body's point at `arm`.
+[[nodiscard]] constexpr Vec3 point_velocity(const Impulsive& body, const Vec3& arm) {
+    return body.velocity + cross(body.angular_velocity, arm);
+}
+
+/// The matrix K = K_a + K_b with change of relative velocity = K impulse.
+[[nodiscard]] Mat3 collision_matrix(const Impulsive& a, const Impulsive& b, const Vec3& arm_a, const Vec3& arm_b);
+
+/// The impulse (N s, on b) after which the normal relative velocity is `target` (m/s): sticking if that lies in the friction
+/// cone, else sliding against the tangential velocity. Nothing where the point is not pushed apart by it (target not above the
+/// present normal velocity), or where both bodies have infinite mass.
+[[nodiscard]] std::optional<Vec3> contact_impulse(const Impulsive& a, const Impulsive& b, const ContactPoint& point,
+                                                  double target);
+
+/// The largest share s in [0, 1] of the impulse that does not raise the kinetic energy of the two bodies (ref. [13]):
+/// dE(s) = s b + s^2 a / 2; s = 0 where b >= 0, else min(1, -2b/a). Velocities and inertias are those of the same time.
+[[nodiscard]] double energy_clamp(const Impulsive& a, const Impulsive& b, const Vec3& arm_a, const Vec3& arm_b,
+                                  const Vec3& impulse);
+
+} // namespace flotilla

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// Rotation of a rigid body over one time step at constant angular momentum: equation 4 of the paper with the energy
+// correction of reference [13] (Su, Schroeder, Fedkiw 2009).
+//
+// The state is (orientation, L); the angular velocity is always R I0^-1 R^T L, so L is exact. Equation 4 alone lets the
+// kinetic energy E = L.w/2 drift, by 100 % in 100 s for a fast top at 1/24 s. The correction turns the body once more, about
+// s = L x w, by the angle that restores E: L stays, the energy returns to the last bits.
+#pragma once
+
+#include "base/rotation.hpp"
+
+namespace flotilla {
+
+/// Inertia tensor about the centre of mass in world axes at the start of the step, kg m^2, and its inverse.
+struct WorldInertia {
+    Mat3 tensor, inverse;
+};
+
+struct RotationStep {
+    Quat rotation; ///< takes the orientation at the start to that at the end
+    Vec3 vector;   ///< the same as a rotation vector with its whole turns, radians, world axes
+};
+
+/// Turns a body of angular momentum `momentum` (kg m^2/s, world axes) for dt seconds.
+[[nodiscard]] RotationStep rotate_for(const WorldInertia& inertia, const Vec3& momentum, double dt);
+
+/// The tensor of a body whose axes at the start of a step have been turned by `rotation`.
+[[nodiscard]] Mat3 turned(const Mat3& tensor, const Quat& rotation);
+
+} // namespace flotilla
