@@ -16,10 +16,12 @@ target_compile_features(flotilla_numerics INTERFACE cxx_std_20)
 target_compile_options(flotilla_numerics INTERFACE -ffp-contract=off $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 target_compile_definitions(flotilla_numerics INTERFACE EIGEN_DONT_VECTORIZE)
 
-# Flags of the kernels compiled for one instruction set and chosen at run time. FMA stays off: a fused operation would
-# give other bits than the scalar code.
-set(FLOTILLA_AVX2_FLAGS -mavx2 -mno-fma)
-set(FLOTILLA_AVX512_FLAGS -mavx512f -mavx512dq -mavx512vl -mno-fma -mprefer-vector-width=512
+# Flags of the kernels compiled for one instruction set and chosen at run time. A fused operation would give other bits
+# than the scalar code. clang forms none with contraction off; g++ 12 may, so FMA is off there (in clang that would take
+# AVX-512 away with it).
+set(flotilla_no_fma $<$<CXX_COMPILER_ID:GNU>:-mno-fma>)
+set(FLOTILLA_AVX2_FLAGS -mavx2 ${flotilla_no_fma})
+set(FLOTILLA_AVX512_FLAGS -mavx512f -mavx512dq -mavx512vl ${flotilla_no_fma} -mprefer-vector-width=512
   $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized>        # false alarms in g++ 12's own intrinsics header
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 

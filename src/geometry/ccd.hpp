@@ -21,8 +21,8 @@ struct CcdQuery {
 };
 
 struct CcdResult {
-    Vec3
-        direction; ///< last separating direction, from the second feature to the first, about unit length; zero if none was found
+    /// Last separating direction, from the second feature to the first, about unit length; zero if none was found.
+    Vec3 direction;
     double toi = 1; ///< [0, 1]: the features are proved apart on [0, toi]; 1 where there is no hit
     bool hit = true;
     std::uint16_t iterations = 0; ///< closest-point evaluations
