@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Contact points between two bodies: what proximity detection hands to the contact solver (paper, section 4.3).
+#pragma once
+
+#include <cstdint>
+
+#include <flotilla/types.hpp>
+
+namespace flotilla {
+
+/// One contact of bodies a < b.
+struct Contact {
+    std::int32_t a = 0, b = 0;     ///< body ids
+    Vec3 point;                    ///< m, world
+    Vec3 normal;                   ///< unit, from a to b
+    double distance = 0;           ///< m, current gap d
+    double target = 0;             ///< m/s, least (v_b - v_a).n wanted: (d_rest - d)/dt or its minimum with 0 (eq. 16)
+    double friction = 0;           ///< coefficient of the pair, >= 0
+    std::uint64_t feature_key = 0; ///< feature pair, unique within the body pair
+};
+
+/// What a contact did in the last solve, as data that outlives frames and tangents.
+struct ContactImpulse {
+    Vec3 impulse; ///< N s, world, on b; a gets its opposite
+};
+
+} // namespace flotilla
