@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/assemble.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "base/assert.hpp"
+#include "static_contact/tangents.hpp"
+
+namespace flotilla {
+namespace {
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+std::int32_t count_of(std::size_t n) { return static_cast<std::int32_t>(n); }
+
+// The total order in which contacts are taken; input in that order already is the common case and is not sorted again.
+void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodies, ContactScratch& s) {
+    s.order.clear();
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+        const Contact& c = contacts[k];
+        FLOTILLA_ASSERT(0 <= c.a && c.a < c.b && index(c.b) < bodies.velocity.size());
+        if (bodies.inv_mass[index(c.a)] > 0 || bodies.inv_mass[index(c.b)] > 0) s.order.push_back(count_of(k));
+    }
+    const auto less = [&](std::int32_t i, std::int32_t j) {
+        const Contact &x = contacts[index(i)], &y = contacts[index(j)];
+        return std::tie(x.a, x.b, x.feature_key, i) < std::tie(y.a, y.b, y.feature_key, j);
+    };
+    if (!std::is_sorted(s.order.begin(), s.order.end(), less)) std::sort(s.order.begin(), s.order.end(), less);
+}
+
+// Numbers the bodies that have contacts, in id order, and copies their velocities.
+void gather_bodies(std::span<const Contact> contacts, const ContactBodies& bodies, ContactScratch& s) {
+    s.local.assign(bodies.velocity.size(), -1);
+    for (const std::int32_t k : s.order)
+        s.local[index(contacts[index(k)].a)] = s.local[index(contacts[index(k)].b)] = 0;
+    s.bodies.clear();
+    s.movable.clear();
+    s.velocity.clear();
+    for (std::size_t id = 0; id < s.local.size(); ++id) {
+        if (s.local[id] < 0) continue;
+        s.local[id] = count_of(s.bodies.size());
+        s.bodies.push_back(count_of(id));
+        s.movable.push_back(bodies.inv_mass[id] > 0);
+        s.velocity.push_back({.linear = bodies.velocity[id], .angular = bodies.angular_velocity[id]});
+    }
+}
+
+void gather_pairs(std::span<const Contact> contacts, ContactScratch& s) {
+    s.pairs.clear();
+    s.first_contact.clear();
+    for (std::size_t i = 0; i < s.order.size(); ++i) {
+        const Contact& c = contacts[index(s.order[i])];
+        const BodyPair pair{s.local[index(c.a)], s.local[index(c.b)]};
+        if (!s.pairs.empty() && s.pairs.back() == pair) continue;
+        s.pairs.push_back(pair);
+        s.first_contact.push_back(count_of(i));
+    }
+    s.first_contact.push_back(count_of(s.order.size()));
+}
+
+// Sorts the pairs by (island, colour, place) and cuts the islands out of that list.
+int order_pairs(ContactScratch& s) {
+    s.color.resize(s.pairs.size());
+    s.island_of_pair.resize(s.pairs.size());
+    const int num_colors = color_pairs(s.pairs, s.movable, s.coloring, s.color);
+    const int num_islands = find_islands(s.pairs, s.movable, s.graph, s.island_of_pair);
+    s.pair_order.resize(s.pairs.size());
+    std::iota(s.pair_order.begin(), s.pair_order.end(), 0);
+    stable_sort_by_key(s.color, num_colors, s.pair_order, s.counts, s.sorted);
+    stable_sort_by_key(s.island_of_pair, num_islands, s.pair_order, s.counts, s.sorted);
+    s.islands.assign(index(num_islands), {});
+    for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
+        ContactScratch::Island& island = s.islands[index(s.island_of_pair[index(s.pair_order[k])])];
+        if (island.end == 0) island.first = count_of(k);
+        island.end = count_of(k + 1);
+    }
+    return num_colors;
+}
+
+Sym3 symmetric(const Mat3& a) {
+    return {.xx = a.m[0], .yy = a.m[4], .zz = a.m[8], .xy = a.m[1], .xz = a.m[2], .yz = a.m[5]};
+}
+
+ContactBlock make_block(const BodyPair& pair, const ContactBodies& bodies, const ContactScratch& s) {
+    const std::size_t a = index(s.bodies[index(pair.a)]), b = index(s.bodies[index(pair.b)]);
+    ContactBlock block;
+    block.a = pair.a;
+    block.b = pair.b;
+    block.inv_mass_a = bodies.inv_mass[a];
+    block.inv_mass_b = bodies.inv_mass[b];
+    if (block.inv_mass_a > 0) block.inv_inertia_a = symmetric(bodies.inv_inertia[a]);
+    if (block.inv_mass_b > 0) block.inv_inertia_b = symmetric(bodies.inv_inertia[b]);
+    return block;
+}
+
+// Slip and friction below these are rounding, not a direction: m/s, and a share of the warm impulse.
+constexpr double kLeastSlip = 1e-12;
+constexpr double kLeastFriction = 1e-12;
+
+// Along the slip with nothing applied; where there is none, against the friction of the warm impulse.
+TangentPair choose_tangents(const Contact& c, const Vec3& relative_velocity, const Vec3& impulse,
+                            const ContactSolveOptions& options) {
+    if (options.tangents == Tangents::aligned) {
+        const auto tangential_sq = [&](const Vec3& v) { return length_sq(v - dot(v, c.normal) * c.normal); };
+        if (tangential_sq(relative_velocity) > kLeastSlip * kLeastSlip)
+            return tangents_along(c.normal, relative_velocity);
+        if (tangential_sq(impulse) > kLeastFriction * kLeastFriction * length_sq(impulse))
+            return tangents_along(c.normal, impulse);
+    }
+    return keyed_tangents(c, options.seed, options.step);
+}
+
+ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBodies& bodies, const ContactScratch& s,
+                    const Vec3& warm_impulse, const ContactSolveOptions& options) {
+    ContactRow row;
+    row.normal = c.normal;
+    row.arm_a = c.point - bodies.position[index(c.a)];
+    row.arm_b = c.point - bodies.position[index(c.b)];
+    const Vec3 velocity = relative_velocity(row, s.velocity[index(block.a)], s.velocity[index(block.b)]);
+    const TangentPair t = choose_tangents(c, velocity, warm_impulse, options);
+    row.tangent_1 = t.t1;
+    row.tangent_2 = t.t2;
+    row.local.target = c.target;
+    row.local.friction = c.friction;
+    set_effective_mass(block, row);
+    const Vec3 warm = to_contact(row, warm_impulse);
+    row.local.impulse = options.tangents == Tangents::aligned ? cut_to_cone<Cone::disc>(warm, c.friction)
+                                                              : cut_to_cone<Cone::pyramid>(warm, c.friction);
+    return row;
+}
+
+} // namespace
+
+void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::vector<std::int32_t>& order,
+                        std::vector<std::int32_t>& counts, std::vector<std::int32_t>& sorted) {
+    counts.assign(index(num_keys) + 1, 0);
+    for (const std::int32_t item : order) ++counts[index(key[index(item)]) + 1];
+    std::inclusive_scan(counts.begin(), counts.end(), counts.begin());
+    sorted.resize(order.size());
+    for (const std::int32_t item : order) sorted[index(counts[index(key[index(item)])]++)] = item;
+    order.swap(sorted);
+}
+
+int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
+             std::span<const Vec3> impulses, ContactScratch& s) {
+    order_contacts(contacts, bodies, s);
+    gather_bodies(contacts, bodies, s);
+    gather_pairs(contacts, s);
+    const int num_colors = order_pairs(s);
+    s.blocks.clear();
+    s.rows.clear();
+    s.source.clear();
+    for (const std::int32_t p : s.pair_order) {
+        ContactBlock block = make_block(s.pairs[index(p)], bodies, s);
+        block.first = count_of(s.rows.size());
+        for (std::int32_t i = s.first_contact[index(p)]; i < s.first_contact[index(p) + 1]; ++i) {
+            const std::size_t k = index(s.order[index(i)]);
+            const Vec3 warm = options.warm_start ? impulses[k] : Vec3{};
+            s.rows.push_back(make_row(contacts[k], block, bodies, s, warm, options));
+            s.source.push_back(count_of(k));
+        }
+        block.end = count_of(s.rows.size());
+        s.blocks.push_back(block);
+    }
+    return num_colors;
+}
+
+} // namespace flotilla

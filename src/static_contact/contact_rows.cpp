@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/contact_rows.hpp"
+
+namespace flotilla {
+namespace {
+
+struct FrameTorques {
+    Vec3 n, t1, t2;             ///< arm x direction
+    Vec3 inv_n, inv_t1, inv_t2; ///< inverse inertia times it
+};
+
+FrameTorques frame_torques(const ContactRow& r, const Vec3& arm, const Sym3& inv_inertia) {
+    FrameTorques f;
+    f.n = cross(arm, r.normal);
+    f.t1 = cross(arm, r.tangent_1);
+    f.t2 = cross(arm, r.tangent_2);
+    f.inv_n = inv_inertia * f.n;
+    f.inv_t1 = inv_inertia * f.t1;
+    f.inv_t2 = inv_inertia * f.t2;
+    return f;
+}
+
+} // namespace
+
+void set_effective_mass(const ContactBlock& block, ContactRow& row) {
+    const FrameTorques a = frame_torques(row, row.arm_a, block.inv_inertia_a);
+    const FrameTorques b = frame_torques(row, row.arm_b, block.inv_inertia_b);
+    const double m = block.inv_mass_a + block.inv_mass_b;
+    LocalContact& c = row.local;
+    c.mass_diagonal = {m + (dot(a.n, a.inv_n) + dot(b.n, b.inv_n)), m + (dot(a.t1, a.inv_t1) + dot(b.t1, b.inv_t1)),
+                       m + (dot(a.t2, a.inv_t2) + dot(b.t2, b.inv_t2))};
+    c.inv_mass_diagonal = {1 / c.mass_diagonal.x, 1 / c.mass_diagonal.y, 1 / c.mass_diagonal.z};
+    c.coupling = {dot(a.n, a.inv_t1) + dot(b.n, b.inv_t1), dot(a.n, a.inv_t2) + dot(b.n, b.inv_t2),
+                  dot(a.t1, a.inv_t2) + dot(b.t1, b.inv_t2)};
+}
+
+void apply_block(const ContactBlock& block, std::span<const ContactRow> rows, std::span<BodyVelocity> bodies) {
+    BodyVelocity& body_a = bodies[static_cast<std::size_t>(block.a)];
+    BodyVelocity& body_b = bodies[static_cast<std::size_t>(block.b)];
+    BodyVelocity a = body_a, b = body_b;
+    for (std::int32_t k = block.first; k < block.end; ++k) {
+        const ContactRow& row = rows[static_cast<std::size_t>(k)];
+        apply_impulse(block, row, to_world(row, row.local.impulse), a, b);
+    }
+    if (block.inv_mass_a > 0) body_a = a;
+    if (block.inv_mass_b > 0) body_b = b;
+}
+
+} // namespace flotilla

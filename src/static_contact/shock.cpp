@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/shock.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "static_contact/assemble.hpp"
+
+namespace flotilla {
+namespace {
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+// The tangential bounds of PGS become constants; W is that of the masses the level sees.
+ContactRow shock_row(const ContactBlock& block, const ContactRow& row) {
+    ContactRow r = row;
+    r.local.friction = std::max(row.local.friction * row.local.impulse.x,
+                                std::max(std::abs(row.local.impulse.y), std::abs(row.local.impulse.z)));
+    set_effective_mass(block, r);
+    return r;
+}
+
+ContactBlock freeze(ContactBlock block, bool a, bool b) {
+    if (a) {
+        block.inv_mass_a = 0;
+        block.inv_inertia_a = {};
+    }
+    if (b) {
+        block.inv_mass_b = 0;
+        block.inv_inertia_b = {};
+    }
+    return block;
+}
+
+// Copies the blocks of one level, with the bodies below it frozen. A block with a body of infinite mass is its own copy.
+void copy_level(std::span<const std::int32_t> level_blocks, ContactScratch& s) {
+    s.shock_blocks.clear();
+    s.shock_rows.clear();
+    for (const std::int32_t k : level_blocks) {
+        const ContactBlock& old = s.blocks[index(k)];
+        const std::int32_t level_a = s.level[index(old.a)], level_b = s.level[index(old.b)];
+        ContactBlock block = freeze(old, level_a < level_b, level_b < level_a);
+        block.first = static_cast<std::int32_t>(s.shock_rows.size());
+        for (std::int32_t i = old.first; i < old.end; ++i) s.shock_rows.push_back(shock_row(block, s.rows[index(i)]));
+        block.end = static_cast<std::int32_t>(s.shock_rows.size());
+        s.shock_blocks.push_back(block);
+    }
+}
+
+// Returns the number of visits.
+std::int64_t solve_level(const ContactSolveOptions& options, ContactScratch& s) {
+    int sweeps = 0;
+    for (double worst = 1; sweeps < options.shock_iterations && !(worst <= options.tolerance); ++sweeps) {
+        worst = 0;
+        for (const ContactBlock& block : s.shock_blocks)
+            worst = std::max(worst, sweep_block<Cone::frozen>(block, s.shock_rows, s.velocity));
+    }
+    return static_cast<std::int64_t>(sweeps) * static_cast<std::int64_t>(s.shock_rows.size());
+}
+
+// w . I w for angular velocity w and inverse inertia J, by Cramer's rule; 0 for a body that cannot turn.
+double angular_energy_twice(const Mat3& j, const Vec3& w) {
+    const Vec3 r0 = row(j, 0), r1 = row(j, 1), r2 = row(j, 2);
+    const double det = dot(r0, cross(r1, r2));
+    if (!(det > 0)) return 0;
+    const Vec3 momentum{dot(w, cross(r1, r2)) / det, dot(w, cross(r2, r0)) / det, dot(w, cross(r0, r1)) / det};
+    return dot(w, momentum);
+}
+
+struct IslandEnergy {
+    double before = 0, pgs = 0, shocked = 0; // J, twice the kinetic energy
+    bool grounded_at_rest = true;            // no prescribed body moves
+};
+
+// Sums over the bodies of the island in the order in which its blocks first name them, each once.
+IslandEnergy island_energy(const ContactScratch::Island& island, const ContactBodies& bodies, ContactScratch& s) {
+    IslandEnergy e;
+    const auto add = [&](std::int32_t body) {
+        if (s.visited_by[index(body)] == island.first) return;
+        s.visited_by[index(body)] = island.first;
+        const std::size_t id = index(s.bodies[index(body)]);
+        const BodyVelocity &pgs = s.before_shock[index(body)], &now = s.velocity[index(body)];
+        if (!s.movable[index(body)]) {
+            e.grounded_at_rest = e.grounded_at_rest && now.linear == Vec3{} && now.angular == Vec3{};
+            return;
+        }
+        const auto twice = [&](const Vec3& v, const Vec3& w) {
+            return length_sq(v) / bodies.inv_mass[id] + angular_energy_twice(bodies.inv_inertia[id], w);
+        };
+        e.before += twice(bodies.velocity[id], bodies.angular_velocity[id]);
+        e.pgs += twice(pgs.linear, pgs.angular);
+        e.shocked += twice(now.linear, now.angular);
+    };
+    for (std::int32_t k = island.first; k < island.end; ++k) add(s.blocks[index(k)].a), add(s.blocks[index(k)].b);
+    return e;
+}
+
+void restore(const ContactScratch::Island& island, ContactScratch& s) {
+    for (std::int32_t k = island.first; k < island.end; ++k)
+        for (const std::int32_t body : {s.blocks[index(k)].a, s.blocks[index(k)].b})
+            s.velocity[index(body)] = s.before_shock[index(body)];
+}
+
+std::int32_t block_level(const ContactBlock& block, const ContactScratch& s) {
+    return std::max(s.level[index(block.a)], s.level[index(block.b)]);
+}
+
+// Fills level_order with the island's blocks by (level, colour, pair); the block order is (colour, pair) already.
+void order_by_level(const ContactScratch::Island& island, ContactScratch& s) {
+    s.level_order.resize(index(island.end - island.first));
+    std::iota(s.level_order.begin(), s.level_order.end(), island.first);
+    s.level_of_block.resize(s.blocks.size());
+    std::int32_t top = 0;
+    for (const std::int32_t k : s.level_order) {
+        s.level_of_block[index(k)] = block_level(s.blocks[index(k)], s);
+        top = std::max(top, s.level_of_block[index(k)]);
+    }
+    stable_sort_by_key(s.level_of_block, top + 1, s.level_order, s.counts, s.sorted);
+}
+
+void run_levels(ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
+    order_by_level(island, s);
+    for (std::size_t first = 0, end = 0; first < s.level_order.size(); first = end) {
+        const std::int32_t level = s.level_of_block[index(s.level_order[first])];
+        while (end < s.level_order.size() && s.level_of_block[index(s.level_order[end])] == level) ++end;
+        copy_level(std::span(s.level_order).subspan(first, end - first), s);
+        island.visits += solve_level(options, s);
+    }
+}
+
+} // namespace
+
+bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
+                     ContactScratch& scratch) {
+    // Every body of an island has a path to infinite mass or none has.
+    if (scratch.level[index(scratch.blocks[index(island.first)].a)] < 0) return false;
+    run_levels(island, options, scratch);
+    const IslandEnergy e = island_energy(island, bodies, scratch);
+    if (e.grounded_at_rest && e.shocked > std::max(e.before, e.pgs)) {
+        restore(island, scratch);
+        return false;
+    }
+    return true;
+}
+
+} // namespace flotilla

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Shock propagation over the contact graph (paper, section 4.3.2, after [29] and [15]): the answer to a pile that
+// Gauss-Seidel cannot finish (a stack of N bodies needs about 5 N^2 sweeps).
+//
+// Levels are solved from the ground up, each on bodies below that are frozen: their velocities are prescribed. A contact
+// belongs to the higher of its bodies' levels. Differences from [29]: the pass goes on from the velocities and impulses
+// of PGS instead of adding impulses from zero, so it also takes back what PGS pushed too much; and friction keeps the
+// bounds of PGS, because a frozen body feels no weight and its contacts' new normal impulses are too small.
+#pragma once
+
+#include "static_contact/solve_contacts.hpp"
+
+namespace flotilla {
+
+/// Runs the pass on one island whose PGS state is in `scratch`. Does nothing and returns false where no body of infinite
+/// mass touches the island. The pass is not a solution of the contact law, so it is undone (false as well) where every
+/// prescribed body rests and the kinetic energy came out above both that of PGS and that before the solve. Adds to the
+/// island's visits.
+/// Precondition: scratch.level holds contact_levels of all pairs, before_shock a copy of velocity, visited_by -1s.
+bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
+                     ContactScratch& scratch);
+
+} // namespace flotilla

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/solve_contacts.hpp"
+
+#include <algorithm>
+
+#include "base/assert.hpp"
+#include "static_contact/assemble.hpp"
+#include "static_contact/shock.hpp"
+
+namespace flotilla {
+namespace {
+
+using Island = ContactScratch::Island;
+
+std::span<const ContactBlock> blocks_of(const Island& island, const ContactScratch& s) {
+    return std::span(s.blocks).subspan(static_cast<std::size_t>(island.first),
+                                       static_cast<std::size_t>(island.end - island.first));
+}
+
+template <Cone kCone>
+double island_violation(std::span<const ContactBlock> blocks, const ContactScratch& s) {
+    double worst = 0;
+    for (const ContactBlock& block : blocks) worst = std::max(worst, block_violation<kCone>(block, s.rows, s.velocity));
+    return worst;
+}
+
+// Sweeps until the tolerance holds or the limit is reached. A sweep sees every row at its own turn, which may be just
+// inside the tolerance while the end state is not; so a sweep that passes is confirmed on the state that it left.
+template <Cone kCone>
+void solve_island(Island& island, const ContactSolveOptions& options, ContactScratch& s) {
+    const std::span<const ContactBlock> blocks = blocks_of(island, s);
+    if (options.warm_start)
+        for (const ContactBlock& block : blocks) apply_block(block, s.rows, s.velocity);
+    bool known = false;
+    while (island.iterations < options.iterations) {
+        double worst = 0;
+        for (const ContactBlock& block : blocks) worst = std::max(worst, sweep_block<kCone>(block, s.rows, s.velocity));
+        ++island.iterations;
+        known = worst <= options.tolerance;
+        if (!known) continue;
+        island.residual = island_violation<kCone>(blocks, s);
+        if (island.residual <= options.tolerance) break;
+    }
+    if (!known) island.residual = island_violation<kCone>(blocks, s);
+    island.visits = static_cast<std::int64_t>(island.iterations) * (blocks.back().end - blocks.front().first);
+}
+
+// The impulses of PGS, in world coordinates and input order.
+void store_impulses(const ContactScratch& s, std::span<Vec3> impulses) {
+    std::fill(impulses.begin(), impulses.end(), Vec3{});
+    for (std::size_t k = 0; k < s.rows.size(); ++k)
+        impulses[static_cast<std::size_t>(s.source[k])] = to_world(s.rows[k], s.rows[k].local.impulse);
+}
+
+void store_velocities(const ContactScratch& s, const ContactBodies& bodies) {
+    for (std::size_t k = 0; k < s.bodies.size(); ++k) {
+        if (!s.movable[k]) continue;
+        const auto id = static_cast<std::size_t>(s.bodies[k]);
+        bodies.velocity[id] = s.velocity[k].linear;
+        bodies.angular_velocity[id] = s.velocity[k].angular;
+    }
+}
+
+void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
+    const auto unfinished = [&](const Island& i) { return !(i.residual <= options.tolerance); };
+    if (!options.shock || std::none_of(s.islands.begin(), s.islands.end(), unfinished)) return;
+    s.level.resize(s.bodies.size());
+    contact_levels(s.pairs, s.movable, s.graph, s.level);
+    s.before_shock = s.velocity;
+    s.visited_by.assign(s.bodies.size(), -1);
+    for (Island& island : s.islands) {
+        if (!unfinished(island)) continue;
+        island.shocked = propagate_shock(island, bodies, options, s);
+        if (!island.shocked) continue;
+        for (const ContactBlock& block : blocks_of(island, s))
+            for (const std::int32_t body : {block.a, block.b}) {
+                const auto k = static_cast<std::size_t>(body);
+                if (s.movable[k]) s.shocked[static_cast<std::size_t>(s.bodies[k])] = 1;
+            }
+    }
+}
+
+ContactSolveStats summarize(const ContactScratch& s, int num_colors) {
+    ContactSolveStats stats{.islands = static_cast<int>(s.islands.size()), .colors = num_colors};
+    for (const Island& island : s.islands) {
+        stats.iterations = std::max(stats.iterations, island.iterations);
+        stats.visits += island.visits;
+        stats.residual = std::max(stats.residual, island.residual);
+        stats.shocked_islands += island.shocked ? 1 : 0;
+    }
+    return stats;
+}
+
+} // namespace
+
+ContactSolveStats solve_contacts(std::span<const Contact> contacts, const ContactBodies& bodies,
+                                 const ContactSolveOptions& options, std::span<Vec3> impulses,
+                                 ContactScratch& scratch) {
+    FLOTILLA_ASSERT(impulses.size() == contacts.size());
+    scratch.shocked.assign(bodies.velocity.size(), 0);
+    const int num_colors = assemble(contacts, bodies, options, impulses, scratch);
+    for (Island& island : scratch.islands)
+        options.tangents == Tangents::aligned ? solve_island<Cone::disc>(island, options, scratch)
+                                              : solve_island<Cone::pyramid>(island, options, scratch);
+    store_impulses(scratch, impulses);
+    propagate_shocks(bodies, options, scratch);
+    store_velocities(scratch, bodies);
+    return summarize(scratch, num_colors);
+}
+
+} // namespace flotilla

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// Static contact (paper, section 4.3.2): impulses that leave no contact approaching faster than its target, with
+// friction, by projected Gauss-Seidel (eqs 15-22) and, at the iteration limit, shock propagation.
+//
+// Contacts are visited island by island, in an island colour by colour, in a colour pair by pair, in a pair by feature
+// key. That order is a pure function of the island's own contacts: neither the order of the input nor other islands can
+// change a bit. Every island stops by itself.
+//
+// Reads: contacts, positions, masses, velocities. Writes: velocities of bodies of finite mass, impulses, scratch.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <flotilla/settings.hpp>
+
+#include "islands/coloring.hpp"
+#include "islands/contact_graph.hpp"
+#include "state/contact.hpp"
+#include "static_contact/contact_rows.hpp"
+
+namespace flotilla {
+
+/// Arrays by body id, all of one length.
+struct ContactBodies {
+    std::span<const Vec3> position;    ///< m, centre of mass
+    std::span<Vec3> velocity;          ///< m/s, in and out
+    std::span<Vec3> angular_velocity;  ///< rad/s, world, in and out
+    std::span<const double> inv_mass;  ///< 1/kg; 0: prescribed velocity, never written
+    std::span<const Mat3> inv_inertia; ///< 1/(kg m^2), world, symmetric; read where inv_mass > 0
+};
+
+struct ContactSolveOptions {
+    int iterations = 1000;   ///< sweeps per island, >= 0 (figure 20)
+    double tolerance = 1e-6; ///< m/s, L-infinity violation at which an island stops
+    bool warm_start = true;  ///< start from the impulses handed in
+    bool shock = true;       ///< propagate a shock where the limit was reached
+    /// Sweeps per level of the shock pass. Every contact belongs to one level, so the pass costs at most as much as this
+    /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
+    int shock_iterations = 100;
+    /// random: the paper's pyramid with keyed tangents. aligned: first tangent along the slip at the start, friction
+    /// bounded by a disc, so that sliding friction is mu lambda_n in every direction.
+    Tangents tangents = Tangents::random;
+    std::uint64_t seed = 0, step = 0; ///< key of the random tangents
+};
+
+struct ContactSolveStats {
+    int islands = 0;
+    int colors = 0;
+    int iterations = 0;      ///< most sweeps of an island
+    std::int64_t visits = 0; ///< contact updates, shock passes included
+    double residual = 0;     ///< m/s, violation of all of eqs 17-20 by the final PGS state, before a shock
+    int shocked_islands = 0; ///< islands whose velocities come from a shock pass
+};
+
+/// Memory of the solver, owned by the caller and reused, so that a steady scene allocates nothing. What a test or a
+/// report may look at afterwards is `shocked`; the rest is between one call's functions.
+struct ContactScratch {
+    std::vector<std::uint8_t> shocked; ///< per body id: a shock pass touched it; its warm impulses must be dropped
+
+    struct Island {
+        std::int32_t first = 0, end = 0; ///< blocks
+        int iterations = 0;
+        double residual = 0;
+        std::int64_t visits = 0;
+        bool shocked = false;
+    };
+    std::vector<std::int32_t> order;         ///< contacts in (a, b, feature key) order, infinite pairs left out
+    std::vector<std::int32_t> bodies;        ///< ids of the bodies in contact, ascending
+    std::vector<std::int32_t> local;         ///< per body id: its place in `bodies`
+    std::vector<std::uint8_t> movable;       ///< per body in contact
+    std::vector<BodyPair> pairs;             ///< bodies in contact, sorted
+    std::vector<std::int32_t> first_contact; ///< per pair, into `order`; one more at the end
+    std::vector<std::int32_t> color, island_of_pair, level;
+    std::vector<std::int32_t> pair_order; ///< pairs by (island, colour, pair)
+    std::vector<std::int32_t> counts, sorted;
+    ColoringScratch coloring;
+    ContactGraphScratch graph;
+    std::vector<BodyVelocity> velocity; ///< per body in contact
+    std::vector<ContactBlock> blocks;   ///< in `pair_order`
+    std::vector<ContactRow> rows;
+    std::vector<std::int32_t> source; ///< contact of each row
+    std::vector<Island> islands;
+    std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by (level, colour, pair)
+    std::vector<ContactBlock> shock_blocks;
+    std::vector<ContactRow> shock_rows;
+    std::vector<BodyVelocity> before_shock;
+    std::vector<std::int32_t> visited_by; ///< per body in contact: first block of the island that last summed it
+};
+
+/// Solves all contacts. impulses[k] of contacts[k], N s in the world, on b: in, the warm start (zero if cold; projected
+/// on the contact's frame and cut to its cone; ignored without warm_start), out, the result of PGS. Shock propagation
+/// changes velocities only: its impulses know nothing of the weight above, so they are no measure of a force and are
+/// neither handed out nor used as a friction bound.
+/// Contacts between two bodies of infinite mass get zero.
+ContactSolveStats solve_contacts(std::span<const Contact> contacts, const ContactBodies& bodies,
+                                 const ContactSolveOptions& options, std::span<Vec3> impulses, ContactScratch& scratch);
+
+} // namespace flotilla

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/solve_contacts.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "static_contact/contact_world.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr Vec3 kUp{0, 0, 1};
+
+ContactSolveOptions accurate() {
+    return {.iterations = 10000, .tolerance = 1e-12, .shock = false, .tangents = Tangents::aligned};
+}
+
+// N equal bodies on the ground, each held by one contact, moving down at `speed`.
+ContactWorld make_column(int n, double speed, double mass = 1) {
+    ContactWorld w;
+    w.add_body(0);
+    for (int i = 1; i <= n; ++i) {
+        const std::int32_t body = w.add_body(mass, {}, {0, 0, static_cast<double>(i)});
+        w.velocity.back() = {0, 0, -speed};
+        w.add_contact(body - 1, body, {0, 0, i - 0.5}, kUp);
+    }
+    return w;
+}
+
+// --- one contact ---
+
+TEST(SolveContacts, LeavesASeparatingContactAlone) {
+    ContactWorld w;
+    w.add_body(0);
+    w.add_body(2);
+    w.velocity[1] = {1, 2, 0.5};
+    w.add_contact(0, 1, {}, kUp, 0.5);
+    const ContactSolveStats stats = w.solve(accurate());
+    EXPECT_EQ(w.velocity[1], (Vec3{1, 2, 0.5}));
+    EXPECT_EQ(w.impulses[0], Vec3{});
+    EXPECT_EQ(stats.iterations, 1);
+    EXPECT_EQ(stats.residual, 0);
+}
+
+TEST(SolveContacts, ReachesTheTargetVelocity) {
+    for (const double target : {-0.2, 0.0, 0.24}) {
+        ContactWorld w;
+        w.add_body(0);
+        w.add_body(2);
+        w.velocity[1] = {0, 0, -1};
+        w.add_contact(0, 1, {}, kUp, 0, target);
+        w.solve(accurate());
+        EXPECT_NEAR(w.velocity[1].z, target, 1e-15);
+        EXPECT_NEAR(w.impulses[0].z, 2 * (1 + target), 1e-14); // m dv
+    }
+}
+
+TEST(SolveContacts, SticksOrSlidesAsCoulombSays) {
+    for (const double angle : {0.0, 0.3, 1.0, 2.5})
+        for (const double slip : {0.49, 0.51}) { // against mu |v_n| = 0.5
+            ContactWorld w;
+            w.add_body(0);
+            w.add_body(2);
+            w.velocity[1] = {slip * std::cos(angle), slip * std::sin(angle), -1};
+            w.add_contact(0, 1, {}, kUp, 0.5);
+            w.solve(accurate());
+            const double left = std::max(0.0, slip - 0.5);
+            EXPECT_NEAR(w.velocity[1].x, left * std::cos(angle), 1e-14);
+            EXPECT_NEAR(w.velocity[1].y, left * std::sin(angle), 1e-14);
+            EXPECT_NEAR(w.velocity[1].z, 0, 1e-15);
+        }
+}
+
+TEST(SolveContacts, EqualMassesShareTheApproachVelocity) {
+    ContactWorld w;
+    w.add_body(3);
+    w.add_body(3, {}, {0, 0, 1});
+    w.velocity[1] = {0, 0, -1};
+    w.add_contact(0, 1, {0, 0, 0.5}, kUp);
+    w.solve(accurate());
+    EXPECT_NEAR(w.velocity[0].z, -0.5, 1e-15);
+    EXPECT_NEAR(w.velocity[1].z, -0.5, 1e-15);
+}
+
+TEST(SolveContacts, ARodStruckAtItsEndTurns) {
+    // Free rod, mass m, inertia I, contact at distance r: W = 1/m + r^2/I.
+    ContactWorld w;
+    w.add_body(0);
+    w.add_body(2, {0.5, 0.5, 0.5}, {0, 0, 0});
+    w.velocity[1] = {0, 0, -1};
+    w.add_contact(0, 1, {0.7, 0, 0}, kUp);
+    w.solve(accurate());
+    const double lambda = 1 / (1 / 2.0 + 0.7 * 0.7 / 0.5);
+    EXPECT_NEAR(w.impulses[0].z, lambda, 1e-15);
+    EXPECT_NEAR(w.velocity[1].z, -1 + lambda / 2, 1e-15);
+    EXPECT_NEAR(w.angular_velocity[1].y, -0.7 * lambda / 0.5, 1e-15);
+    EXPECT_NEAR(w.velocity_at(1, {0.7, 0, 0}).z, 0, 1e-15);
+}
+
+TEST(SolveContacts, PrescribedVelocitiesAreReadAndNeverWritten) {
+    ContactWorld w;
+    w.add_body(0); // an elevator, turning
+    w.add_body(1, {1, 1, 1}, {0, 0, 1});
+    w.add_body(0, {}, {0, 0, 2});
+    w.velocity[0] = {-0.0, 0, 2};
+    w.angular_velocity[0] = {0, 0, 3};
+    w.add_contact(0, 1, {0.1, 0, 0.5}, kUp, 0.3);
+    w.add_contact(0, 2, {0, 0, 1}, kUp, 0.3); // two prescribed bodies: ignored
+    w.impulses[1] = {1, 2, 3};
+    w.solve(accurate());
+    EXPECT_EQ(w.velocity[0], (Vec3{-0.0, 0, 2}));
+    EXPECT_TRUE(std::signbit(w.velocity[0].x));
+    EXPECT_EQ(w.angular_velocity[0], (Vec3{0, 0, 3}));
+    EXPECT_EQ(w.velocity[2], Vec3{});
+    EXPECT_EQ(w.impulses[1], Vec3{});
+    EXPECT_NEAR(w.velocity_at(1, {0.1, 0, 0.5}).z, 2, 1e-12);
+}
+
+// --- columns: the convergence law of Gauss-Seidel ---
+
+TEST(SolveContacts, AColumnConvergesAtTheLawOfGaussSeidel) {
+    // ALGORITHM section 3: the error falls by cos^2(pi / 2N) per sweep, whatever the order, because the matrix of a column
+    // is tridiagonal and so consistently ordered by rows as well as by two colours.
+    for (const int n : {5, 10, 20, 50}) {
+        const auto residual_after = [&](int sweeps) {
+            ContactWorld w = make_column(n, 1);
+            return w.solve({.iterations = sweeps, .tolerance = 0, .shock = false}).residual;
+        };
+        const int late = 2 * n * n;
+        const double rate = std::pow(residual_after(late + n) / residual_after(late), 1.0 / n);
+        const double c = std::cos(std::numbers::pi / (2 * n));
+        EXPECT_NEAR((1 - rate) / (1 - c * c), 1, 1e-3) << n;
+    }
+}
+
+TEST(SolveContacts, AColumnCarriesTheWeightAbove) {
+    const int n = 12;
+    const double m = 3, g = 9.8, dt = 1.0 / 24;
+    ContactWorld w = make_column(n, g * dt, m);
+    const ContactSolveStats stats = w.solve(accurate());
+    EXPECT_LE(stats.residual, 1e-12);
+    EXPECT_EQ(stats.colors, 2);
+    EXPECT_EQ(stats.islands, 1);
+    for (int k = 0; k < n; ++k)
+        EXPECT_NEAR(w.impulses[static_cast<std::size_t>(k)].z / ((n - k) * m * g * dt), 1, 1e-9);
+}
+
+TEST(SolveContacts, AWarmStartFromTheSolutionNeedsOneSweep) {
+    for (const Tangents tangents : {Tangents::random, Tangents::aligned}) {
+        ContactWorld w = make_column(12, 0.4, 3);
+        for (Contact& c : w.contacts) c.friction = 0.5;
+        for (Vec3& v : w.velocity) v.x = v.z / 8;
+        const std::vector<Vec3> free = w.velocity;
+        ContactSolveOptions options = accurate();
+        options.tangents = tangents;
+        options.tolerance = 1e-10;
+        EXPECT_GT(w.solve(options).iterations, 100);
+        w.velocity = free;
+        options.step = 1; // other tangents
+        options.tolerance = 1e-9;
+        EXPECT_EQ(w.solve(options).iterations, 1);
+        w.velocity = free;
+        options.warm_start = false;
+        EXPECT_GT(w.solve(options).iterations, 100);
+    }
+}
+
+// --- shock propagation ---
+
+TEST(Shock, SettlesAColumnThatGaussSeidelCannot) {
+    ContactWorld w = make_column(100, 0.4);
+    ContactWorld pgs = w;
+    const ContactSolveOptions options{.iterations = 20, .tolerance = 1e-9};
+    ContactSolveOptions without = options;
+    without.shock = false;
+    const ContactSolveStats stats = w.solve(options);
+    const ContactSolveStats stats_pgs = pgs.solve(without);
+    EXPECT_EQ(stats.shocked_islands, 1);
+    EXPECT_EQ(stats.residual, stats_pgs.residual); // of PGS: the shock is no solution
+    EXPECT_EQ(w.impulses, pgs.impulses);
+    for (std::size_t i = 1; i < w.velocity.size(); ++i) EXPECT_NEAR(w.velocity[i].z, 0, 1e-8) << i;
+    EXPECT_LT(pgs.velocity[50].z, -0.1);
+    EXPECT_EQ(w.scratch.shocked, ([] {
+                  std::vector<std::uint8_t> all(101, 1);
+                  all[0] = 0;
+                  return all;
+              }()));
+}
+
+TEST(Shock, NeedsTheGround) {
+    ContactWorld w = make_column(30, 0.4);
+    w.inv_mass[0] = 1; // nothing prescribed any more
+    w.velocity[0] = {0, 0, 0.4};
+    const Vec3 before = w.momentum();
+    const ContactSolveStats stats = w.solve({.iterations = 3, .tolerance = 1e-9});
+    EXPECT_EQ(stats.shocked_islands, 0);
+    EXPECT_EQ(std::count(w.scratch.shocked.begin(), w.scratch.shocked.end(), 1), 0);
+    EXPECT_NEAR(w.momentum().z, before.z, 1e-13);
+}
+
+// --- random piles ---
+
+// Bodies of many masses with contacts between random pairs; every `island` bodies share one island.
+ContactWorld make_random(unsigned seed, int num_bodies, int island, double friction, bool grounded) {
+    std::mt19937_64 rng(seed);
+    std::normal_distribution<double> normal;
+    const auto vec = [&] { return Vec3{normal(rng), normal(rng), normal(rng)}; };
+    ContactWorld w;
+    w.add_body(grounded ? 0 : 1e3, {500, 600, 700});
+    for (int i = 1; i <= num_bodies; ++i) {
+        const double mass = std::exp(normal(rng));
+        w.add_body(mass, mass * Vec3{0.1, 0.15, 0.2}, vec());
+        w.velocity.back() = vec();
+        w.angular_velocity.back() = vec();
+        const int first = (i - 1) / island * island + 1;
+        for (int k = 0; k < 3; ++k) {
+            const int partner = k == 0 ? 0 : first + static_cast<int>(rng() % static_cast<unsigned>(island));
+            if (partner >= i || (k == 0 && i % 3 != 0 && grounded)) continue;
+            const int points = 1 + static_cast<int>(rng() % 4);
+            const Vec3 n = normalized(vec());
+            for (int p = 0; p < points; ++p) w.add_contact(partner, i, w.position.back() + 0.5 * vec(), n, friction);
+        }
+    }
+    return w;
+}
+
+TEST(SolveContacts, KeepsTheMomentumOfAFreeSystem) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        ContactWorld w = make_random(seed, 40, 40, 0.5, false);
+        const Vec3 p = w.momentum(), l = w.angular_momentum();
+        w.solve({.iterations = 50, .tangents = seed % 2 ? Tangents::aligned : Tangents::random});
+        EXPECT_LT(length(w.momentum() - p), 1e-12);
+        EXPECT_LT(length(w.angular_momentum() - l), 1e-11);
+    }
+}
+
+TEST(SolveContacts, NeverAddsEnergyWhereTargetsAreZero) {
+    for (unsigned seed = 0; seed < 40; ++seed)
+        for (const int sweeps : {1, 3, 30, 300}) {
+            ContactWorld w = make_random(seed, 40, 10, 0.6, seed % 2 == 0);
+            const double before = w.kinetic_energy();
+            w.solve({.iterations = sweeps, .tangents = seed % 3 ? Tangents::aligned : Tangents::random});
+            EXPECT_LE(w.kinetic_energy(), before * (1 + 1e-14)) << seed << ' ' << sweeps;
+        }
+}
+
+TEST(SolveContacts, ASolvedStateObeysEveryRow) {
+    for (unsigned seed = 0; seed < 6; ++seed) {
+        ContactWorld w = make_random(seed, 30, 10, 0.4, true);
+        const ContactSolveStats stats = w.solve(accurate());
+        ASSERT_LE(stats.residual, 1e-12) << seed;
+        for (std::size_t k = 0; k < w.contacts.size(); ++k) {
+            const Contact& c = w.contacts[k];
+            const Vec3 u = w.velocity_at(c.b, c.point) - w.velocity_at(c.a, c.point);
+            const double un = dot(u, c.normal), ln = dot(w.impulses[k], c.normal);
+            const Vec3 ut = u - un * c.normal, lt = w.impulses[k] - ln * c.normal;
+            EXPECT_GE(un, -1e-10);
+            EXPECT_GE(ln, -1e-15);
+            EXPECT_LE(std::min(un, ln), 1e-9);
+            EXPECT_LE(length(lt), c.friction * ln + 1e-12);
+            if (length(ut) > 1e-6) { // slides: full friction against the slip
+                EXPECT_NEAR(dot(lt, ut), -c.friction * ln * length(ut), 1e-9 * length(ut));
+            }
+        }
+    }
+}
+
+} // namespace
+} // namespace flotilla
