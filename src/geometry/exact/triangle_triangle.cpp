@@ -85,11 +85,11 @@ Hull counter_clockwise(Hull h, int axis) {
     return h;
 }
 
-/// Hulls in one plane that projects injectively along axis, and not both on parallel lines through a common line (that is
-/// collinear_hulls_intersect's). Complete because disjoint means that the origin lies outside the convex polygon a - b,
-/// hence strictly outside one of its edge lines, and every edge of a - b has the outer normal of an edge of a or the
-/// opposite of one of b, along which a and b are then strictly separated. (Two parallel segments on distinct lines: a - b
-/// is a segment off the origin, which both segments' lines separate.)
+/// Hulls in one plane that projects injectively along axis, not all on one line (that is collinear_hulls_intersect's).
+/// Complete because disjoint means that the origin lies outside the convex polygon a - b, hence strictly outside one of
+/// its edge lines, and every edge of a - b has the outer normal of an edge of a or the opposite of one of b, along which
+/// a and b are then strictly separated. (Parallel segments on two lines, or a segment and a point off its line: a - b is a
+/// segment whose line misses the origin, and the line of either segment separates.)
 bool coplanar_hulls_intersect(const Hull& a, const Hull& b, int axis) {
     const Hull p = counter_clockwise(a, axis), q = counter_clockwise(b, axis);
     return !edge_separates(p, q, axis) && !edge_separates(q, p, axis);
@@ -122,7 +122,7 @@ bool segment_meets_hull(const Hull& a, const Hull& b) {
     int axis = projection_axis(p, q, r);
     if (axis < 0) axis = projection_axis(p, q, s);
     if (axis < 0) return collinear_hulls_intersect(a, b);
-    if (b.size == 1 || orient3d(p, q, r, s) != 0) return false;
+    if (orient3d(p, q, r, s) != 0) return false;
     return coplanar_hulls_intersect(a, b, axis);
 }
 
