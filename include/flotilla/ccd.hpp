@@ -5,12 +5,9 @@
 #include <cstddef>
 #include <filesystem>
 
-namespace flotilla {
+#include <flotilla/settings.hpp>
 
-enum class CcdMethod {
-    conservative, ///< directional advancement with a minimum separation: no hit is a proof (the solver's own)
-    cubic,        ///< coplanarity cubic with a tolerance, the paper's section 3.1: a baseline that proves nothing
-};
+namespace flotilla {
 
 struct CcdFileOptions {
     CcdMethod method = CcdMethod::conservative;

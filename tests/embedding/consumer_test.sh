@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Builds and runs the consumer against flotilla and fails where any part of that does.
-# usage: consumer_test.sh installed CMAKE COMPILER LINK_FLAGS BUILD_DIR   the package that BUILD_DIR installs
-#        consumer_test.sh shared    CMAKE COMPILER                        installed from a build with BUILD_SHARED_LIBS=ON
-#        consumer_test.sh embedded  CMAKE COMPILER                        added with add_subdirectory
+# usage: consumer_test.sh installed CMAKE COMPILER BUILD_DIR [LINK_FLAGS]  the package that BUILD_DIR installs
+#        consumer_test.sh shared    CMAKE COMPILER                         installed from a build with BUILD_SHARED_LIBS=ON
+#        consumer_test.sh embedded  CMAKE COMPILER                         added with add_subdirectory
 set -euo pipefail
-mode=$1 cmake=$2 compiler=$3 link_flags=${4:-} build=${5:-}
+mode=$1 cmake=$2 compiler=$3 build=${4:-} link_flags=${5:-}
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd "$here/../.." && pwd)
 work=$(mktemp -d)

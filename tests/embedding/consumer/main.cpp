@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Describes a scene through the public headers alone.
+// Uses types and a function of the library through the public headers alone, all of them in one file.
 #include <cstdio>
 
+#include <flotilla/ccd.hpp>
 #include <flotilla/error.hpp>
 #include <flotilla/scene.hpp>
+#include <flotilla/settings.hpp>
+#include <flotilla/types.hpp>
 
 int main() {
     flotilla::SceneDescription scene;
@@ -15,5 +18,11 @@ int main() {
     scene.bodies.push_back({.name = "b0", .shape = 0, .position = {0, 0, 5}});
     std::printf("%zu body, %zu shape, time step %.17g s\n", scene.bodies.size(), scene.shapes.size(),
                 scene.settings.time_step);
-    return 0;
+    try {
+        static_cast<void>(flotilla::evaluate_ccd_file("no_such_file.csv"));
+    } catch (const flotilla::IoError& error) {
+        std::printf("refused as it should be: %s\n", error.what());
+        return 0;
+    }
+    return 1;
 }
