@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "scene/description_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "base/rotation.hpp"
+#include "base/text.hpp"
+#include "base/vec3.hpp"
+#include "scene/settings_table.hpp"
+
+namespace flotilla {
+
+namespace {
+
+// Problems of one object of the scene, at paths below its own.
+class Checker {
+  public:
+    Checker(std::string path, ErrorList& errors) : path_(std::move(path)), errors_(errors) {}
+
+    [[nodiscard]] std::string at(std::string_view key) const { return path_ + "/" + std::string(key); }
+    [[nodiscard]] bool broken(std::string_view key) const { return errors_.any_under(at(key)); }
+    void problem(std::string_view key, std::string reason) const {
+        if (!broken(key)) errors_.add(at(key), std::move(reason));
+    }
+
+    void magnitude(std::string_view key, const Vec3& v, double limit, std::string_view unit) const {
+        if (!is_finite(v))
+            problem(key, "must be finite");
+        else if (max_component(abs(v)) > limit)
+            problem(key, "component " + to_text(max_component(abs(v))) + " exceeds the limit of " + to_text(limit) +
+                             " " + std::string(unit));
+    }
+
+    // Written so that NaN is refused.
+    void range(std::string_view key, double value, double low, double high, std::string_view unit) const {
+        if (value >= low && value <= high) return;
+        std::string reason = "must be in " + to_text(low) + " .. " + to_text(high);
+        if (!unit.empty()) (reason += ' ') += unit;
+        problem(key, reason + ", got " + to_text(value));
+    }
+
+    void rotation(std::string_view key, Quat& q) const {
+        const double length = norm(q);
+        if (!(std::abs(length - 1) <= kRotationTolerance)) {
+            problem(key, "must be a unit quaternion [w, x, y, z]; its length is " + to_text(length) + ", more than " +
+                             to_text(kRotationTolerance) + " from 1");
+            return;
+        }
+        // Twice normalised must be once normalised, or a scene written and read again would differ in the last bit.
+        if (std::abs(length - 1) > 4e-16) q = normalized(q);
+    }
+
+    void name(const std::string& text) const {
+        if (text.empty())
+            problem("name", "must not be empty");
+        else if (text.size() > kMaxNameLength)
+            problem("name", "must not be longer than " + std::to_string(kMaxNameLength) + " bytes");
+        else if (std::any_of(text.begin(), text.end(),
+                             [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
+            problem("name", "must not contain control characters: " + in_quotes(text));
+    }
+
+  private:
+    std::string path_;
+    ErrorList& errors_;
+};
+
+template <class Named>
+void check_names(const std::vector<Named>& items, const char* list, ErrorList& errors) {
+    std::unordered_map<std::string_view, std::size_t> first;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        const Checker check(element_path(list, i), errors);
+        if (check.broken("name") || errors.any_at(element_path(list, i))) continue;
+        check.name(items[i].name);
+        const auto [found, fresh] = first.try_emplace(items[i].name, i);
+        if (!fresh)
+            check.problem("name",
+                          in_quotes(items[i].name) + " is already the name of " + element_path(list, found->second));
+    }
+}
+
+std::string_view mass_key(MassKind kind) {
+    switch (kind) {
+    case MassKind::surface_density: return "surface_density";
+    case MassKind::density: return "density";
+    case MassKind::mass: return "mass";
+    case MassKind::none: break;
+    }
+    return "mass";
+}
+
+void check_vertices(const ShapeDescription& shape, const Checker& check, const std::string& path, ErrorList& errors) {
+    if (check.broken("vertices") || check.broken("mesh") || check.broken("scale")) return;
+    for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
+        const Vec3& v = shape.vertices[i];
+        if (is_finite(v) && max_component(abs(v)) <= kMaxCoordinate) continue;
+        const std::string where = shape.mesh_path.empty() ? path + "/vertices/" + std::to_string(i) : path + "/mesh";
+        errors.add(where,
+                   "vertex " + std::to_string(i) +
+                       (is_finite(v) ? ", multiplied by scale, exceeds the limit of " + to_text(kMaxCoordinate) + " m"
+                                     : std::string(" must be finite")));
+    }
+}
+
+void check_triangles(const ShapeDescription& shape, const Checker& check, const std::string& path, ErrorList& errors) {
+    if (check.broken("triangles") || check.broken("vertices") || check.broken("mesh")) return;
+    if (shape.triangles.empty()) check.problem("triangles", "must hold at least one triangle");
+    const auto count = static_cast<std::int64_t>(shape.vertices.size());
+    for (std::size_t i = 0; i < shape.triangles.size(); ++i)
+        for (const std::int32_t v : shape.triangles[i])
+            if (v < 0 || v >= count)
+                errors.add(path + "/triangles/" + std::to_string(i),
+                           "vertex " + std::to_string(v) + " does not exist; there are " + std::to_string(count));
+}
+
+void check_shape(const ShapeDescription& shape, const std::string& path, ErrorList& errors) {
+    const Checker check(path, errors);
+    check.range("scale", shape.scale, kMinScale, kMaxScale, "");
+    check_vertices(shape, check, path, errors);
+    check_triangles(shape, check, path, errors);
+    if (shape.mass_kind != MassKind::none)
+        check.range(mass_key(shape.mass_kind), shape.mass_value, kMinMassValue, kMaxMassValue,
+                    shape.mass_kind == MassKind::mass      ? "kg"
+                    : shape.mass_kind == MassKind::density ? "kg/m^3"
+                                                           : "kg/m^2");
+    else if (shape.inertia && !errors.any_under(path))
+        check.problem("inertia", "needs one of surface_density, density and mass");
+    if (shape.center_of_mass) check.magnitude("center_of_mass", *shape.center_of_mass, kMaxCoordinate, "m");
+}
+
+void check_keyframes(BodyDescription& body, const std::string& path, ErrorList& errors) {
+    const Checker check(path, errors);
+    if (check.broken("keyframes")) return;
+    if (body.keyframes.empty()) return check.problem("keyframes", "a kinematic body needs at least one keyframe");
+    for (std::size_t i = 0; i < body.keyframes.size(); ++i) {
+        Keyframe& frame = body.keyframes[i];
+        const Checker at(path + "/keyframes/" + std::to_string(i), errors);
+        at.range("time", frame.time, 0, kMaxTime, "s");
+        at.magnitude("position", frame.position, kMaxCoordinate, "m");
+        at.rotation("rotation", frame.rotation);
+        if (i == 0 && frame.time != 0)
+            at.problem("time", "the first keyframe must be at time 0, got " + to_text(frame.time));
+        if (i > 0 && !(frame.time > body.keyframes[i - 1].time))
+            at.problem("time", "must be later than the keyframe before, " + to_text(body.keyframes[i - 1].time) +
+                                   " s; got " + to_text(frame.time) + " s");
+    }
+}
+
+// A kinematic body starts where its script does; a pose of its own may only repeat that.
+void take_first_pose(BodyDescription& body, const Checker& check) {
+    if (body.keyframes.empty() || check.broken("keyframes")) return;
+    const Keyframe& first = body.keyframes.front();
+    if (body.position != Vec3{} && body.position != first.position)
+        check.problem("position", "differs from the keyframe at time 0, which is the start of a kinematic body");
+    if (body.rotation != Quat{} && body.rotation != first.rotation)
+        check.problem("rotation", "differs from the keyframe at time 0, which is the start of a kinematic body");
+    body.position = first.position;
+    body.rotation = first.rotation;
+}
+
+void check_motion(const BodyDescription& body, const Checker& check) {
+    check.magnitude("velocity", body.velocity, kMaxCoordinate, "m/s");
+    check.magnitude("angular_velocity", body.angular_velocity, kMaxAngularVelocity, "rad/s");
+    if (body.type == BodyType::dynamic) return;
+    const std::string_view reason = body.type == BodyType::fixed
+                                        ? "must be zero: a static body does not move"
+                                        : "must be zero: a kinematic body moves by its keyframes";
+    if (body.velocity != Vec3{}) check.problem("velocity", std::string(reason));
+    if (body.angular_velocity != Vec3{}) check.problem("angular_velocity", std::string(reason));
+}
+
+void check_body_shape(const BodyDescription& body, const SceneDescription& scene, const Checker& check,
+                      ErrorList& errors) {
+    if (check.broken("shape")) return;
+    const auto index = static_cast<std::size_t>(body.shape);
+    if (body.shape < 0 || index >= scene.shapes.size())
+        return check.problem("shape", "shape " + std::to_string(body.shape) + " does not exist; there are " +
+                                          std::to_string(scene.shapes.size()));
+    const bool needs_mass = body.type == BodyType::dynamic && !check.broken("type");
+    if (needs_mass && scene.shapes[index].mass_kind == MassKind::none &&
+        !errors.any_under(element_path("shapes", index)))
+        check.problem("shape", "shape " + in_quotes(scene.shapes[index].name) +
+                                   " has no mass: a dynamic body needs surface_density, density or mass");
+}
+
+void check_body(BodyDescription& body, const SceneDescription& scene, const std::string& path, ErrorList& errors) {
+    const Checker check(path, errors);
+    check_body_shape(body, scene, check, errors);
+    check.magnitude("position", body.position, kMaxCoordinate, "m");
+    check.rotation("rotation", body.rotation);
+    check_motion(body, check);
+    check.range("friction", body.friction, 0, kMaxFriction, "");
+    check.range("restitution", body.restitution, 0, 1, "");
+    if (check.broken("type")) return;
+    if (body.type == BodyType::kinematic) {
+        check_keyframes(body, path, errors);
+        take_first_pose(body, check);
+    } else if (!body.keyframes.empty()) {
+        check.problem("keyframes", "only a kinematic body has keyframes");
+    }
+}
+
+} // namespace
+
+std::string element_path(const char* list, std::size_t index) {
+    return std::string("/") + list + "/" + std::to_string(index);
+}
+
+void check_description(SceneDescription& scene, ErrorList& errors) {
+    const Checker top("", errors);
+    top.magnitude("gravity", scene.gravity, kMaxGravity, "m/s^2");
+    check_settings(scene.settings, "/settings", errors);
+    check_names(scene.shapes, "shapes", errors);
+    check_names(scene.bodies, "bodies", errors);
+    for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+        const std::string path = element_path("shapes", i);
+        if (!errors.any_at(path)) check_shape(scene.shapes[i], path, errors);
+    }
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        const std::string path = element_path("bodies", i);
+        if (!errors.any_at(path)) check_body(scene.bodies[i], scene, path, errors);
+    }
+}
+
+} // namespace flotilla

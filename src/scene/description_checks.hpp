@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Checks of a scene description that need no mesh processing: names, references, ranges, rotations, keyframes.
+// Limits are wide enough for any sensible scene in SI units and narrow enough that nothing later overflows or underflows.
+#pragma once
+
+#include <string>
+
+#include <flotilla/scene.hpp>
+
+#include "base/error_list.hpp"
+
+namespace flotilla {
+
+/// m and m/s. Rounding of world coordinates grows with the distance from the origin: at 10^9 m a double resolves 10^-7 m.
+inline constexpr double kMaxCoordinate = 1e9;
+inline constexpr double kMaxAngularVelocity = 1e6; ///< rad/s
+inline constexpr double kMaxGravity = 1e6;         ///< m/s^2
+inline constexpr double kMinScale = 1e-9, kMaxScale = 1e9;
+/// kg, kg/m^2 or kg/m^3 of a shape. The product of the extremes with kMaxCoordinate^5 stays far inside double's range.
+inline constexpr double kMinMassValue = 1e-12, kMaxMassValue = 1e15;
+inline constexpr double kMaxFriction = 1e3;
+inline constexpr double kMaxTime = 1e9;             ///< s, of keyframes
+inline constexpr double kRotationTolerance = 1e-6;  ///< how far |q| may be from 1
+inline constexpr std::size_t kMaxNameLength = 1000; ///< bytes
+
+/// Adds every problem of `scene` to `errors`, at JSON pointers ("/bodies/3/rotation"). What depends on a value that already
+/// has an error there is not checked. Rotations within tolerance are normalised, and a kinematic body takes the pose of its
+/// first keyframe.
+void check_description(SceneDescription& scene, ErrorList& errors);
+
+/// "/shapes/3", "/bodies/7".
+[[nodiscard]] std::string element_path(const char* list, std::size_t index);
+
+} // namespace flotilla

@@ -1,0 +1,499 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include <flotilla/error.hpp>
+
+#include "base/text.hpp"
+#include "scene/settings_table.hpp"
+
+namespace flotilla {
+
+namespace {
+
+using std::string_view_literals::operator""sv;
+
+constexpr std::array kTrajectories{"linear"sv, "rigid"sv};
+constexpr std::array kCcdMethods{"conservative"sv, "cubic"sv};
+constexpr std::array kTangents{"random"sv, "aligned"sv};
+constexpr std::array kContactSolvers{"pgs"sv};
+constexpr std::array kRigidifications{"kinematic"sv, "rigid"sv};
+constexpr std::array kUnsatisfiableScripts{"hold"sv, "error"sv};
+constexpr std::array kInitialOverlaps{"error"sv, "separate"sv};
+
+template <auto Member>
+ChoiceField choice(std::span<const std::string_view> names) {
+    using Enum = std::remove_cvref_t<decltype(std::declval<Settings&>().*Member)>;
+    return {[](const Settings& s) { return static_cast<std::size_t>(s.*Member); },
+            [](Settings& s, std::size_t i) { s.*Member = static_cast<Enum>(i); }, names};
+}
+
+constexpr double kMaxSweeps = 1e6; // beyond it a step could take days; every loop keeps a bound
+constexpr double kMinLength = 1e-9, kMaxLength = 1e6;
+
+const std::vector<SettingRow>& table() {
+    static const std::vector<SettingRow> rows{
+        {"time_step",
+         &Settings::time_step,
+         "s",
+         1e-9,
+         10,
+         {},
+         "length of a step",
+         "shorter: more steps, smaller linearisation errors of rotation; the guarantees hold at any length"},
+        {"friction",
+         &Settings::friction,
+         "",
+         0,
+         1e3,
+         {},
+         "Coulomb coefficient of bodies that give none",
+         "0 everywhere: one row per contact instead of three"},
+        {"restitution",
+         &Settings::restitution,
+         "",
+         0,
+         1,
+         {},
+         "coefficient of bodies that give none",
+         "near 1 a pile takes long to come to rest"},
+        {"seed",
+         &Settings::seed,
+         "",
+         0,
+         0x1p64,
+         {},
+         "of the generator of friction directions (tangents: random)",
+         "none"},
+        {"rest_distance", &Settings::rest_distance, "m", kMinLength, kMaxLength, 0,
+         "gap at which contacts rest; 0: body size / 330",
+         "smaller: closer contact, less room for the rounding and tolerance of a step"},
+        {"proximity_distance", &Settings::proximity_distance, "m", kMinLength, kMaxLength, 0,
+         "gap below which contacts are found; 0: twice the rest distance",
+         "larger: more contacts, slower, fewer late collisions"},
+        {"separation", &Settings::separation, "m", kMinLength, kMaxLength, 0,
+         "least gap that the continuous collision detection certifies; 0: rest distance / 50",
+         "larger: more hits in the last step before contact; smaller: nearer to rounding"},
+        {"proximity_angle",
+         &Settings::proximity_angle,
+         "degrees",
+         1e-3,
+         89.999,
+         {},
+         "largest angle between a contact's normal and the direction to the nearest point",
+         "larger: more contacts, less exact normals"},
+        {"approach_threshold", &Settings::approach_threshold, "m/s", 0, 1e9, -1,
+         "end proximities that approach slower are left to static contact; -1: |gravity| time_step / 2",
+         "0: every proximity is a collision: twice the time of a settling pile, nothing visible gained"},
+        {"collision_iterations",
+         &Settings::collision_iterations,
+         "",
+         0,
+         kMaxSweeps,
+         {},
+         "limit of sweeps of Algorithm 1",
+         "sweeps end by themselves when quiet; a limit below about 30 leaves work to the failsafe, which freezes "
+         "piles"},
+        {"collision_pair_iterations",
+         &Settings::collision_pair_iterations,
+         "",
+         0,
+         kMaxSweeps,
+         {},
+         "limit of impulses per pair and sweep of Algorithm 1",
+         "1: more sweeps"},
+        {"dynamic_iterations",
+         &Settings::dynamic_iterations,
+         "",
+         0,
+         kMaxSweeps,
+         {},
+         "limit of sweeps of Algorithm 2",
+         "a limit below about 50 leaves work to the failsafe"},
+        {"dynamic_pair_iterations",
+         &Settings::dynamic_pair_iterations,
+         "",
+         0,
+         kMaxSweeps,
+         {},
+         "limit of impulses per pair and sweep of Algorithm 2",
+         "lower: more rigidified pairs"},
+        {"static_iterations",
+         &Settings::static_iterations,
+         "",
+         0,
+         kMaxSweeps,
+         {},
+         "limit of sweeps of projected Gauss-Seidel",
+         "lower: faster, resting piles creep; about 100 warm sweeps equal 1000 cold ones"},
+        {"static_tolerance",
+         &Settings::static_tolerance,
+         "m/s",
+         0,
+         1e3,
+         {},
+         "largest constraint violation at which the sweeps stop",
+         "lower: slower, less creep; the residual reached is reported in any case"},
+        {"warm_start",
+         &Settings::warm_start,
+         "",
+         0,
+         1,
+         {},
+         "start from the impulses of the last solve",
+         "false: about ten times the sweeps in a pile"},
+        {"shock_propagation",
+         &Settings::shock_propagation,
+         "",
+         0,
+         1,
+         {},
+         "bottom-up pass after the sweeps reached their limit",
+         "false: tall stacks need more sweeps"},
+        {"sleeping",
+         &Settings::sleeping,
+         "",
+         0,
+         1,
+         {},
+         "resting islands sleep until touched",
+         "false: resting bodies cost time every step"},
+        {"trajectory",
+         choice<&Settings::trajectory>(kTrajectories),
+         "",
+         0,
+         0,
+         {},
+         "path that is certified: straight vertex paths, or the rotating motion itself",
+         "rigid: exact for fast spins, up to a few times slower there"},
+        {"ccd",
+         choice<&Settings::ccd>(kCcdMethods),
+         "",
+         0,
+         0,
+         {},
+         "continuous collision detection: proved, or the paper's cubic with a tolerance",
+         "cubic: a baseline for comparison; its certificates are not proved"},
+        {"contact_solver",
+         choice<&Settings::contact_solver>(kContactSolvers),
+         "",
+         0,
+         0,
+         {},
+         "solver of static contact",
+         "none: one choice"},
+        {"tangents",
+         choice<&Settings::tangents>(kTangents),
+         "",
+         0,
+         0,
+         {},
+         "directions of the friction pyramid: random, or along the slip",
+         "aligned: no bias of sliding friction (the pyramid errs by up to 41 %), slightly slower"},
+        {"rigidification",
+         choice<&Settings::rigidification>(kRigidifications),
+         "",
+         0,
+         0,
+         {},
+         "first rung of the failsafe's clusters",
+         "rigid: stacks hit while the failsafe acts move as one body"},
+        {"unsatisfiable_script",
+         choice<&Settings::unsatisfiable_script>(kUnsatisfiableScripts),
+         "",
+         0,
+         0,
+         {},
+         "scripted motion that would crush a body: hold it back, or stop with an error",
+         "none"},
+        {"initial_overlap",
+         choice<&Settings::initial_overlap>(kInitialOverlaps),
+         "",
+         0,
+         0,
+         {},
+         "bodies that intersect at the start: refuse the scene, or move them apart first",
+         "none"},
+    };
+    return rows;
+}
+
+std::string join(std::span<const std::string_view> names, std::string_view separator) {
+    std::string text;
+    for (const std::string_view name : names) (text += text.empty() ? ""sv : separator) += name;
+    return text;
+}
+
+std::string range_text(const SettingRow& row) {
+    if (std::holds_alternative<bool Settings::*>(row.field) || std::holds_alternative<ChoiceField>(row.field))
+        return "";
+    if (row.key == "seed") return "0 .. 2^64 - 1";
+    std::string text = to_text(row.low) + " .. " + to_text(row.high);
+    if (row.derived) text += " or " + to_text(*row.derived);
+    return text;
+}
+
+std::string type_text(const SettingRow& row) {
+    if (std::holds_alternative<double Settings::*>(row.field)) return "number";
+    if (std::holds_alternative<bool Settings::*>(row.field)) return "boolean";
+    if (const auto* c = std::get_if<ChoiceField>(&row.field)) return join(c->names, " | ");
+    return "integer";
+}
+
+std::string value_text(const Settings& settings, const SettingRow& row) {
+    return std::visit(
+        [&](const auto& field) -> std::string {
+            using Field = std::remove_cvref_t<decltype(field)>;
+            if constexpr (std::is_same_v<Field, ChoiceField>)
+                return std::string(field.names[field.get(settings)]);
+            else if constexpr (std::is_same_v<Field, bool Settings::*>)
+                return settings.*field ? "true" : "false";
+            else if constexpr (std::is_same_v<Field, double Settings::*>)
+                return to_text(settings.*field);
+            else
+                return std::to_string(settings.*field);
+        },
+        row.field);
+}
+
+bool in_range(const SettingRow& row, double value) {
+    return (value >= row.low && value <= row.high) || (row.derived && value == *row.derived);
+}
+
+std::string out_of_range(const SettingRow& row, std::string_view value) {
+    std::string text = "must be in " + range_text(row);
+    if (!row.unit.empty()) (text += ' ') += row.unit;
+    return (text += ", got ") += value;
+}
+
+std::string describe(const SettingValue& value) {
+    return std::visit(
+        [](const auto& v) -> std::string {
+            using V = std::remove_cvref_t<decltype(v)>;
+            if constexpr (std::is_same_v<V, bool>)
+                return v ? "true" : "false";
+            else if constexpr (std::is_same_v<V, double>)
+                return to_text(v);
+            else if constexpr (std::is_same_v<V, std::string>)
+                return in_quotes(v);
+            else
+                return std::to_string(v);
+        },
+        value);
+}
+
+std::optional<double> as_number(const SettingValue& value) {
+    if (const auto* d = std::get_if<double>(&value)) return *d;
+    if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
+    if (const auto* u = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*u);
+    return {};
+}
+
+std::optional<std::string> assign_number(Settings& s, const SettingRow& row, double Settings::*field,
+                                         const SettingValue& value) {
+    const std::optional<double> number = as_number(value);
+    if (!number) return "must be a number, got " + describe(value);
+    if (!in_range(row, *number)) return out_of_range(row, describe(value));
+    s.*field = *number;
+    return {};
+}
+
+std::optional<std::string> assign_integer(Settings& s, const SettingRow& row, int Settings::*field,
+                                          const SettingValue& value) {
+    const std::optional<double> number = as_number(value);
+    if (!number || *number != std::floor(*number)) return "must be an integer, got " + describe(value);
+    if (!in_range(row, *number)) return out_of_range(row, describe(value));
+    s.*field = static_cast<int>(*number);
+    return {};
+}
+
+std::optional<std::string> assign_word(Settings& s, const SettingRow& row, std::uint64_t Settings::*field,
+                                       const SettingValue& value) {
+    if (const auto* u = std::get_if<std::uint64_t>(&value))
+        s.*field = *u;
+    else if (const auto* i = std::get_if<std::int64_t>(&value); i != nullptr && *i >= 0)
+        s.*field = static_cast<std::uint64_t>(*i);
+    else
+        return "must be an integer in " + range_text(row) + ", got " + describe(value);
+    return {};
+}
+
+std::optional<std::string> assign_flag(Settings& s, const SettingRow&, bool Settings::*field,
+                                       const SettingValue& value) {
+    const auto* flag = std::get_if<bool>(&value);
+    if (flag == nullptr) return "must be true or false, got " + describe(value);
+    s.*field = *flag;
+    return {};
+}
+
+std::optional<std::string> assign_choice(Settings& s, const ChoiceField& field, const SettingValue& value) {
+    const auto* name = std::get_if<std::string>(&value);
+    const auto found = name == nullptr ? field.names.end() : std::find(field.names.begin(), field.names.end(), *name);
+    if (found == field.names.end()) return "must be one of " + join(field.names, ", ") + "; got " + describe(value);
+    field.set(s, static_cast<std::size_t>(found - field.names.begin()));
+    return {};
+}
+
+template <class Number>
+std::optional<Number> parse_whole(std::string_view text) {
+    Number number{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc{} || end != text.data() + text.size()) return {};
+    return number;
+}
+
+// The value that an option's text stands for, as far as the text says; what does not fit is refused by assign_setting.
+SettingValue parse_value(const SettingRow& row, std::string_view text) {
+    if (std::holds_alternative<ChoiceField>(row.field)) return std::string(text);
+    if (std::holds_alternative<bool Settings::*>(row.field)) {
+        for (const std::string_view yes : {"true"sv, "on"sv, "yes"sv, "1"sv})
+            if (text == yes) return true;
+        for (const std::string_view no : {"false"sv, "off"sv, "no"sv, "0"sv})
+            if (text == no) return false;
+        return std::string(text);
+    }
+    if (const auto whole = parse_whole<std::uint64_t>(text)) return *whole;
+    if (const auto number = parse_whole<double>(text)) return *number;
+    return std::string(text);
+}
+
+const SettingRow& require_setting(std::string_view key) {
+    if (const SettingRow* row = find_setting(key)) return *row;
+    throw InputError(unknown_name("setting", key, setting_keys()));
+}
+
+struct Preset {
+    std::string_view name;
+    void (*apply)(Settings&);
+};
+
+void apply_accurate(Settings& s) {
+    s.static_iterations = 5000;
+    s.static_tolerance = 1e-6;
+    s.tangents = Tangents::aligned;
+    s.trajectory = Trajectory::rigid;
+    s.sleeping = false;
+}
+
+constexpr std::array kPresets{
+    Preset{"preview",
+           [](Settings& s) {
+               // Sweeps of Algorithms 1 and 2 stay above the 30 and 50 below which the failsafe takes over.
+               s.collision_iterations = 30;
+               s.dynamic_iterations = 50;
+               s.static_iterations = 50;
+               s.static_tolerance = 5e-3;
+           }},
+    Preset{"balanced", [](Settings&) {}},
+    Preset{"accurate", apply_accurate},
+    Preset{"reference",
+           [](Settings& s) {
+               apply_accurate(s);
+               s.collision_iterations = 1000;
+               s.dynamic_iterations = 1000;
+               s.static_iterations = 10000;
+               s.static_tolerance = 1e-9;
+           }},
+};
+
+} // namespace
+
+std::span<const SettingRow> settings_table() { return table(); }
+
+const SettingRow* find_setting(std::string_view key) {
+    const auto found =
+        std::find_if(table().begin(), table().end(), [&](const SettingRow& row) { return row.key == key; });
+    return found == table().end() ? nullptr : &*found;
+}
+
+std::vector<std::string_view> setting_keys() {
+    std::vector<std::string_view> keys;
+    for (const SettingRow& row : table()) keys.push_back(row.key);
+    return keys;
+}
+
+std::optional<std::string> assign_setting(Settings& settings, const SettingRow& row, const SettingValue& value) {
+    return std::visit(
+        [&](const auto& field) -> std::optional<std::string> {
+            using Field = std::remove_cvref_t<decltype(field)>;
+            if constexpr (std::is_same_v<Field, ChoiceField>)
+                return assign_choice(settings, field, value);
+            else if constexpr (std::is_same_v<Field, bool Settings::*>)
+                return assign_flag(settings, row, field, value);
+            else if constexpr (std::is_same_v<Field, double Settings::*>)
+                return assign_number(settings, row, field, value);
+            else if constexpr (std::is_same_v<Field, int Settings::*>)
+                return assign_integer(settings, row, field, value);
+            else
+                return assign_word(settings, row, field, value);
+        },
+        row.field);
+}
+
+void check_settings(const Settings& settings, const std::string& where, ErrorList& errors) {
+    const auto problem = [&](std::string_view key, std::string reason) {
+        const std::string at = where + "/" + std::string(key);
+        if (!errors.any_under(at)) errors.add(at, std::move(reason));
+    };
+    for (const SettingRow& row : table()) {
+        if (const auto* d = std::get_if<double Settings::*>(&row.field); d != nullptr && !in_range(row, settings.**d))
+            problem(row.key, out_of_range(row, value_text(settings, row)));
+        if (const auto* i = std::get_if<int Settings::*>(&row.field); i != nullptr && !in_range(row, settings.**i))
+            problem(row.key, out_of_range(row, value_text(settings, row)));
+        if (const auto* c = std::get_if<ChoiceField>(&row.field); c != nullptr && c->get(settings) >= c->names.size())
+            problem(row.key, "must be one of " + join(c->names, ", "));
+    }
+    const double rest = settings.rest_distance;
+    if (rest > 0 && settings.proximity_distance > 0 && settings.proximity_distance <= rest)
+        problem("proximity_distance",
+                "must exceed rest_distance (" + to_text(rest) + " m), got " + to_text(settings.proximity_distance));
+    if (rest > 0 && settings.separation >= rest)
+        problem("separation",
+                "must be below rest_distance (" + to_text(rest) + " m), got " + to_text(settings.separation));
+}
+
+std::vector<SettingInfo> list_settings() {
+    std::vector<SettingInfo> infos;
+    for (const SettingRow& row : table())
+        infos.push_back({row.key, type_text(row), std::string(row.unit), range_text(row), value_text(Settings{}, row),
+                         std::string(row.description), std::string(row.effect)});
+    return infos;
+}
+
+std::string setting_value(const Settings& settings, std::string_view key) {
+    return value_text(settings, require_setting(key));
+}
+
+void set_setting(Settings& settings, std::string_view key, std::string_view value) {
+    const SettingRow& row = require_setting(key);
+    if (const auto reason = assign_setting(settings, row, parse_value(row, value)))
+        throw InputError("setting " + std::string(key) + ": " + *reason);
+}
+
+std::vector<std::string> validate_settings(const Settings& settings) {
+    ErrorList errors("settings");
+    check_settings(settings, "", errors);
+    std::vector<std::string> lines;
+    for (const InputProblem& p : errors.problems()) lines.push_back(p.where.substr(1) + ": " + p.reason);
+    return lines;
+}
+
+std::vector<std::string_view> preset_names() {
+    std::vector<std::string_view> names;
+    for (const Preset& p : kPresets) names.push_back(p.name);
+    return names;
+}
+
+Settings preset(std::string_view name) {
+    for (const Preset& p : kPresets) {
+        if (p.name != name) continue;
+        Settings settings;
+        p.apply(settings);
+        return settings;
+    }
+    throw InputError(unknown_name("preset", name, preset_names()) + " (presets: " + join(preset_names(), ", ") + ")");
+}
+
+} // namespace flotilla
