@@ -48,6 +48,7 @@ PUBLIC_HEADERS = {
     "error": "base",
     "settings": "scene",
     "scene": "scene",
+    "scene_file": "io",
     "report": "step/report",
 }
 

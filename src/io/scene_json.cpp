@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: MIT
+// Reading of scene files. A value of the wrong type is reported and replaced by its default, so that reading goes on and all
+// problems of a file are seen at once; what the values mean is checked afterwards, in scene/description_checks.
+#include <array>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <flotilla/error.hpp>
+#include <flotilla/scene_file.hpp>
+
+#include "base/text.hpp"
+#include "base/vec3.hpp"
+#include "io/json_document.hpp"
+#include "mesh/mesh_file.hpp"
+#include "scene/description_checks.hpp"
+#include "scene/settings_table.hpp"
+
+namespace flotilla {
+
+namespace {
+
+using io::Json;
+using io::JsonPlace;
+using io::kind_of;
+using std::string_view_literals::operator""sv;
+
+constexpr std::array kSceneKeys{"flotilla_scene"sv, "gravity"sv, "settings"sv, "shapes"sv, "bodies"sv};
+constexpr std::array kShapeKeys{"name"sv,      "mesh"sv,          "scale"sv,           "vertices"sv,
+                                "triangles"sv, "density"sv,       "surface_density"sv, "mass"sv,
+                                "inertia"sv,   "center_of_mass"sv};
+constexpr std::array kBodyKeys{"name"sv,     "shape"sv,    "type"sv,        "position"sv,  "rotation"sv,
+                               "velocity"sv, "friction"sv, "restitution"sv, "keyframes"sv, "angular_velocity"sv};
+constexpr std::array kKeyframeKeys{"time"sv, "position"sv, "rotation"sv};
+
+class SceneReader {
+  public:
+    SceneReader(std::filesystem::path folder, ErrorList& errors) : folder_(std::move(folder)), errors_(errors) {}
+
+    void read(const Json& document, const SceneFileOptions& options, SceneDescription& scene);
+
+  private:
+    void problem(const JsonPlace& at, std::string reason) { errors_.add(at.text(), std::move(reason)); }
+    [[nodiscard]] bool is_object(const Json& value, const JsonPlace& at, std::span<const std::string_view> keys);
+    [[nodiscard]] bool is_array(const Json& value, const JsonPlace& at, std::string_view what);
+    /// The member, or null where there is none (a problem if `required`).
+    [[nodiscard]] const Json* member(const Json& object, const JsonPlace& at, std::string_view key,
+                                     bool required = false);
+
+    bool to(double& out, const Json& value, const JsonPlace& at);
+    bool to(std::string& out, const Json& value, const JsonPlace& at);
+    bool to(Vec3& out, const Json& value, const JsonPlace& at);
+    bool to(Quat& out, const Json& value, const JsonPlace& at);
+    bool to(Triangle& out, const Json& value, const JsonPlace& at);
+    bool to(Keyframe& out, const Json& value, const JsonPlace& at);
+    template <std::size_t N>
+    bool numbers(std::array<double, N>& out, const Json& value, const JsonPlace& at, std::string_view what);
+    template <class Value>
+    bool to(std::vector<Value>& out, const Json& value, const JsonPlace& at);
+    template <class Value>
+    bool get(Value& out, const Json& object, const JsonPlace& at, std::string_view key, bool required = false);
+
+    void read_version(const Json& document, const JsonPlace& at);
+    void read_settings(const Json& value, const JsonPlace& at, Settings& settings);
+    void read_shape(const Json& value, const JsonPlace& at, ShapeDescription& shape);
+    void read_surface(const Json& value, const JsonPlace& at, ShapeDescription& shape);
+    void read_mesh_file(const JsonPlace& at, ShapeDescription& shape);
+    void read_mass(const Json& value, const JsonPlace& at, ShapeDescription& shape);
+    void read_inertia(const Json& value, const JsonPlace& at, ShapeDescription& shape);
+    void read_body(const Json& value, const JsonPlace& at, const SceneDescription& scene, BodyDescription& body);
+    void read_body_shape(const Json& value, const JsonPlace& at, BodyDescription& body);
+    void read_body_type(const Json& value, const JsonPlace& at, BodyDescription& body);
+    void name_shapes(const SceneDescription& scene);
+
+    std::filesystem::path folder_;
+    ErrorList& errors_;
+    std::map<std::string, TriangleMesh> meshes_; ///< read so far, by path as written
+    std::map<std::string_view, std::int32_t> shape_index_;
+    std::vector<std::string_view> shape_names_;
+};
+
+bool SceneReader::is_object(const Json& value, const JsonPlace& at, std::span<const std::string_view> keys) {
+    if (!value.is_object()) {
+        problem(at, "must be an object, got " + kind_of(value));
+        return false;
+    }
+    for (const auto& item : value.items())
+        if (std::find(keys.begin(), keys.end(), item.key()) == keys.end())
+            problem(at.member(item.key()), unknown_name("key", item.key(), keys));
+    return true;
+}
+
+bool SceneReader::is_array(const Json& value, const JsonPlace& at, std::string_view what) {
+    if (value.is_array()) return true;
+    problem(at, "must be " + std::string(what) + ", got " + kind_of(value));
+    return false;
+}
+
+const Json* SceneReader::member(const Json& object, const JsonPlace& at, std::string_view key, bool required) {
+    const auto found = object.find(key);
+    if (found != object.end()) return &*found;
+    if (required) problem(at.member(key), "is missing");
+    return nullptr;
+}
+
+bool SceneReader::to(double& out, const Json& value, const JsonPlace& at) {
+    if (value.is_number()) {
+        out = value.get<double>();
+        return true;
+    }
+    problem(at, "must be a number, got " + kind_of(value));
+    return false;
+}
+
+bool SceneReader::to(std::string& out, const Json& value, const JsonPlace& at) {
+    if (value.is_string()) {
+        out = value.get_ref<const std::string&>();
+        return true;
+    }
+    problem(at, "must be a string, got " + kind_of(value));
+    return false;
+}
+
+template <std::size_t N>
+bool SceneReader::numbers(std::array<double, N>& out, const Json& value, const JsonPlace& at, std::string_view what) {
+    if (!value.is_array() || value.size() != N) {
+        problem(at, "must be " + std::string(what) + ", got " + kind_of(value));
+        return false;
+    }
+    std::array<double, N> read{};
+    bool good = true;
+    for (std::size_t i = 0; i < N; ++i) good &= to(read[i], value[i], at.element(i));
+    if (good) out = read;
+    return good;
+}
+
+bool SceneReader::to(Vec3& out, const Json& value, const JsonPlace& at) {
+    std::array<double, 3> v{};
+    if (!numbers(v, value, at, "an array of 3 numbers")) return false;
+    out = {v[0], v[1], v[2]};
+    return true;
+}
+
+bool SceneReader::to(Quat& out, const Json& value, const JsonPlace& at) {
+    std::array<double, 4> q{};
+    if (!numbers(q, value, at, "an array of 4 numbers [w, x, y, z]")) return false;
+    out = {q[0], q[1], q[2], q[3]};
+    return true;
+}
+
+bool SceneReader::to(Triangle& out, const Json& value, const JsonPlace& at) {
+    const auto is_index = [](const Json& v) {
+        return v.is_number_integer() && (v.is_number_unsigned() ? v.get<std::uint64_t>() <= 0x7fffffffU : false);
+    };
+    if (!value.is_array() || value.size() != 3 || !is_index(value[0]) || !is_index(value[1]) || !is_index(value[2])) {
+        problem(at,
+                "must be an array of 3 vertex numbers counted from 0, got " +
+                    (value.is_array() && value.size() == 3 ? value.dump(-1, ' ', false, Json::error_handler_t::replace)
+                                                           : kind_of(value)));
+        return false;
+    }
+    for (std::size_t i = 0; i < 3; ++i) out[i] = value[i].get<std::int32_t>();
+    return true;
+}
+
+bool SceneReader::to(Keyframe& out, const Json& value, const JsonPlace& at) {
+    if (!is_object(value, at, kKeyframeKeys)) return false;
+    get(out.time, value, at, "time", true);
+    get(out.position, value, at, "position", true);
+    get(out.rotation, value, at, "rotation");
+    return true;
+}
+
+template <class Value>
+bool SceneReader::to(std::vector<Value>& out, const Json& value, const JsonPlace& at) {
+    if (!is_array(value, at, "an array")) return false;
+    out.resize(value.size());
+    bool good = true;
+    for (std::size_t i = 0; i < out.size(); ++i) good &= to(out[i], value[i], at.element(i));
+    return good;
+}
+
+template <class Value>
+bool SceneReader::get(Value& out, const Json& object, const JsonPlace& at, std::string_view key, bool required) {
+    const Json* value = member(object, at, key, required);
+    return value != nullptr && to(out, *value, at.member(key));
+}
+
+void SceneReader::read_version(const Json& document, const JsonPlace& at) {
+    const Json* version = member(document, at, "flotilla_scene", true);
+    if (version != nullptr && !(version->is_number_integer() && version->get<double>() == 1))
+        problem(at.member("flotilla_scene"), "must be 1, the version of the format, got " + kind_of(*version));
+}
+
+void SceneReader::read_settings(const Json& value, const JsonPlace& at, Settings& settings) {
+    if (!is_object(value, at, setting_keys())) return;
+    for (const auto& item : value.items()) {
+        const SettingRow* row = find_setting(item.key());
+        if (row == nullptr) continue;
+        const Json& v = item.value();
+        SettingValue given;
+        if (v.is_boolean())
+            given = v.get<bool>();
+        else if (v.is_number_unsigned())
+            given = v.get<std::uint64_t>();
+        else if (v.is_number_integer())
+            given = v.get<std::int64_t>();
+        else if (v.is_number_float())
+            given = v.get<double>();
+        else if (v.is_string())
+            given = v.get<std::string>();
+        else {
+            problem(at.member(item.key()), "must be a number, a boolean or a string, got " + kind_of(v));
+            continue;
+        }
+        if (const auto reason = assign_setting(settings, *row, given)) problem(at.member(item.key()), *reason);
+    }
+}
+
+void SceneReader::read_mesh_file(const JsonPlace& at, ShapeDescription& shape) {
+    const auto known = meshes_.find(shape.mesh_path);
+    try {
+        const TriangleMesh& mesh =
+            known != meshes_.end() ? known->second : (meshes_[shape.mesh_path] = read_mesh(folder_ / shape.mesh_path));
+        shape.vertices = mesh.vertices;
+        shape.triangles = mesh.triangles;
+    } catch (
+        const std::runtime_error& error) { // InputError or IoError: either way the scene names a mesh that is not there
+        problem(at.member("mesh"), error.what());
+    }
+}
+
+void SceneReader::read_surface(const Json& value, const JsonPlace& at, ShapeDescription& shape) {
+    const bool has_mesh = value.contains("mesh");
+    const bool has_inline = value.contains("vertices") || value.contains("triangles");
+    if (has_mesh && has_inline) problem(at.member("mesh"), "give either a mesh or vertices and triangles, not both");
+    if (!has_mesh && !has_inline)
+        problem(at.member("mesh"), "is missing: a shape needs a mesh, or vertices and triangles");
+    if (has_inline) {
+        get(shape.vertices, value, at, "vertices", true);
+        get(shape.triangles, value, at, "triangles", true);
+    } else if (has_mesh && get(shape.mesh_path, value, at, "mesh")) {
+        read_mesh_file(at, shape);
+    }
+    get(shape.scale, value, at, "scale");
+    for (Vec3& v : shape.vertices) v *= shape.scale;
+    if (has_inline && shape.scale >= kMinScale && shape.scale <= kMaxScale) shape.scale = 1; // now part of the vertices
+}
+
+void SceneReader::read_mass(const Json& value, const JsonPlace& at, ShapeDescription& shape) {
+    constexpr std::array kKinds{std::pair{"surface_density"sv, MassKind::surface_density},
+                                std::pair{"density"sv, MassKind::density}, std::pair{"mass"sv, MassKind::mass}};
+    for (const auto& [key, kind] : kKinds) {
+        double given = 0;
+        if (!get(given, value, at, key)) continue;
+        if (shape.mass_kind != MassKind::none) {
+            problem(at.member(key), "give only one of surface_density, density and mass");
+            continue;
+        }
+        shape.mass_kind = kind;
+        shape.mass_value = given;
+    }
+}
+
+void SceneReader::read_inertia(const Json& value, const JsonPlace& at, ShapeDescription& shape) {
+    const Json* inertia = member(value, at, "inertia");
+    if (inertia == nullptr) return;
+    const JsonPlace place = at.member("inertia");
+    Mat3 full;
+    Vec3 principal;
+    if (inertia->is_array() && inertia->size() == 9) {
+        if (numbers(full.m, *inertia, place, "")) shape.inertia = full;
+    } else if (inertia->is_array() && inertia->size() == 3) {
+        if (to(principal, *inertia, place)) shape.inertia = diagonal(principal);
+    } else {
+        problem(place, "must be an array of 3 (principal values) or 9 (row-major) numbers, got " + kind_of(*inertia));
+    }
+}
+
+void SceneReader::read_shape(const Json& value, const JsonPlace& at, ShapeDescription& shape) {
+    if (!is_object(value, at, kShapeKeys)) return;
+    get(shape.name, value, at, "name", true);
+    read_surface(value, at, shape);
+    read_mass(value, at, shape);
+    read_inertia(value, at, shape);
+    if (Vec3 center; get(center, value, at, "center_of_mass")) shape.center_of_mass = center;
+}
+
+void SceneReader::name_shapes(const SceneDescription& scene) {
+    for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+        shape_index_.try_emplace(scene.shapes[i].name, static_cast<std::int32_t>(i));
+        shape_names_.push_back(scene.shapes[i].name);
+    }
+}
+
+void SceneReader::read_body_shape(const Json& value, const JsonPlace& at, BodyDescription& body) {
+    std::string name;
+    if (!get(name, value, at, "shape", true)) return;
+    const auto found = shape_index_.find(name);
+    if (found == shape_index_.end())
+        problem(at.member("shape"), unknown_name("shape", name, shape_names_));
+    else
+        body.shape = found->second;
+}
+
+void SceneReader::read_body_type(const Json& value, const JsonPlace& at, BodyDescription& body) {
+    constexpr std::array kTypes{"dynamic"sv, "static"sv, "kinematic"sv}; // in the order of BodyType
+    std::string name;
+    if (!get(name, value, at, "type")) return;
+    const auto found = std::find(kTypes.begin(), kTypes.end(), name);
+    if (found == kTypes.end())
+        problem(at.member("type"), unknown_name("body type", name, kTypes) + " (dynamic, static, kinematic)");
+    else
+        body.type = static_cast<BodyType>(found - kTypes.begin());
+}
+
+void SceneReader::read_body(const Json& value, const JsonPlace& at, const SceneDescription& scene,
+                            BodyDescription& body) {
+    body.friction = scene.settings.friction;
+    body.restitution = scene.settings.restitution;
+    if (!is_object(value, at, kBodyKeys)) return;
+    get(body.name, value, at, "name", true);
+    read_body_shape(value, at, body);
+    read_body_type(value, at, body);
+    get(body.position, value, at, "position");
+    get(body.rotation, value, at, "rotation");
+    get(body.velocity, value, at, "velocity");
+    get(body.angular_velocity, value, at, "angular_velocity");
+    get(body.friction, value, at, "friction");
+    get(body.restitution, value, at, "restitution");
+    get(body.keyframes, value, at, "keyframes");
+}
+
+void SceneReader::read(const Json& document, const SceneFileOptions& options, SceneDescription& scene) {
+    const JsonPlace top;
+    if (!is_object(document, top, kSceneKeys)) return;
+    read_version(document, top);
+    get(scene.gravity, document, top, "gravity");
+    if (const Json* settings = member(document, top, "settings"))
+        read_settings(*settings, top.member("settings"), scene.settings);
+    for (const auto& [key, value] : options.overrides) set_setting(scene.settings, key, value);
+
+    const JsonPlace shapes_at = top.member("shapes"), bodies_at = top.member("bodies");
+    if (const Json* shapes = member(document, top, "shapes", true);
+        shapes != nullptr && is_array(*shapes, shapes_at, "an array of shapes")) {
+        scene.shapes.resize(shapes->size());
+        for (std::size_t i = 0; i < shapes->size(); ++i)
+            read_shape((*shapes)[i], shapes_at.element(i), scene.shapes[i]);
+    }
+    name_shapes(scene);
+    if (const Json* bodies = member(document, top, "bodies", true);
+        bodies != nullptr && is_array(*bodies, bodies_at, "an array of bodies")) {
+        scene.bodies.resize(bodies->size());
+        for (std::size_t i = 0; i < bodies->size(); ++i)
+            read_body((*bodies)[i], bodies_at.element(i), scene, scene.bodies[i]);
+    }
+}
+
+std::string read_text(const std::filesystem::path& file) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored)) throw IoError(file.string() + ": is a folder, not a scene file");
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    if (!in || !(text << in.rdbuf())) throw IoError(file.string() + ": cannot be read");
+    return std::move(text).str();
+}
+
+} // namespace
+
+SceneDescription parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder,
+                             const SceneFileOptions& options) {
+    SceneDescription scene;
+    scene.settings = preset(options.preset);
+    ErrorList errors(source);
+    const Json document = io::parse_json(text, errors);
+    if (!document.is_discarded()) {
+        SceneReader(folder, errors).read(document, options, scene);
+        check_description(scene, errors);
+    }
+    errors.throw_if_any();
+    return scene;
+}
+
+SceneDescription read_scene(const std::filesystem::path& file, const SceneFileOptions& options) {
+    return parse_scene(read_text(file), file.string(), file.parent_path(), options);
+}
+
+} // namespace flotilla

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <flotilla/error.hpp>
+#include <flotilla/scene_file.hpp>
+
+namespace flotilla {
+namespace {
+
+constexpr const char* kScene = R"({
+  "flotilla_scene": 1, "gravity": [0, 0, -1.5],
+  "settings": { "time_step": 0.02, "friction": 0.4, "trajectory": "rigid", "sleeping": false, "seed": 18446744073709551615 },
+  "shapes": [
+    {"name": "plate", "vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]], "mass": 2.0, "scale": 0.5},
+    {"name": "heavy", "vertices": [[0,0,0],[1,0,0],[0,1,-0.0]], "triangles": [[0,1,2]], "surface_density": 7,
+     "inertia": [1, 2, 2.5], "center_of_mass": [0.1, 0.2, 0.3]} ],
+  "bodies": [
+    {"name": "b0", "shape": "plate", "type": "dynamic", "position": [0,0,5], "rotation": [0.6, 0, 0.8, 0],
+     "velocity": [1,2,3], "angular_velocity": [0.1, 1e-300, -0.0], "friction": 0.3, "restitution": 0.0},
+    {"name": "b1", "shape": "heavy"},
+    {"name": "floor", "shape": "plate", "type": "static", "position": [0, 0, -1]},
+    {"name": "lid", "shape": "plate", "type": "kinematic", "keyframes": [
+      {"time": 0, "position": [0,0,9], "rotation": [1,0,0,0]}, {"time": 2.5, "position": [0,0,8]} ] } ] })";
+
+std::string written(const SceneDescription& scene) {
+    std::ostringstream out;
+    write_scene(out, scene);
+    return out.str();
+}
+
+TEST(SceneJson, ReadsWhatTheFileSays) {
+    const SceneDescription s = parse_scene(kScene, "test", ".");
+    EXPECT_EQ(s.gravity, (Vec3{0, 0, -1.5}));
+    EXPECT_EQ(s.settings.time_step, 0.02);
+    EXPECT_EQ(s.settings.trajectory, Trajectory::rigid);
+    EXPECT_FALSE(s.settings.sleeping);
+    EXPECT_EQ(s.settings.seed, ~std::uint64_t{0});
+    ASSERT_EQ(s.shapes.size(), 2U);
+    EXPECT_EQ(s.shapes[0].vertices[1], (Vec3{0.5, 0, 0})) << "vertices are multiplied by scale";
+    EXPECT_EQ(s.shapes[0].mass_kind, MassKind::mass);
+    EXPECT_EQ(s.shapes[1].mass_kind, MassKind::surface_density);
+    EXPECT_EQ(s.shapes[1].inertia->m, (std::array<double, 9>{1, 0, 0, 0, 2, 0, 0, 0, 2.5}));
+    EXPECT_EQ(*s.shapes[1].center_of_mass, (Vec3{0.1, 0.2, 0.3}));
+    ASSERT_EQ(s.bodies.size(), 4U);
+    EXPECT_EQ(s.bodies[0].rotation, (Quat{0.6, 0, 0.8, 0}));
+    EXPECT_EQ(s.bodies[0].velocity, (Vec3{1, 2, 3}));
+    EXPECT_EQ(s.bodies[0].angular_velocity.y, 1e-300);
+    EXPECT_EQ(s.bodies[2].type, BodyType::fixed);
+    EXPECT_EQ(s.bodies[3].type, BodyType::kinematic);
+    EXPECT_EQ(s.bodies[3].position, (Vec3{0, 0, 9})) << "a kinematic body starts at its first keyframe";
+    EXPECT_EQ(s.bodies[3].keyframes.size(), 2U);
+}
+
+TEST(SceneJson, OmittedBodyFieldsTakeTheSettingsValues) {
+    const SceneDescription s = parse_scene(kScene, "test", ".");
+    EXPECT_EQ(s.bodies[0].friction, 0.3);
+    EXPECT_EQ(s.bodies[0].restitution, 0.0);
+    EXPECT_EQ(s.bodies[1].friction, 0.4);
+    EXPECT_EQ(s.bodies[1].restitution, 0.1);
+}
+
+TEST(SceneJson, FileWinsOverPresetAndOverridesOverBoth) {
+    SceneFileOptions options{"accurate", {}};
+    SceneDescription s = parse_scene(kScene, "test", ".", options);
+    EXPECT_EQ(s.settings.tangents, Tangents::aligned);
+    EXPECT_EQ(s.settings.friction, 0.4);
+    options.overrides = {{"friction", "0.7"}, {"tangents", "random"}};
+    s = parse_scene(kScene, "test", ".", options);
+    EXPECT_EQ(s.settings.tangents, Tangents::random);
+    EXPECT_EQ(s.bodies[1].friction, 0.7) << "bodies without a value take the overridden one";
+    EXPECT_EQ(s.bodies[0].friction, 0.3);
+}
+
+TEST(SceneJson, RoundTripsToTheSameBits) {
+    const SceneDescription first = parse_scene(kScene, "test", ".");
+    const std::string text = written(first);
+    const SceneDescription second = parse_scene(text, "test", ".");
+    EXPECT_EQ(written(second), text);
+    EXPECT_EQ(second.settings, first.settings);
+    EXPECT_EQ(second.bodies[0].rotation, first.bodies[0].rotation);
+    EXPECT_EQ(second.bodies[0].angular_velocity, first.bodies[0].angular_velocity);
+    EXPECT_TRUE(std::signbit(second.bodies[0].angular_velocity.z)) << "the sign of zero is kept";
+    EXPECT_EQ(second.shapes[0].vertices, first.shapes[0].vertices);
+    EXPECT_EQ(second.shapes[1].inertia, first.shapes[1].inertia);
+}
+
+TEST(SceneJson, RotationsNearlyUnitAreNormalisedOnce) {
+    const std::string text =
+        R"({"flotilla_scene": 1, "shapes": [{"name": "s", "mass": 1, "vertices": [[0,0,0],[1,0,0],[0,1,0]],
+      "triangles": [[0,1,2]]}], "bodies": [{"name": "b", "shape": "s", "rotation": [0.6000003, 0, 0.8000003, 0]}]})";
+    const SceneDescription first = parse_scene(text, "test", ".");
+    const Quat q = first.bodies[0].rotation;
+    EXPECT_NEAR(std::hypot(q.w, q.y), 1, 1e-15);
+    EXPECT_EQ(parse_scene(written(first), "test", ".").bodies[0].rotation, q);
+}
+
+class SceneFolder : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        folder_ = std::filesystem::path(::testing::TempDir()) /
+                  ("flotilla_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+        std::filesystem::create_directories(folder_ / "meshes");
+        write("meshes/tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+    void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(SceneFolder, MeshPathsAreRelativeToTheSceneFile) {
+    write("s.json", R"({"flotilla_scene": 1, "shapes": [{"name": "s", "mass": 1, "mesh": "meshes/tri.obj", "scale": 2}],
+      "bodies": [{"name": "b", "shape": "s"}]})");
+    const SceneDescription s = read_scene(folder_ / "s.json");
+    ASSERT_EQ(s.shapes[0].vertices.size(), 3U);
+    EXPECT_EQ(s.shapes[0].vertices[1], (Vec3{2, 0, 0}));
+    EXPECT_EQ(s.shapes[0].mesh_path, "meshes/tri.obj");
+    EXPECT_EQ(parse_scene(written(s), "test", folder_).shapes[0].vertices, s.shapes[0].vertices);
+}
+
+TEST_F(SceneFolder, UnreadableSceneFilesAreIoErrors) {
+    EXPECT_THROW((void)read_scene(folder_ / "none.json"), IoError);
+    EXPECT_THROW((void)read_scene(folder_), IoError);
+}
+
+TEST_F(SceneFolder, MissingAndBrokenMeshesAreProblemsOfTheScene) {
+    write("meshes/bad.obj", "v 0 0 0\nv 1 0 zero\nf 1 2 3\n");
+    write("s.json", R"({"flotilla_scene": 1, "shapes": [{"name": "a", "mass": 1, "mesh": "meshes/none.obj"},
+      {"name": "b", "mesh": "meshes/bad.obj"}, {"name": "c", "mesh": "meshes/tri.xyz"}],
+      "bodies": [{"name": "b", "shape": "a"}]})");
+    try {
+        (void)read_scene(folder_ / "s.json");
+        FAIL() << "accepted";
+    } catch (const InputError& error) {
+        const std::string what = error.what();
+        EXPECT_NE(what.find("s.json: /shapes/0/mesh: "), std::string::npos) << what;
+        EXPECT_NE(what.find("none.obj"), std::string::npos) << what;
+        EXPECT_NE(what.find("s.json: /shapes/1/mesh: "), std::string::npos) << what;
+        EXPECT_NE(what.find("bad.obj:2"), std::string::npos) << what;
+        EXPECT_NE(what.find("s.json: /shapes/2/mesh: "), std::string::npos) << what;
+    }
+}
+
+} // namespace
+} // namespace flotilla
