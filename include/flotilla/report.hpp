@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// What one time step reports: one row of a run's steps.csv, and what World::step returns.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+#include <flotilla/types.hpp>
+
+namespace flotilla {
+
+/// The timed parts of a step, in the order of DESIGN section 3. `detection` and the three after it split the same time
+/// another way (the paper's figure 17), so they are not part of the sum.
+enum class Phase : std::uint8_t {
+    collisions,          ///< stage 1
+    half_velocity,       ///< stage 2
+    half_static_contact, ///< stage 3
+    position,            ///< stage 4
+    dynamic_contact,     ///< stage 5, Algorithm 2
+    failsafe,            ///< stage 5, Algorithm 3
+    velocity,            ///< stage 6
+    static_contact,      ///< stage 7
+    certificate,         ///< end-of-step check
+    detection,           ///< of collisions, dynamic contact and failsafe
+    response,            ///< of collisions, dynamic contact and failsafe
+    static_detection,    ///< proximities of stages 3 and 7
+    static_response,     ///< contact solves of stages 3 and 7
+};
+inline constexpr std::size_t kNumPhases = 13;
+inline constexpr std::array<std::string_view, kNumPhases> kPhaseNames{
+    "stage1_collisions", "stage2_velocity",  "stage3_static_contact", "stage4_position", "stage5_dynamic_contact",
+    "stage5_failsafe",   "stage6_velocity",  "stage7_static_contact", "certificate",     "detection",
+    "response",          "static_detection", "static_response"};
+
+/// Reasons to look at a step; a set of bits. Each names the setting to raise.
+enum StepWarning : std::uint32_t {
+    kCollisionLimit = 1u << 0,  ///< collision_iterations ended stage 1 before it was quiet
+    kDynamicLimit = 1u << 1,    ///< dynamic_iterations ended Algorithm 2: the failsafe had to finish
+    kStaticLimit = 1u << 2,     ///< static_iterations ended PGS above static_tolerance
+    kScriptDelayed = 1u << 3,   ///< a scripted body was held for this step (DESIGN 4.6)
+    kReboundLost = 1u << 4,     ///< a held body lost a rebound of stage 1 (DESIGN 4.5)
+    kInfiniteOverlap = 1u << 5, ///< two infinite-mass bodies overlap
+};
+
+struct StepReport {
+    std::int64_t step = 0; ///< 1 after the first step
+    double time = 0;       ///< s, at the end of the step
+    double total_ms = 0;   ///< wall time
+    std::array<double, kNumPhases> phase_ms{};
+
+    std::int64_t pairs = 0;        ///< candidate body pairs examined
+    std::int64_t collisions = 0;   ///< impulses of stage 1
+    std::int64_t contacts = 0;     ///< contact points of stage 7
+    std::int64_t iterations = 0;   ///< sweeps of PGS, stages 3 and 7 together
+    double residual = 0;           ///< m/s, largest constraint violation left by PGS
+    std::int64_t merges = 0;       ///< failsafe: clusters merged
+    std::int64_t rung_changes = 0; ///< failsafe: steps down the ladder free, kinematic, rigid, held
+    std::int64_t held = 0;         ///< bodies at x^n at the end
+
+    double energy = 0;                                             ///< J, kinetic and potential
+    Vec3 momentum;                                                 ///< kg m/s, dynamic bodies
+    double min_distance = std::numeric_limits<double>::infinity(); ///< m, smallest certified or measured distance
+    std::uint64_t state_hash = 0;
+
+    Vec3 angular_momentum;             ///< kg m^2/s about the world's origin
+    double kinetic_energy = 0;         ///< J
+    std::int64_t kinematic_bodies = 0; ///< bodies that ended in a kinematic cluster
+    std::int64_t rigid_bodies = 0;     ///< bodies that ended in a rigid cluster
+    std::int64_t largest_cluster = 0;  ///< bodies in the largest cluster
+    std::int64_t trigger_a = -1;       ///< the pair of the first failsafe event, body indices; -1: none
+    std::int64_t trigger_b = -1;
+    std::int64_t sleeping = 0; ///< bodies asleep
+    std::uint32_t warnings = 0;
+
+    [[nodiscard]] double& ms(Phase phase) { return phase_ms[static_cast<std::size_t>(phase)]; }
+};
+
+} // namespace flotilla

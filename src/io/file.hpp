@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Whole files, read and written so that a crash, a full disk or a power cut leaves the old content or the new one, never a
+// mixture. Every failure is an IoError that names the path and carries the system's own text.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace flotilla::io {
+
+/// The file's bytes.
+[[nodiscard]] std::vector<std::byte> read_file(const std::filesystem::path& path);
+[[nodiscard]] std::string read_text(const std::filesystem::path& path);
+
+/// Writes beside `path` under a temporary name, syncs, renames over `path`, syncs the folder. On failure the temporary file
+/// is removed and `path` is as it was.
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+void write_file(const std::filesystem::path& path, std::string_view text);
+
+/// Makes earlier renames and removals in the folder durable.
+void sync_folder(const std::filesystem::path& folder);
+
+/// Creates the folder and its parents where they are missing.
+void create_folder(const std::filesystem::path& folder);
+
+/// Names that an interrupted write_file left behind end with this.
+inline constexpr std::string_view kTemporarySuffix = ".tmp";
+
+/// A checksum of bytes (XXH3, 64 bits). Stored in files: never to be changed.
+[[nodiscard]] std::uint64_t checksum(std::span<const std::byte> bytes);
+
+/// A file that only grows, one whole line per call: what is lost in a crash is whole lines at the end.
+class AppendFile {
+  public:
+    /// Opens for appending, creating the file where it is missing.
+    explicit AppendFile(const std::filesystem::path& path);
+    ~AppendFile();
+    AppendFile(const AppendFile&) = delete;
+    AppendFile& operator=(const AppendFile&) = delete;
+
+    void append(std::string_view text);
+    void sync();
+
+  private:
+    std::filesystem::path path_;
+    int descriptor_ = -1;
+};
+
+} // namespace flotilla::io

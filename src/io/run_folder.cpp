@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+#include "io/run_folder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <flotilla/error.hpp>
+
+#include "base/assert.hpp"
+#include "base/rotation.hpp"
+#include "io/run_files.hpp"
+#include "io/step_csv.hpp"
+
+namespace flotilla::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A segment is written at whichever limit comes first: the frames bound what a crash between two checkpoints loses, the
+// bytes bound memory (the image doubles them).
+constexpr std::size_t kSegmentFrames = 120;
+constexpr std::size_t kSegmentBytes = std::size_t{32} << 20;
+
+/// Below this angle (rad) the shortest arc between two rounded rotations is the step's turn; nearer to pi it could be its
+/// complement.
+constexpr double kLargestShortArc = 3.0;
+
+std::span<const double> flat(std::span<const Vec3> values) {
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    return {reinterpret_cast<const double*>(values.data()), 3 * values.size()};
+}
+std::span<const double> flat(std::span<const Quat> values) {
+    static_assert(sizeof(Quat) == 4 * sizeof(double));
+    return {reinterpret_cast<const double*>(values.data()), 4 * values.size()};
+}
+void append(std::vector<double>& to, std::span<const double> values) {
+    to.insert(to.end(), values.begin(), values.end());
+}
+
+/// Over everything that a frame holds, so that no part can change unseen.
+std::uint64_t frame_checksum(const FrameView& frame, std::span<const PathRotation> path) {
+    const auto of = [](auto span) { return checksum(std::as_bytes(span)); };
+    std::vector<double> turns;
+    for (const auto& turn : path) {
+        turns.push_back(turn.body);
+        append(turns, flat(std::span<const Vec3>(&turn.rotation, 1)));
+    }
+    const std::array<std::uint64_t, 7> parts{of(std::span(&frame.step, 1)),
+                                             of(std::span(&frame.time, 1)),
+                                             of(frame.position),
+                                             of(frame.rotation),
+                                             of(frame.velocity),
+                                             of(frame.angular_velocity),
+                                             of(std::span<const double>(turns))};
+    return of(std::span(parts));
+}
+
+std::vector<PathRotation> long_turns(std::span<const Vec3> path_rotation) {
+    std::vector<PathRotation> path;
+    for (std::size_t i = 0; i < path_rotation.size(); ++i)
+        if (!(length(path_rotation[i]) <= kLargestShortArc))
+            path.push_back({static_cast<std::int32_t>(i), path_rotation[i]});
+    return path;
+}
+
+FrameView view(const Frame& frame) {
+    return {frame.step, frame.time, frame.position, frame.rotation, frame.velocity, frame.angular_velocity, {}};
+}
+
+} // namespace
+
+RunScene make_run_scene(const SceneDescription& scene, std::span<const Vec3> centers_of_mass) {
+    FLOTILLA_ASSERT(centers_of_mass.size() == scene.shapes.size());
+    RunScene result;
+    for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+        const auto& shape = scene.shapes[i];
+        result.shapes.push_back({shape.name, {shape.vertices, shape.triangles}, centers_of_mass[i]});
+    }
+    for (const auto& body : scene.bodies) result.bodies.push_back({body.name, body.shape, body.type});
+    return result;
+}
+
+bool is_run_folder(const fs::path& folder) {
+    std::error_code error;
+    return fs::exists(folder / kRunJson, error);
+}
+
+// ---------------------------------------------------------------------------------------------------------- RunWriter
+
+RunWriter::RunWriter(const fs::path& folder, const RunInfo& info, const RunScene& scene, OpenRun mode)
+    : folder_(folder), info_(info), bodies_(scene.bodies.size()), started_(utc_now()) {
+    create_folder(folder);
+    if (mode == OpenRun::overwrite) {
+        remove_run_files(folder);
+    } else if (std::error_code error; !fs::is_empty(folder, error) || error) {
+        throw InputError(folder.string() +
+                         ": the folder is not empty; --resume continues the run in it, --overwrite replaces it");
+    }
+    write_meshes(folder / kMeshes, scene);
+    write_file(folder / kSceneJson, info.scene_json);
+    write_file(folder / kStepsCsv, step_csv_header());
+    write_run_json("running");
+    steps_csv_ = std::make_unique<AppendFile>(folder / kStepsCsv);
+}
+
+RunWriter::RunWriter(const fs::path& folder, const RunInfo& info, const RunScene& scene, std::int64_t step)
+    : folder_(folder), info_(info), bodies_(scene.bodies.size()), started_(utc_now()) {
+    RunReader reader(folder);
+    if (reader.info().frame_every != info.frame_every)
+        throw InputError(folder.string() + ": the run writes a frame every " +
+                         std::to_string(reader.info().frame_every) + " steps; --resume cannot change that");
+    if (reader.info().scene_hash != info.scene_hash)
+        throw InputError(folder.string() + ": was made from another scene or other settings; --resume needs the same");
+    keep_frames(reader, step / info.frame_every + 1);
+    write_file(folder / kStepsCsv, step_csv_until(read_text(folder / kStepsCsv), step));
+    write_run_json("running");
+    steps_csv_ = std::make_unique<AppendFile>(folder / kStepsCsv);
+}
+
+/// Removes the frames from `count` on. A segment on both sides of the border goes back into the buffer and is replaced when
+/// the buffer is written; until then its file stays.
+void RunWriter::keep_frames(RunReader& reader, std::int64_t count) {
+    for (const auto& segment : list_segments(folder_)) {
+        if (segment.first >= count) {
+            std::error_code error;
+            fs::remove(segment.path, error);
+            if (error) throw IoError(segment.path.string() + ": cannot remove: " + error.message());
+        } else if (segment.last >= count) {
+            first_frame_ = segment.first;
+            for (std::int64_t k = segment.first; k < count; ++k) {
+                const Frame frame = reader.frame(k);
+                append_frame(view(frame), frame.path);
+            }
+        } else {
+            first_frame_ = segment.last + 1;
+        }
+    }
+}
+
+RunWriter::~RunWriter() {
+    if (closed_) return;
+    try {
+        flush();
+    } catch (const std::exception&) {
+        // A destructor on the way out of another error; the caller that cares calls close().
+    }
+}
+
+void RunWriter::write_run_json(const std::string& status) const {
+    write_file(folder_ / kRunJson, run_json_text(info_, bodies_, started_, status, frames()));
+}
+
+std::size_t RunWriter::frame_bytes() const { return bodies_ * 13 * sizeof(double); }
+
+void RunWriter::add_frame(const FrameView& frame) {
+    FLOTILLA_ASSERT(frame.position.size() == bodies_ && frame.rotation.size() == bodies_ &&
+                    frame.velocity.size() == bodies_ && frame.angular_velocity.size() == bodies_);
+    append_frame(frame, long_turns(frame.path_rotation));
+    if (steps_.size() >= kSegmentFrames || steps_.size() * frame_bytes() >= kSegmentBytes) write_segment();
+}
+
+void RunWriter::append_frame(const FrameView& frame, std::span<const PathRotation> path) {
+    const auto frame_in_segment = static_cast<std::int32_t>(steps_.size());
+    for (const auto& turn : path) {
+        path_index_.insert(path_index_.end(), {frame_in_segment, turn.body});
+        append(path_rotation_, flat(std::span<const Vec3>(&turn.rotation, 1)));
+    }
+    steps_.push_back(frame.step);
+    times_.push_back(frame.time);
+    append(position_, flat(frame.position));
+    append(rotation_, flat(frame.rotation));
+    append(velocity_, flat(frame.velocity));
+    append(angular_velocity_, flat(frame.angular_velocity));
+    checksums_.push_back(frame_checksum(frame, path));
+}
+
+void RunWriter::write_segment() {
+    if (steps_.empty()) return;
+    const std::size_t frames_here = steps_.size();
+    const std::int64_t last = first_frame_ + static_cast<std::int64_t>(frames_here) - 1;
+    Hdf5Writer file;
+    file.attribute("/", "flotilla_frames", std::int64_t{1});
+    file.attribute("/", "first_frame", first_frame_);
+    file.write<std::int64_t>("/step", steps_, {frames_here});
+    file.write<double>("/time", times_, {frames_here});
+    file.write<double>("/position", position_, {frames_here, bodies_, 3}, Hdf5Writer::Checked::by_owner);
+    file.write<double>("/rotation", rotation_, {frames_here, bodies_, 4}, Hdf5Writer::Checked::by_owner);
+    file.write<double>("/velocity", velocity_, {frames_here, bodies_, 3}, Hdf5Writer::Checked::by_owner);
+    file.write<double>("/angular_velocity", angular_velocity_, {frames_here, bodies_, 3},
+                       Hdf5Writer::Checked::by_owner);
+    file.write<std::uint64_t>("/checksum", checksums_, {frames_here});
+    file.write<std::int32_t>("/path_index", path_index_, {path_index_.size() / 2, 2});
+    file.write<double>("/path_rotation", path_rotation_, {path_rotation_.size() / 3, 3});
+    const fs::path path = segment_path(folder_, first_frame_, last);
+    write_file(path, file.finish());
+    remove_replaced(path);
+    first_frame_ = last + 1;
+    for (auto* values : {&times_, &position_, &rotation_, &velocity_, &angular_velocity_, &path_rotation_})
+        values->clear();
+    steps_.clear();
+    checksums_.clear();
+    path_index_.clear();
+}
+
+/// A segment that begins with the same frame is an older form of the one just written.
+void RunWriter::remove_replaced(const fs::path& written) const {
+    const std::string prefix = written.filename().string().substr(0, std::string("frames-00000000-").size());
+    std::error_code error;
+    for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error))
+        if (it->path() != written && it->path().filename().string().starts_with(prefix)) fs::remove(it->path(), error);
+}
+
+void RunWriter::add_step(const StepReport& row) { steps_csv_->append(step_csv_row(row)); }
+
+void RunWriter::flush() {
+    write_segment();
+    steps_csv_->sync();
+}
+
+void RunWriter::close(const std::string& status) {
+    flush();
+    write_run_json(status);
+    closed_ = true;
+}
+
+// ---------------------------------------------------------------------------------------------------------- RunReader
+
+RunReader::RunReader(const fs::path& folder) : folder_(folder) {
+    if (!is_run_folder(folder)) throw IoError(folder.string() + ": not a run folder (it has no run.json)");
+    run_json_ = read_text(folder / kRunJson);
+    info_ = parse_run_json(folder / kRunJson, run_json_);
+    scene_ = read_meshes(folder / kMeshes);
+    segments_ = list_segments(folder);
+}
+
+const SegmentFile& RunReader::segment_of(std::int64_t k) const {
+    const auto after = std::upper_bound(segments_.begin(), segments_.end(), k,
+                                        [](std::int64_t f, const SegmentFile& s) { return f < s.first; });
+    if (after == segments_.begin() || k > std::prev(after)->last) {
+        const std::int64_t last = after == segments_.end() ? k : after->first - 1;
+        const std::int64_t first = after == segments_.begin() ? 0 : std::prev(after)->last + 1;
+        throw IoError(folder_.string() + ": frames " + std::to_string(first) + " to " + std::to_string(last) +
+                      " are missing");
+    }
+    return *std::prev(after);
+}
+
+void RunReader::open(const SegmentFile& segment) {
+    if (open_first_ == segment.first) return;
+    open_first_ = -1;
+    try {
+        file_ = std::make_unique<Hdf5Reader>(segment.path);
+        if (file_->int_attribute("/", "flotilla_frames") != 1)
+            throw IoError(segment.path.string() + ": written by a newer version of flotilla");
+        steps_ = file_->read<std::int64_t>("/step");
+        times_ = file_->read<double>("/time");
+        checksums_ = file_->read<std::uint64_t>("/checksum");
+        path_index_ = file_->read<std::int32_t>("/path_index");
+        path_rotation_ = file_->read<double>("/path_rotation");
+        const auto count = static_cast<std::size_t>(segment.last - segment.first + 1);
+        if (steps_.size() != count || times_.size() != count || checksums_.size() != count ||
+            path_index_.size() * 3 != path_rotation_.size() * 2)
+            throw IoError(segment.path.string() + ": damaged: it does not hold the frames that its name says");
+    } catch (const IoError& error) {
+        throw IoError(std::string(error.what()) + "; frames " + std::to_string(segment.first) + " to " +
+                      std::to_string(segment.last) + " are lost");
+    }
+    open_first_ = segment.first;
+}
+
+Frame RunReader::frame(std::int64_t k) {
+    const SegmentFile& segment = segment_of(k);
+    open(segment);
+    try {
+        return read_frame(k, static_cast<std::size_t>(k - segment.first));
+    } catch (const IoError& error) {
+        throw IoError(std::string(error.what()) + "; frame " + std::to_string(k) + " is lost");
+    }
+}
+
+Frame RunReader::read_frame(std::int64_t k, std::size_t row) const {
+    const std::size_t n = scene_.bodies.size();
+    Frame frame{k, steps_[row], times_[row], {}, {}, {}, {}, {}};
+    frame.position.resize(n), frame.rotation.resize(n), frame.velocity.resize(n), frame.angular_velocity.resize(n);
+    const auto read = [&](const char* name, auto& values) {
+        constexpr std::size_t width = sizeof(values[0]) / sizeof(double);
+        file_->read_row<double>(name, row, {reinterpret_cast<double*>(values.data()), width * values.size()});
+    };
+    read("/position", frame.position);
+    read("/rotation", frame.rotation);
+    read("/velocity", frame.velocity);
+    read("/angular_velocity", frame.angular_velocity);
+    for (std::size_t i = 0; 2 * i < path_index_.size(); ++i)
+        if (path_index_[2 * i] == static_cast<std::int32_t>(row))
+            frame.path.push_back({path_index_[2 * i + 1],
+                                  {path_rotation_[3 * i], path_rotation_[3 * i + 1], path_rotation_[3 * i + 2]}});
+    if (frame_checksum(view(frame), frame.path) != checksums_[row])
+        throw IoError(file_->path().string() + ": damaged: data do not match their checksum");
+    return frame;
+}
+
+std::uintmax_t RunReader::frame_file_bytes() const {
+    std::uintmax_t bytes = 0;
+    std::error_code error;
+    for (const auto& segment : segments_) {
+        const auto size = fs::file_size(segment.path, error);
+        if (!error) bytes += size;
+    }
+    return bytes;
+}
+
+std::vector<Vec3> path_rotations(const Frame& a, const Frame& b) {
+    std::vector<Vec3> turns(a.rotation.size());
+    for (std::size_t i = 0; i < turns.size(); ++i)
+        if (a.rotation[i] != b.rotation[i]) turns[i] = rotation_vector(b.rotation[i] * conjugate(a.rotation[i]));
+    for (const auto& turn : b.path) turns[static_cast<std::size_t>(turn.body)] = turn.rotation;
+    return turns;
+}
+
+} // namespace flotilla::io

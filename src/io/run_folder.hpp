@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// The folder of a run (DESIGN section 6):
+//   run.json          where the run comes from: version, commit, compiler, machine, threads, settings, command line
+//   scene.json        the scene as it was read, for people
+//   meshes.h5         what the frames need: every shape once, and the bodies' names, shapes and types
+//   steps.csv         one row per step
+//   frames-A-B.h5     frames A..B
+//   checkpoint-S.h5   everything needed to go on after step S (io/checkpoint)
+// Every file but steps.csv is written beside its place, synced and renamed, so that a crash leaves whole files only.
+//
+// A segment holds, float64: position [frames][bodies][3] of the mesh's origin (m), rotation [..][4] as w x y z, velocity
+// [..][3] of the centre of mass (m/s), angular_velocity [..][3] (rad/s); step [frames], time [frames] (s), and
+// checksum [frames] over all of a frame's values, so that one flipped bit costs one frame and is never taken for data.
+// The path of a body between two successive steps is its centre of mass on a straight line and the orientation R(t w) q.
+// w is the shortest arc between the two stored rotations, except for the rows of path_index [rows][2] (frame in the segment,
+// body): their w is in path_rotation [rows][3] (rad). Only bodies that turn by nearly half a turn in one step have a row.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <flotilla/report.hpp>
+#include <flotilla/scene.hpp>
+
+#include "io/file.hpp"
+#include "io/hdf5.hpp"
+#include "mesh/triangle_mesh.hpp"
+
+namespace flotilla::io {
+
+/// What run.json records beside what the program knows itself (version, commit, compiler, flags, machine).
+struct RunInfo {
+    std::vector<std::string> command_line;
+    int threads = 1;
+    std::uint64_t seed = 0;
+    std::string settings_json = "{}"; ///< the resolved settings, a JSON object
+    std::string scene_json;           ///< the scene file's text
+    std::uint64_t scene_hash = 0;     ///< of all that a run's bits depend on
+    Trajectory trajectory = Trajectory::linear;
+    double time_step = 0; ///< s
+    int frame_every = 1;  ///< steps per frame
+};
+
+struct RunShape {
+    std::string name;
+    TriangleMesh mesh;   ///< scaled, mesh coordinates
+    Vec3 center_of_mass; ///< mesh coordinates
+};
+struct RunBody {
+    std::string name;
+    std::int32_t shape = 0;
+    BodyType type = BodyType::dynamic;
+};
+struct RunScene {
+    std::vector<RunShape> shapes;
+    std::vector<RunBody> bodies;
+};
+/// Precondition: one centre of mass per shape.
+[[nodiscard]] RunScene make_run_scene(const SceneDescription& scene, std::span<const Vec3> centers_of_mass);
+
+/// One frame to be written: arrays over the bodies in scene order.
+struct FrameView {
+    std::int64_t step = 0;
+    double time = 0; ///< s
+    std::span<const Vec3> position;
+    std::span<const Quat> rotation;
+    std::span<const Vec3> velocity;
+    std::span<const Vec3> angular_velocity;
+    std::span<const Vec3> path_rotation; ///< rad, of the step that ended here; empty: shortest arcs
+};
+
+/// The turn of one body over the step that ended at a frame, where it is not the shortest arc.
+struct PathRotation {
+    std::int32_t body = 0;
+    Vec3 rotation; ///< rad
+};
+
+struct Frame {
+    std::int64_t index = 0; ///< in the run, from 0
+    std::int64_t step = 0;
+    double time = 0; ///< s
+    std::vector<Vec3> position;
+    std::vector<Quat> rotation;
+    std::vector<Vec3> velocity;
+    std::vector<Vec3> angular_velocity;
+    std::vector<PathRotation> path; ///< sorted by body
+};
+
+/// A file frames-<first>-<last>.h5.
+struct SegmentFile {
+    std::int64_t first = 0, last = 0; ///< frames
+    std::filesystem::path path;
+};
+
+class RunReader;
+
+enum class OpenRun {
+    create,    ///< the folder is missing or empty
+    overwrite, ///< what an earlier run wrote is removed first
+};
+
+/// Writes a run folder. Used from one thread.
+class RunWriter {
+  public:
+    /// Starts a run. InputError where the folder has content and `mode` is create.
+    RunWriter(const std::filesystem::path& folder, const RunInfo& info, const RunScene& scene, OpenRun mode);
+    /// Goes on with the run in the folder after step `step`: frames and rows of later steps are removed.
+    /// InputError where that run had another scene, other settings or another frame_every.
+    RunWriter(const std::filesystem::path& folder, const RunInfo& info, const RunScene& scene, std::int64_t step);
+    /// Writes what is left and swallows errors; close() reports them.
+    ~RunWriter();
+    RunWriter(const RunWriter&) = delete;
+    RunWriter& operator=(const RunWriter&) = delete;
+
+    /// Precondition: arrays of one element per body; frame k is of step k * frame_every.
+    void add_frame(const FrameView& frame);
+    void add_step(const StepReport& row);
+    /// Makes all frames and rows so far durable. Call before a checkpoint is written.
+    void flush();
+    /// flush, and the final run.json: `status` is "complete" or why the run ended.
+    void close(const std::string& status);
+
+    [[nodiscard]] std::int64_t frames() const { return first_frame_ + static_cast<std::int64_t>(steps_.size()); }
+
+  private:
+    void keep_frames(RunReader& reader, std::int64_t count);
+    void append_frame(const FrameView& frame, std::span<const PathRotation> path);
+    void write_segment();
+    void remove_replaced(const std::filesystem::path& written) const;
+    void write_run_json(const std::string& status) const;
+    [[nodiscard]] std::size_t frame_bytes() const;
+
+    std::filesystem::path folder_;
+    RunInfo info_;
+    std::size_t bodies_ = 0;
+    std::string started_;
+    std::unique_ptr<AppendFile> steps_csv_;
+    bool closed_ = false;
+
+    // Frames of the segment that is being filled.
+    std::int64_t first_frame_ = 0;
+    std::vector<std::int64_t> steps_;
+    std::vector<double> times_;
+    std::vector<double> position_, rotation_, velocity_, angular_velocity_;
+    std::vector<std::uint64_t> checksums_;
+    std::vector<std::int32_t> path_index_;
+    std::vector<double> path_rotation_;
+};
+
+/// Reads a run folder, also one that is still being written. Used from one thread.
+class RunReader {
+  public:
+    /// IoError where the folder is not a run folder.
+    explicit RunReader(const std::filesystem::path& folder);
+
+    [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+    [[nodiscard]] const RunScene& scene() const { return scene_; }
+    [[nodiscard]] const RunInfo& info() const { return info_; }
+    [[nodiscard]] const std::string& run_json() const { return run_json_; }
+    /// One more than the last frame's index; frames inside may be missing.
+    [[nodiscard]] std::int64_t frames() const { return segments_.empty() ? 0 : segments_.back().last + 1; }
+    /// Frame k. IoError naming the file and the frames that are lost where it is missing or damaged; the others stay
+    /// readable.
+    [[nodiscard]] Frame frame(std::int64_t k);
+    /// Bytes of all segments.
+    [[nodiscard]] std::uintmax_t frame_file_bytes() const;
+
+  private:
+    [[nodiscard]] const SegmentFile& segment_of(std::int64_t k) const;
+    void open(const SegmentFile& segment);
+    [[nodiscard]] Frame read_frame(std::int64_t k, std::size_t row) const;
+
+    std::filesystem::path folder_;
+    std::string run_json_;
+    RunInfo info_;
+    RunScene scene_;
+    std::vector<SegmentFile> segments_;
+    std::int64_t open_first_ = -1;
+    std::unique_ptr<Hdf5Reader> file_;
+    std::vector<std::int64_t> steps_;
+    std::vector<double> times_;
+    std::vector<std::uint64_t> checksums_;
+    std::vector<std::int32_t> path_index_;
+    std::vector<double> path_rotation_;
+};
+
+/// The turn of every body from frame a to the next frame b: the recorded one or the shortest arc (rad).
+[[nodiscard]] std::vector<Vec3> path_rotations(const Frame& a, const Frame& b);
+
+/// True where `folder` has a run.json.
+[[nodiscard]] bool is_run_folder(const std::filesystem::path& folder);
+
+} // namespace flotilla::io

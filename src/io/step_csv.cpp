@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "io/step_csv.hpp"
+
+#include <cmath>
+
+#include "io/number.hpp"
+
+namespace flotilla::io {
+namespace {
+
+constexpr std::string_view kColumnsAfterPhases =
+    "pairs,collisions,contacts,iterations,residual,merges,rung_changes,held,energy,momentum_x,momentum_y,momentum_z,"
+    "min_distance,state_hash,angular_momentum_x,angular_momentum_y,angular_momentum_z,kinetic_energy,kinematic_bodies,"
+    "rigid_bodies,largest_cluster,trigger_a,trigger_b,sleeping,warnings";
+
+std::string hex(std::uint64_t value) {
+    char buffer[16];
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, 16).ptr;
+    std::string text(buffer, end);
+    return std::string(16 - text.size(), '0') + text;
+}
+
+} // namespace
+
+std::string step_csv_header() {
+    std::string text = "step,time,total_ms";
+    for (const auto name : kPhaseNames) text.append(",").append(name).append("_ms");
+    return text.append(",").append(kColumnsAfterPhases).append("\n");
+}
+
+std::string step_csv_row(const StepReport& row) {
+    std::string text;
+    append_number(text, row.step);
+    const auto add = [&text](auto value) {
+        text += ',';
+        append_number(text, value);
+    };
+    const auto add_vector = [&add](const Vec3& v) { add(v.x), add(v.y), add(v.z); };
+    add(row.time), add(row.total_ms);
+    for (const double ms : row.phase_ms) add(ms);
+    add(row.pairs), add(row.collisions), add(row.contacts), add(row.iterations), add(row.residual);
+    add(row.merges), add(row.rung_changes), add(row.held), add(row.energy);
+    add_vector(row.momentum);
+    if (std::isinf(row.min_distance))
+        text += ',';
+    else
+        add(row.min_distance);
+    text.append(",").append(hex(row.state_hash));
+    add_vector(row.angular_momentum);
+    add(row.kinetic_energy), add(row.kinematic_bodies), add(row.rigid_bodies), add(row.largest_cluster);
+    add(row.trigger_a), add(row.trigger_b), add(row.sleeping), add(row.warnings);
+    return text.append("\n");
+}
+
+std::string step_csv_until(std::string_view text, std::int64_t last_step) {
+    std::string kept = step_csv_header();
+    std::size_t begin = text.find('\n');
+    while (begin != std::string_view::npos && ++begin < text.size()) {
+        const std::size_t end = text.find('\n', begin);
+        if (end == std::string_view::npos) break;
+        const std::string_view line = text.substr(begin, end + 1 - begin);
+        std::int64_t step = 0;
+        if (parse_number(line.substr(0, line.find(',')), step) && step <= last_step) kept += line;
+        begin = end;
+    }
+    return kept;
+}
+
+} // namespace flotilla::io
