@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "static_contact/solve_contacts.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "static_contact/contact_world.hpp"
+#include "static_contact/tangents.hpp"
 
 namespace flotilla {
 namespace {
@@ -117,6 +120,96 @@ TEST(SolveContacts, PrescribedVelocitiesAreReadAndNeverWritten) {
     EXPECT_EQ(w.velocity[2], Vec3{});
     EXPECT_EQ(w.impulses[1], Vec3{});
     EXPECT_NEAR(w.velocity_at(1, {0.1, 0, 0.5}).z, 2, 1e-12);
+}
+
+// --- friction ---
+
+// A box on a plane through the origin, gravity leaning by `angle` towards `heading` in the plane. One corner contact each.
+ContactWorld make_sliding_box(double friction) {
+    ContactWorld w;
+    w.add_body(0);
+    w.add_body(3, {0.5, 0.7, 0.8}, {0, 0, 0.4});
+    for (const double x : {-0.5, 0.5})
+        for (const double y : {-0.6, 0.6}) w.add_contact(0, 1, {x, y, 0}, kUp, friction);
+    return w;
+}
+
+Vec3 leaning_gravity(double angle, double heading) {
+    return 9.8 * Vec3{std::sin(angle) * std::cos(heading), std::sin(angle) * std::sin(heading), -std::cos(angle)};
+}
+
+void run_steps(ContactWorld& w, const Vec3& gravity, int steps, ContactSolveOptions options) {
+    for (int i = 0; i < steps; ++i) {
+        options.step = static_cast<std::uint64_t>(i);
+        w.velocity[1] += (1.0 / 24) * gravity;
+        w.solve(options);
+    }
+}
+
+TEST(Incline, HoldsJustAboveTheThresholdInEveryDirection) {
+    for (const double angle : {0.1, 0.3, 0.6})
+        for (const double heading : {0.0, 0.2, 0.8, 2.0, 4.0}) {
+            ContactWorld w = make_sliding_box(1.01 * std::tan(angle));
+            run_steps(w, leaning_gravity(angle, heading), 24, accurate());
+            EXPECT_LT(length(w.velocity[1]), 1e-9) << angle << ' ' << heading;
+            EXPECT_LT(length(w.angular_velocity[1]), 1e-9) << angle << ' ' << heading;
+        }
+}
+
+TEST(Incline, SlidesJustBelowTheThresholdAtTheAccelerationOfCoulomb) {
+    for (const double angle : {0.1, 0.3, 0.6})
+        for (const double ratio : {0.5, 0.99})
+            for (const double heading : {0.0, 0.2, 0.8, 2.0, 4.0}) {
+                const double mu = ratio * std::tan(angle);
+                ContactWorld w = make_sliding_box(mu);
+                run_steps(w, leaning_gravity(angle, heading), 24, accurate());
+                const Vec3 downhill{std::cos(heading), std::sin(heading), 0};
+                const double expected = 9.8 * (std::sin(angle) - mu * std::cos(angle)); // after 1 s
+                EXPECT_NEAR(dot(w.velocity[1], downhill) / expected, 1, 1e-6)
+                    << angle << ' ' << ratio << ' ' << heading;
+                EXPECT_LT(length(w.velocity[1] - dot(w.velocity[1], downhill) * downhill), 1e-6 * expected);
+            }
+}
+
+TEST(Friction, OfTheRandomPyramidIsTooLargeByFourOverPi) {
+    // ALGORITHM section 3: both rows saturate, |cos| + |sin| of a uniform angle has the mean 4/pi.
+    ContactWorld w;
+    w.add_body(0);
+    w.add_body(1);
+    w.add_contact(0, 1, {}, kUp, 0.1);
+    double sum = 0, least = 10, most = 0;
+    const int steps = 20000;
+    for (int i = 0; i < steps; ++i) {
+        w.velocity[1] = {5, 0, -1};
+        w.solve({.warm_start = false, .step = static_cast<std::uint64_t>(i)});
+        const double friction = (5 - w.velocity[1].x) / 0.1; // of mu lambda_n
+        sum += friction;
+        least = std::min(least, friction);
+        most = std::max(most, friction);
+    }
+    EXPECT_NEAR(sum / steps, 4 / std::numbers::pi, 0.003);
+    EXPECT_NEAR(least, 1, 1e-3);
+    EXPECT_NEAR(most, std::numbers::sqrt2, 1e-3);
+}
+
+TEST(Friction, TangentsDependOnKeyAndStepOnly) {
+    const Contact c{.a = 3, .b = 8, .point = {}, .normal = normalized(Vec3{1, -2, 0.5}), .feature_key = 77};
+    const TangentPair t = keyed_tangents(c, 1, 2);
+    EXPECT_NEAR(length(t.t1), 1, 1e-15);
+    EXPECT_NEAR(length(t.t2), 1, 1e-15);
+    EXPECT_NEAR(length(cross(t.t1, t.t2) - c.normal), 0, 1e-15);
+    Contact moved = c;
+    moved.point = {1, 2, 3};
+    moved.friction = 4;
+    EXPECT_EQ(keyed_tangents(moved, 1, 2).t1, t.t1);
+    EXPECT_FALSE(keyed_tangents(c, 1, 3).t1 == t.t1);
+    EXPECT_FALSE(keyed_tangents(c, 2, 2).t1 == t.t1);
+    moved.feature_key = 78;
+    EXPECT_FALSE(keyed_tangents(moved, 1, 2).t1 == t.t1);
+    for (const Vec3& n : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, -0.0}}) {
+        moved.normal = n;
+        EXPECT_NEAR(dot(keyed_tangents(moved, 0, 0).t1, n), 0, 1e-16);
+    }
 }
 
 // --- columns: the convergence law of Gauss-Seidel ---
@@ -266,6 +359,63 @@ TEST(SolveContacts, ASolvedStateObeysEveryRow) {
             }
         }
     }
+}
+
+// --- order ---
+
+TEST(SolveContacts, TheOrderOfTheInputChangesNoBit) {
+    for (const Tangents tangents : {Tangents::random, Tangents::aligned}) {
+        ContactWorld sorted = make_random(5, 60, 12, 0.4, true), shuffled = sorted;
+        std::vector<std::size_t> order(sorted.contacts.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
+        for (std::size_t k = 0; k < order.size(); ++k) shuffled.contacts[k] = sorted.contacts[order[k]];
+        for (int step = 0; step < 3; ++step) { // warm from the second on
+            const ContactSolveOptions options{.iterations = 17, .tangents = tangents};
+            sorted.solve(options);
+            shuffled.solve(options);
+            EXPECT_EQ(sorted.velocity, shuffled.velocity);
+            EXPECT_EQ(sorted.angular_velocity, shuffled.angular_velocity);
+            for (std::size_t k = 0; k < order.size(); ++k) EXPECT_EQ(shuffled.impulses[k], sorted.impulses[order[k]]);
+        }
+    }
+}
+
+TEST(SolveContacts, OtherIslandsChangeNoBit) {
+    const ContactWorld all = make_random(6, 60, 12, 0.4, true);
+    ContactWorld together = all, alone = all;
+    std::erase_if(alone.contacts, [](const Contact& c) { return c.b > 12; }); // bodies 1..12 are one island or more
+    alone.impulses.resize(alone.contacts.size());
+    ASSERT_GT(alone.contacts.size(), 10u);
+    ASSERT_LT(alone.contacts.size(), together.contacts.size());
+    const ContactSolveOptions options{.iterations = 200, .tolerance = 1e-3};
+    together.solve(options);
+    alone.solve(options);
+    for (std::size_t i = 0; i <= 12; ++i) {
+        EXPECT_EQ(together.velocity[i], alone.velocity[i]) << i;
+        EXPECT_EQ(together.angular_velocity[i], alone.angular_velocity[i]) << i;
+    }
+}
+
+TEST(SolveContacts, ASettledIslandStopsByItself) {
+    // A body at rest on the ground beside a column of 20: two islands, of which one needs two sweeps.
+    ContactWorld w = make_column(20, 1);
+    w.add_contact(0, w.add_body(1), {5, 0, 0}, kUp);
+    const ContactSolveStats stats = w.solve({.iterations = 1000, .tolerance = 1e-6, .shock = false});
+    EXPECT_EQ(stats.islands, 2);
+    EXPECT_EQ(stats.iterations, 1000);
+    EXPECT_EQ(stats.visits, 20 * 1000 + 1);
+}
+
+TEST(SolveContacts, NothingToDoIsFine) {
+    ContactWorld w;
+    w.add_body(1);
+    w.velocity[0] = {1, 2, 3};
+    const ContactSolveStats stats = w.solve({});
+    EXPECT_EQ(stats.islands, 0);
+    EXPECT_EQ(stats.residual, 0);
+    EXPECT_EQ(w.velocity[0], (Vec3{1, 2, 3}));
+    EXPECT_EQ(w.scratch.shocked, std::vector<std::uint8_t>{0});
 }
 
 } // namespace

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// Frictional contact problems with a general matrix, u = W r + q (data/friction), solved by the projection code of the
+// solver itself: only the relative velocity comes from W instead of bodies.
+#pragma once
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "static_contact/local_contact.hpp"
+
+namespace flotilla {
+
+struct FrictionProblem {
+    struct Block {
+        std::size_t column = 0;
+        Mat3 w;
+    };
+    std::vector<LocalContact> contacts;
+    std::vector<Vec3> q;
+    std::vector<std::vector<Block>> row; ///< all blocks of a contact's row, its own among them
+
+    void set_diagonal(std::size_t i, const Mat3& w) {
+        const auto mean = [&](std::size_t k, std::size_t l) { return (w.m[k] + w.m[l]) / 2; };
+        LocalContact& c = contacts[i];
+        c.mass_diagonal = {w.m[0], w.m[4], w.m[8]};
+        c.inv_mass_diagonal = {1 / w.m[0], 1 / w.m[4], 1 / w.m[8]};
+        c.coupling = {mean(1, 3), mean(2, 6), mean(5, 7)};
+    }
+
+    Vec3 velocity(std::size_t i) const {
+        Vec3 u = q[i];
+        for (const Block& b : row[i]) u += b.w * contacts[b.column].impulse;
+        return u;
+    }
+
+    /// One sweep in index order; the largest violation met.
+    template <Cone kCone>
+    double sweep() {
+        double worst = 0;
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+            const LocalUpdate update = visit<kCone>(contacts[i], velocity(i));
+            contacts[i].impulse += update.change;
+            worst = std::max(worst, update.violation);
+        }
+        return worst;
+    }
+
+    template <Cone kCone>
+    double residual() const {
+        double worst = 0;
+        for (std::size_t i = 0; i < contacts.size(); ++i)
+            worst = std::max(worst, violation<kCone>(contacts[i], velocity(i)));
+        return worst;
+    }
+
+    /// Sweeps until the violation is at most `tolerance`; their number, at most `limit`.
+    template <Cone kCone>
+    int solve(double tolerance, int limit) {
+        int sweeps = 0;
+        while (sweeps < limit) {
+            ++sweeps;
+            if (sweep<kCone>() <= tolerance && residual<kCone>() <= tolerance) break;
+        }
+        return sweeps;
+    }
+
+    /// |r - P_K(r - u - mu |u_T| e_N)| / max(|q|, |r|, |u|): the law itself, apart from how it was solved.
+    double natural_map() const {
+        double map_sq = 0, q_sq = 0, r_sq = 0, u_sq = 0;
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+            const Vec3 r = contacts[i].impulse, u = velocity(i);
+            const double mu = contacts[i].friction;
+            const double slip = std::sqrt(u.y * u.y + u.z * u.z);
+            map_sq += length_sq(r - project_on_cone({r.x - u.x - mu * slip, r.y - u.y, r.z - u.z}, mu));
+            q_sq += length_sq(q[i]);
+            r_sq += length_sq(r);
+            u_sq += length_sq(u);
+        }
+        return std::sqrt(map_sq / std::max(q_sq, std::max(r_sq, u_sq)));
+    }
+
+    static Vec3 project_on_cone(const Vec3& a, double mu) {
+        const double t = std::sqrt(a.y * a.y + a.z * a.z);
+        if (t <= mu * a.x) return a;
+        if (mu * t <= -a.x) return {};
+        const double n = (a.x + mu * t) / (1 + mu * mu);
+        return {n, mu * n * a.y / t, mu * n * a.z / t};
+    }
+};
+
+/// Reads the format of data/README: int32 nc, nblocks, mu[nc], q[3 nc], nblocks x {int32 row, col, double B[9]}.
+inline FrictionProblem read_friction_problem(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    const auto read = [&]<class T>(T value) {
+        if (!file.read(reinterpret_cast<char*>(&value), sizeof value))
+            throw std::runtime_error("short " + path.string());
+        return value;
+    };
+    const auto read_vec = [&] {
+        const double x = read(0.0), y = read(0.0);
+        return Vec3{x, y, read(0.0)};
+    };
+    FrictionProblem p;
+    const auto n = static_cast<std::size_t>(read(std::int32_t{}));
+    const std::int32_t num_blocks = read(std::int32_t{});
+    p.contacts.resize(n);
+    p.row.resize(n);
+    for (LocalContact& c : p.contacts) c.friction = read(0.0);
+    for (std::size_t i = 0; i < n; ++i) p.q.push_back(read_vec());
+    for (std::int32_t k = 0; k < num_blocks; ++k) {
+        const auto i = static_cast<std::size_t>(read(std::int32_t{}));
+        const auto j = static_cast<std::size_t>(read(std::int32_t{}));
+        const Mat3 w = read(Mat3{});
+        p.row.at(i).push_back({j, w});
+        if (i == j) p.set_diagonal(i, w);
+    }
+    return p;
+}
+
+} // namespace flotilla
