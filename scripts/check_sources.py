@@ -50,6 +50,7 @@ PUBLIC_HEADERS = {
     "scene": "scene",
     "scene_file": "io",
     "report": "step/report",
+    "picture": "io",
 }
 
 # Libraries beside std and Eigen, which every module but the embedders' headers may use.

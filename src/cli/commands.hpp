@@ -26,5 +26,6 @@ enum ExitCode : int {
 using Action = std::function<int()>;
 
 void register_ccd(CLI::App& app, Action& action);
+void register_picture(CLI::App& app, Action& action);
 
 } // namespace flotilla::cli

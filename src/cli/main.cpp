@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     cli::Action action;
     cli::register_ccd(app, action);
+    cli::register_picture(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// flotilla picture: a PNG of a frame of a run, or of a scene.
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <flotilla/picture.hpp>
+
+#include "cli/commands.hpp"
+
+namespace flotilla::cli {
+namespace {
+
+struct PictureArguments {
+    std::string source, output;
+    std::optional<std::int64_t> frame;
+    PictureOptions options;
+};
+
+int run_picture(const PictureArguments& arguments) {
+    const PictureReport r = write_picture(arguments.source, arguments.output, arguments.options, arguments.frame);
+    std::cerr << arguments.output << ": frame " << r.frame << " of " << r.frames << ", t = " << r.time << " s, "
+              << r.bodies << " bodies\n";
+    return kOk;
+}
+
+} // namespace
+
+void register_picture(CLI::App& app, Action& action) {
+    const auto arguments = std::make_shared<PictureArguments>();
+    PictureOptions& options = arguments->options;
+    CLI::App* command = app.add_subcommand("picture", "Render a frame of a run, or a scene, to a PNG file");
+    command->add_option("SOURCE", arguments->source, "Run folder or scene file")->required();
+    command->add_option("--output", arguments->output, "PNG file to write")->required();
+    command->add_option("--frame", arguments->frame, "Frame, from 0 (default: the last)");
+    const auto add = [command](const char* name, auto& value, const char* text) {
+        command->add_option(name, value, text)->capture_default_str();
+    };
+    add("--width", options.width, "Pixels");
+    add("--height", options.height, "Pixels");
+    add("--azimuth", options.azimuth, "Degrees from +x towards +y: where the camera stands");
+    add("--elevation", options.elevation, "Degrees above the horizon");
+    add("--zoom", options.zoom, "1: everything just fits; larger: closer");
+    add("--field-of-view", options.field_of_view, "Degrees, of the longer side");
+    add("--supersampling", options.supersampling, "Samples per pixel and axis, 1 to 4");
+    add("--outlines", options.outlines, "Strength of dark lines between bodies, 0 to 1");
+    command->callback([arguments, &action] { action = [arguments] { return run_picture(*arguments); }; });
+}
+
+} // namespace flotilla::cli
