@@ -35,6 +35,7 @@
 #include <cstddef>
 
 #include "geometry/ccd.hpp"
+#include "geometry/pack_vec.hpp"
 
 namespace flotilla {
 namespace {
@@ -51,28 +52,8 @@ constexpr double kSlackOfErr = 1024;          // ... or this multiple of err abo
 constexpr int kMaxIterations = 2048;          // only grazing motion comes near it
 
 template <class P>
-struct PackVec {
-    P x, y, z;
-};
-template <class P>
-inline PackVec<P> operator-(const PackVec<P>& a, const PackVec<P>& b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-template <class P>
 inline PackVec<P> add_scaled(const PackVec<P>& a, P s, const PackVec<P>& b) {
     return {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
-}
-template <class P>
-inline P dot(const PackVec<P>& a, const PackVec<P>& b) {
-    return (a.x * b.x + a.y * b.y) + a.z * b.z;
-}
-template <class P>
-inline PackVec<P> cross(const PackVec<P>& a, const PackVec<P>& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-template <class P, class M>
-inline PackVec<P> select(M m, const PackVec<P>& a, const PackVec<P>& b) {
-    return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
 }
 template <class P>
 inline P max_abs(const PackVec<P>& a) {

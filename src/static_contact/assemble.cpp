@@ -42,7 +42,8 @@ void gather_bodies(std::span<const Contact> contacts, const ContactBodies& bodie
         s.local[id] = count_of(s.bodies.size());
         s.bodies.push_back(count_of(id));
         s.movable.push_back(bodies.inv_mass[id] > 0);
-        s.velocity.push_back({.linear = bodies.velocity[id], .angular = bodies.angular_velocity[id]});
+        // + 0: no component of a BodyVelocity is -0.
+        s.velocity.push_back({.linear = bodies.velocity[id] + Vec3{}, .angular = bodies.angular_velocity[id] + Vec3{}});
     }
 }
 
@@ -59,7 +60,8 @@ void gather_pairs(std::span<const Contact> contacts, ContactScratch& s) {
     s.first_contact.push_back(count_of(s.order.size()));
 }
 
-// Sorts the pairs by (island, colour, place) and cuts the islands out of that list.
+// Sorts the pairs by (island, colour, falling number of contacts, place) and cuts the islands out of that list. Within a
+// colour the order changes no bit; pairs with equally many contacts fill a packet best.
 int order_pairs(ContactScratch& s) {
     s.color.resize(s.pairs.size());
     s.island_of_pair.resize(s.pairs.size());
@@ -67,6 +69,12 @@ int order_pairs(ContactScratch& s) {
     const int num_islands = find_islands(s.pairs, s.movable, s.graph, s.island_of_pair);
     s.pair_order.resize(s.pairs.size());
     std::iota(s.pair_order.begin(), s.pair_order.end(), 0);
+    std::int32_t most = 0;
+    for (std::size_t k = 0; k < s.pairs.size(); ++k) most = std::max(most, s.first_contact[k + 1] - s.first_contact[k]);
+    s.missing.resize(s.pairs.size());
+    for (std::size_t k = 0; k < s.pairs.size(); ++k)
+        s.missing[k] = most - (s.first_contact[k + 1] - s.first_contact[k]);
+    stable_sort_by_key(s.missing, most + 1, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.color, num_colors, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.island_of_pair, num_islands, s.pair_order, s.counts, s.sorted);
     s.islands.assign(index(num_islands), {});
@@ -125,8 +133,7 @@ ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBo
     row.local.friction = c.friction;
     set_effective_mass(block, row);
     const Vec3 warm = to_contact(row, warm_impulse);
-    row.local.impulse = options.tangents == Tangents::aligned ? cut_to_cone<Cone::disc>(warm, c.friction)
-                                                              : cut_to_cone<Cone::pyramid>(warm, c.friction);
+    row.local.impulse = cut_to_cone(cone_of(options), warm, c.friction);
     return row;
 }
 
@@ -153,6 +160,7 @@ int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, con
     s.source.clear();
     for (const std::int32_t p : s.pair_order) {
         ContactBlock block = make_block(s.pairs[index(p)], bodies, s);
+        block.color = s.color[index(p)];
         block.first = count_of(s.rows.size());
         for (std::int32_t i = s.first_contact[index(p)]; i < s.first_contact[index(p) + 1]; ++i) {
             const std::size_t k = index(s.order[index(i)]);
@@ -162,6 +170,12 @@ int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, con
         }
         block.end = count_of(s.rows.size());
         s.blocks.push_back(block);
+    }
+    s.packed.clear();
+    for (ContactScratch::Island& island : s.islands) {
+        island.first_packet = count_of(s.packed.packets.size());
+        pack(std::span(s.blocks).subspan(index(island.first), index(island.end - island.first)), s.rows, s.packed);
+        island.end_packet = count_of(s.packed.packets.size());
     }
     return num_colors;
 }

@@ -13,8 +13,13 @@ namespace flotilla {
 void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::vector<std::int32_t>& order,
                         std::vector<std::int32_t>& counts, std::vector<std::int32_t>& sorted);
 
-/// Fills velocity, blocks, rows (with W, tangents and the cut warm impulses, none applied yet) and islands. Returns the
-/// number of colours.
+/// The friction bound that goes with the options' tangents.
+constexpr Cone cone_of(const ContactSolveOptions& options) {
+    return options.tangents == Tangents::aligned ? Cone::disc : Cone::pyramid;
+}
+
+/// Fills velocity, blocks, rows (with W, tangents and the cut warm impulses, none applied yet), their packets and islands.
+/// Returns the number of colours.
 int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
              std::span<const Vec3> impulses, ContactScratch& scratch);
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "static_contact/contact_rows.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace flotilla {
 namespace {
 
@@ -34,16 +37,13 @@ void set_effective_mass(const ContactBlock& block, ContactRow& row) {
                   dot(a.t1, a.inv_t2) + dot(b.t1, b.inv_t2)};
 }
 
-void apply_block(const ContactBlock& block, std::span<const ContactRow> rows, std::span<BodyVelocity> bodies) {
-    BodyVelocity& body_a = bodies[static_cast<std::size_t>(block.a)];
-    BodyVelocity& body_b = bodies[static_cast<std::size_t>(block.b)];
-    BodyVelocity a = body_a, b = body_b;
-    for (std::int32_t k = block.first; k < block.end; ++k) {
-        const ContactRow& row = rows[static_cast<std::size_t>(k)];
-        apply_impulse(block, row, to_world(row, row.local.impulse), a, b);
-    }
-    if (block.inv_mass_a > 0) body_a = a;
-    if (block.inv_mass_b > 0) body_b = b;
+Vec3 cut_to_cone(Cone cone, const Vec3& impulse, double friction) {
+    const double n = std::max(0.0, impulse.x);
+    const double bound = friction * n;
+    if (cone != Cone::disc) return {n, std::clamp(impulse.y, -bound, bound), std::clamp(impulse.z, -bound, bound)};
+    const double size = std::sqrt(impulse.y * impulse.y + impulse.z * impulse.z);
+    const double shrink = size > bound ? bound / size : 1.0;
+    return {n, shrink * impulse.y, shrink * impulse.z};
 }
 
 } // namespace flotilla

@@ -49,12 +49,15 @@ void copy_level(std::span<const std::int32_t> level_blocks, ContactScratch& s) {
 
 // Returns the number of visits.
 std::int64_t solve_level(const ContactSolveOptions& options, ContactScratch& s) {
+    s.shock_packed.clear();
+    pack(s.shock_blocks, s.shock_rows, s.shock_packed);
+    const SweepView view{.packets = s.shock_packed.packets.data(),
+                         .num_packets = static_cast<std::int64_t>(s.shock_packed.packets.size()),
+                         .rows = s.shock_packed.rows.data(),
+                         .bodies = s.velocity.data()};
     int sweeps = 0;
-    for (double worst = 1; sweeps < options.shock_iterations && !(worst <= options.tolerance); ++sweeps) {
-        worst = 0;
-        for (const ContactBlock& block : s.shock_blocks)
-            worst = std::max(worst, sweep_block<Cone::frozen>(block, s.shock_rows, s.velocity));
-    }
+    while (sweeps++ < options.shock_iterations && sweep(Cone::frozen, view, options.isa) > options.tolerance) continue;
+    sweeps = std::min(sweeps, options.shock_iterations);
     return static_cast<std::int64_t>(sweeps) * static_cast<std::int64_t>(s.shock_rows.size());
 }
 
@@ -105,7 +108,7 @@ std::int32_t block_level(const ContactBlock& block, const ContactScratch& s) {
     return std::max(s.level[index(block.a)], s.level[index(block.b)]);
 }
 
-// Fills level_order with the island's blocks by (level, colour, pair); the block order is (colour, pair) already.
+// Fills level_order with the island's blocks by level; inside a level they stay in colour order.
 void order_by_level(const ContactScratch::Island& island, ContactScratch& s) {
     s.level_order.resize(index(island.end - island.first));
     std::iota(s.level_order.begin(), s.level_order.end(), island.first);

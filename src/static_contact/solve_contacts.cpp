@@ -17,31 +17,29 @@ std::span<const ContactBlock> blocks_of(const Island& island, const ContactScrat
                                        static_cast<std::size_t>(island.end - island.first));
 }
 
-template <Cone kCone>
-double island_violation(std::span<const ContactBlock> blocks, const ContactScratch& s) {
-    double worst = 0;
-    for (const ContactBlock& block : blocks) worst = std::max(worst, block_violation<kCone>(block, s.rows, s.velocity));
-    return worst;
+SweepView view_of(const Island& island, ContactScratch& s) {
+    return {.packets = s.packed.packets.data() + island.first_packet,
+            .num_packets = island.end_packet - island.first_packet,
+            .rows = s.packed.rows.data(),
+            .bodies = s.velocity.data()};
 }
 
 // Sweeps until the tolerance holds or the limit is reached. A sweep sees every row at its own turn, which may be just
 // inside the tolerance while the end state is not; so a sweep that passes is confirmed on the state that it left.
-template <Cone kCone>
 void solve_island(Island& island, const ContactSolveOptions& options, ContactScratch& s) {
-    const std::span<const ContactBlock> blocks = blocks_of(island, s);
-    if (options.warm_start)
-        for (const ContactBlock& block : blocks) apply_block(block, s.rows, s.velocity);
+    const SweepView view = view_of(island, s);
+    const Cone cone = cone_of(options);
+    if (options.warm_start) apply_impulses(view, options.isa);
     bool known = false;
     while (island.iterations < options.iterations) {
-        double worst = 0;
-        for (const ContactBlock& block : blocks) worst = std::max(worst, sweep_block<kCone>(block, s.rows, s.velocity));
+        known = sweep(cone, view, options.isa) <= options.tolerance;
         ++island.iterations;
-        known = worst <= options.tolerance;
         if (!known) continue;
-        island.residual = island_violation<kCone>(blocks, s);
+        island.residual = largest_violation(cone, view, options.isa);
         if (island.residual <= options.tolerance) break;
     }
-    if (!known) island.residual = island_violation<kCone>(blocks, s);
+    if (!known) island.residual = largest_violation(cone, view, options.isa);
+    const std::span<const ContactBlock> blocks = blocks_of(island, s);
     island.visits = static_cast<std::int64_t>(island.iterations) * (blocks.back().end - blocks.front().first);
 }
 
@@ -99,9 +97,8 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     FLOTILLA_ASSERT(impulses.size() == contacts.size());
     scratch.shocked.assign(bodies.velocity.size(), 0);
     const int num_colors = assemble(contacts, bodies, options, impulses, scratch);
-    for (Island& island : scratch.islands)
-        options.tangents == Tangents::aligned ? solve_island<Cone::disc>(island, options, scratch)
-                                              : solve_island<Cone::pyramid>(island, options, scratch);
+    for (Island& island : scratch.islands) solve_island(island, options, scratch);
+    unpack_impulses(scratch.packed, scratch.rows);
     store_impulses(scratch, impulses);
     propagate_shocks(bodies, options, scratch);
     store_velocities(scratch, bodies);

@@ -18,7 +18,7 @@
 #include "islands/coloring.hpp"
 #include "islands/contact_graph.hpp"
 #include "state/contact.hpp"
-#include "static_contact/contact_rows.hpp"
+#include "static_contact/contact_packets.hpp"
 
 namespace flotilla {
 
@@ -43,6 +43,7 @@ struct ContactSolveOptions {
     /// bounded by a disc, so that sliding friction is mu lambda_n in every direction.
     Tangents tangents = Tangents::random;
     std::uint64_t seed = 0, step = 0; ///< key of the random tangents
+    Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any
 };
 
 struct ContactSolveStats {
@@ -61,6 +62,7 @@ struct ContactScratch {
 
     struct Island {
         std::int32_t first = 0, end = 0; ///< blocks
+        std::int32_t first_packet = 0, end_packet = 0;
         int iterations = 0;
         double residual = 0;
         std::int64_t visits = 0;
@@ -72,17 +74,18 @@ struct ContactScratch {
     std::vector<std::uint8_t> movable;       ///< per body in contact
     std::vector<BodyPair> pairs;             ///< bodies in contact, sorted
     std::vector<std::int32_t> first_contact; ///< per pair, into `order`; one more at the end
-    std::vector<std::int32_t> color, island_of_pair, level;
-    std::vector<std::int32_t> pair_order; ///< pairs by (island, colour, pair)
+    std::vector<std::int32_t> color, island_of_pair, level, missing;
+    std::vector<std::int32_t> pair_order; ///< pairs by (island, colour, contacts, pair)
     std::vector<std::int32_t> counts, sorted;
     ColoringScratch coloring;
     ContactGraphScratch graph;
     std::vector<BodyVelocity> velocity; ///< per body in contact
     std::vector<ContactBlock> blocks;   ///< in `pair_order`
     std::vector<ContactRow> rows;
+    PackedContacts packed, shock_packed;
     std::vector<std::int32_t> source; ///< contact of each row
     std::vector<Island> islands;
-    std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by (level, colour, pair)
+    std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     std::vector<ContactBlock> shock_blocks;
     std::vector<ContactRow> shock_rows;
     std::vector<BodyVelocity> before_shock;

@@ -10,9 +10,21 @@
 #include <string>
 #include <vector>
 
+#include "geometry/pack_scalar.hpp"
+
 #include "static_contact/local_contact.hpp"
 
 namespace flotilla {
+
+inline PackVec<ScalarPack> to_pack(const Vec3& v) { return {{v.x}, {v.y}, {v.z}}; }
+inline LocalPack<ScalarPack> to_pack(const LocalContact& c) {
+    return {to_pack(c.mass_diagonal),
+            to_pack(c.inv_mass_diagonal),
+            to_pack(c.coupling),
+            to_pack(c.impulse),
+            {c.target},
+            {c.friction}};
+}
 
 struct FrictionProblem {
     struct Block {
@@ -42,9 +54,9 @@ struct FrictionProblem {
     double sweep() {
         double worst = 0;
         for (std::size_t i = 0; i < contacts.size(); ++i) {
-            const LocalUpdate update = visit<kCone>(contacts[i], velocity(i));
-            contacts[i].impulse += update.change;
-            worst = std::max(worst, update.violation);
+            const auto update = visit<kCone>(to_pack(contacts[i]), to_pack(velocity(i)));
+            contacts[i].impulse += Vec3{update.change.x.v, update.change.y.v, update.change.z.v};
+            worst = std::max(worst, update.violation.v);
         }
         return worst;
     }
@@ -53,7 +65,7 @@ struct FrictionProblem {
     double residual() const {
         double worst = 0;
         for (std::size_t i = 0; i < contacts.size(); ++i)
-            worst = std::max(worst, violation<kCone>(contacts[i], velocity(i)));
+            worst = std::max(worst, violation<kCone>(to_pack(contacts[i]), to_pack(velocity(i))).v);
         return worst;
     }
 

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// The matrix-free form of the contact system (paper, eqs 15 and 21-22) laid out for sweeping: four body pairs of one
+// colour side by side, their contacts one below the other.
+//
+// A visit computes the relative velocity at a contact once, does the three rows on it in the contact's own frame
+// (local_contact.hpp) and applies the sum of their impulses once. This is the row by row sweep of [29] in exact
+// arithmetic, with a third of the body updates and half of the memory. A pair's velocities stay in registers over all its
+// contacts. Pairs of a packet share no movable body, so their chains of operations are independent: vectors of one or of
+// four lanes give the same bits, and so would packets of one colour run in parallel.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/ccd.hpp"
+#include "static_contact/contact_rows.hpp"
+
+namespace flotilla {
+
+constexpr int kPacketLanes = 4;
+using Lanes = double[kPacketLanes];
+
+/// Up to four body pairs. Masses are copied in: a sweep touches packets, rows and velocities only. Lanes without a pair
+/// repeat the bodies of lane 0 with inverse masses of 0, so they are read and never written.
+struct ContactPacket {
+    std::int32_t a[kPacketLanes] = {}, b[kPacketLanes] = {};
+    std::int32_t first = 0, end = 0; ///< packed rows
+    std::int32_t num_pairs = 0;      ///< lanes in use: the first ones
+    std::int32_t pad = 0;
+    Lanes inv_mass_a = {}, inv_mass_b = {};
+    Lanes inv_inertia_a[6] = {}, inv_inertia_b[6] = {}; ///< xx yy zz xy xz yz
+};
+static_assert(sizeof(ContactPacket) == 48 + 14 * sizeof(Lanes));
+
+/// One contact of each pair: the fields of ContactRow in their order, 29 doubles per contact, read in order once per
+/// visit; only the impulse is written. A pair with fewer contacts than others of its packet has idle rows below: no
+/// direction, no arm, no impulse, W = 1.
+struct PacketRow {
+    static constexpr int kMassDiagonal = 0, kInvMassDiagonal = 3, kCoupling = 6, kImpulse = 9, kTarget = 12;
+    static constexpr int kFriction = 13, kNormal = 14, kTangent1 = 17, kTangent2 = 20, kArmA = 23, kArmB = 26;
+    Lanes field[29] = {};
+};
+
+struct PackedContacts {
+    std::vector<ContactPacket> packets;
+    std::vector<PacketRow> rows;
+    std::vector<std::int32_t> source; ///< row of each lane of `rows` it was packed from; -1: idle
+    void clear() {
+        packets.clear();
+        rows.clear();
+        source.clear();
+    }
+};
+
+/// Appends blocks, given in colour order, as packets: neighbours of one colour share a packet.
+void pack(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, PackedContacts& packed);
+
+/// Copies the impulses of all packed rows back to the rows that they came from.
+void unpack_impulses(const PackedContacts& packed, std::span<ContactRow> rows);
+
+/// What a sweep works on: some packets, the rows of all, the velocities of all bodies in contact. Bare pointers, because
+/// the kernels compiled for one instruction set must not instantiate inline functions that other files share.
+struct SweepView {
+    const ContactPacket* packets = nullptr;
+    std::int64_t num_packets = 0;
+    PacketRow* rows = nullptr;
+    BodyVelocity* bodies = nullptr;
+};
+
+/// One sweep in packet order. Returns the largest violation met, m/s.
+double sweep(Cone cone, const SweepView& view, Isa isa);
+
+/// The largest violation at the present velocities, m/s; changes nothing.
+double largest_violation(Cone cone, const SweepView& view, Isa isa);
+
+/// V += M^-1 J^T lambda for the impulses that the rows hold: the warm start.
+void apply_impulses(const SweepView& view, Isa isa);
+
+/// Kernels compiled for AVX2; call only where the processor has it.
+double sweep_avx2(Cone cone, const SweepView& view);
+double largest_violation_avx2(Cone cone, const SweepView& view);
+void apply_impulses_avx2(const SweepView& view);
+
+} // namespace flotilla

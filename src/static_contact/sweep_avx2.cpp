@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/pack_avx2.hpp"
+
+#include "static_contact/contact_packets.hpp"
+#include "static_contact/sweep_kernel.hpp"
+
+namespace flotilla {
+
+double sweep_avx2(Cone cone, const SweepView& view) { return sweep_any<Avx2Pack>(cone, view); }
+double largest_violation_avx2(Cone cone, const SweepView& view) { return largest_violation_any<Avx2Pack>(cone, view); }
+void apply_impulses_avx2(const SweepView& view) { apply_all<Avx2Pack>(view); }
+
+} // namespace flotilla
