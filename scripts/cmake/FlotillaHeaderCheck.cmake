@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Every header compiles alone. The public ones are compiled as an embedder sees them (CMake's own check of the header set),
-# all internal ones with the library's own options: one translation unit per header, which includes it twice.
+# all internal ones with the library's own options: one translation unit per header, which includes it twice. One more unit
+# includes all public headers together.
 
 file(GLOB_RECURSE headers RELATIVE "${PROJECT_SOURCE_DIR}/src" CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/*.hpp")
 set(header_units)
@@ -16,6 +17,13 @@ foreach(header IN LISTS headers)
     set_source_files_properties("${unit}" PROPERTIES COMPILE_OPTIONS "${FLOTILLA_AVX2_FLAGS}")
   endif()
 endforeach()
+
+file(GLOB_RECURSE headers RELATIVE "${PROJECT_SOURCE_DIR}/include" CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/*.hpp")
+list(TRANSFORM headers REPLACE "(.+)" "#include <\\1>\n")
+list(JOIN headers "" includes)
+set(unit "${PROJECT_BINARY_DIR}/header_check/all_public_headers.cpp")
+file(CONFIGURE OUTPUT "${unit}" CONTENT "${includes}")
+list(APPEND header_units "${unit}")
 
 add_library(flotilla_header_check OBJECT ${header_units})
 # -O0: the objects are thrown away. A header's functions are unused here, and that is not worth a warning.

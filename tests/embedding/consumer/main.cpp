@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Uses types and a function of the library through the public headers alone, all of them in one file.
+// Uses types and a function of the library through the public headers alone.
 #include <cstdio>
 
 #include <flotilla/ccd.hpp>
 #include <flotilla/error.hpp>
 #include <flotilla/scene.hpp>
-#include <flotilla/settings.hpp>
-#include <flotilla/types.hpp>
 
 int main() {
     flotilla::SceneDescription scene;
