@@ -275,12 +275,12 @@ inline void finish_lanes(unsigned done, unsigned missed, unsigned proved, const 
 template <bool kAtStart, CcdKind kKind, class P>
 inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range, bool relaxed, int iterations,
                         Progress<P>& state, unsigned active, CcdResult* const* results) {
-    const P zero = P::all(0), one = P::all(1);
+    const P one = P::all(1);
     const auto a = look<kAtStart>(x, state.t);
     const unsigned valid = in_range & mask_bits(P::all(kLeastSquare) < a.square) & mask_bits(a.sum <= P::all(kHuge));
     unsigned opening = 0;
     if (kAtStart && relaxed) {
-        opening = valid & mask_bits(mask_and(zero < a.least, err * a.length <= a.least_rise));
+        opening = valid & mask_bits(mask_and(err * a.length <= a.least, err * a.length <= a.least_rise));
         state.separation = start_separation(a.least / a.length - err, err, state.separation);
     }
     const P h = (state.separation + err) * a.length;

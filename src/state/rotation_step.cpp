@@ -57,7 +57,8 @@ Vec3 correcting_turn(const Mat3& inverse, const Vec3& momentum, double e, double
     return theta * r;
 }
 
-/// The rotation vector of q that is nearest to `near`, which may count whole turns.
+} // namespace
+
 Vec3 rotation_vector_near(const Quat& q, const Vec3& near) {
     const Vec3 u = rotation_vector(q);
     const double angle = length(u);
@@ -69,8 +70,6 @@ Vec3 rotation_vector_near(const Quat& q, const Vec3& near) {
     const double turns = std::round((dot(near, axis) - angle) / (2 * std::numbers::pi));
     return (angle + turns * 2 * std::numbers::pi) * axis;
 }
-
-} // namespace
 
 Mat3 turned(const Mat3& tensor, const Quat& rotation) {
     const Mat3 r = matrix(rotation);

@@ -24,6 +24,9 @@ struct RotationStep {
 /// Turns a body of angular momentum `momentum` (kg m^2/s, world axes) for dt seconds.
 [[nodiscard]] RotationStep rotate_for(const WorldInertia& inertia, const Vec3& momentum, double dt);
 
+/// The rotation vector of q that is nearest to `near`, which may count whole turns.
+[[nodiscard]] Vec3 rotation_vector_near(const Quat& q, const Vec3& near);
+
 /// The tensor of a body whose axes at the start of a step have been turned by `rotation`.
 [[nodiscard]] Mat3 turned(const Mat3& tensor, const Quat& rotation);
 

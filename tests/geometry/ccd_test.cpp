@@ -76,6 +76,16 @@ TEST(Ccd, BelowTheFloorOnlyOpeningMotionIsFree) {
     EXPECT_TRUE(ccd(kVf, falling_vertex(0, 0), {1e-3, CcdStart::relaxed}).hit);
 }
 
+TEST(Ccd, ContactAtTheStartIsNeverTakenForOpeningMotion) {
+    // A vertex on a face, up to rounding, that moves away: a computed gap below the error bound says nothing of its sign.
+    const Vec3 f0{0x1.56169994a6p-4, -0x1.66b36877102p-1, 0x1.e603840c16p-5};
+    const Vec3 f1{-0x1.7318370bd3ep-1, -0x1.677f3f2c048p-2, 0x1.3638ef85398p-3};
+    const Vec3 f2{0x1.908b11fa668p-1, -0x1.d21f8a98838p-1, 0x1.de4ad42f6dep-1};
+    const Vec3 v0{0x1.37190248721p-1, -0x1.b744821026a8p-1, 0x1.6e502d33c2cp-1};
+    const Vec3 v1{0x1.20c71988d72f9p-1, -0x1.2b13d6031991bp-1, 0x1.21dcdfd8b7edap-1};
+    EXPECT_TRUE(ccd(kVf, {{v0, f0, f1, f2}, {v1, f0, f1, f2}}, {0, CcdStart::relaxed}).hit);
+}
+
 TEST(Ccd, UndefinedInputIsAHit) {
     const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
     for (double bad : {nan, inf, -inf, 1e200}) {

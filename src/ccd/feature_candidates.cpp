@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "ccd/feature_candidates.hpp"
+
+#include "geometry/closest.hpp"
+
+namespace flotilla {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+const Triangle& triangle(const BodyMotion& body, std::int32_t t) { return body.shape->mesh.triangles[at(t)]; }
+const Edge& edge(const BodyMotion& body, std::int32_t e) { return body.shape->topology.edges[at(e)]; }
+
+/// The vertex indices of a feature pair in the order of CcdQuery, and the two bodies they belong to.
+struct Corners {
+    const BodyMotion* first;
+    const BodyMotion* second;
+    std::array<std::int32_t, 4> v;
+    int split; ///< corners before it belong to the first body
+};
+
+Corners corners(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) {
+    switch (f.kind) {
+    case FeatureKind::vertex_face: {
+        const Triangle& t = triangle(b, f.b);
+        return {&a, &b, {f.a, t[0], t[1], t[2]}, 1};
+    }
+    case FeatureKind::face_vertex: {
+        const Triangle& t = triangle(a, f.a);
+        return {&b, &a, {f.b, t[0], t[1], t[2]}, 1};
+    }
+    default: {
+        const Edge &ea = edge(a, f.a), &eb = edge(b, f.b);
+        return {&a, &b, {ea[0], ea[1], eb[0], eb[1]}, 2};
+    }
+    }
+}
+
+/// Closest points at the given corner positions, as weights of the corners.
+struct Weights {
+    std::array<double, 4> w;
+    double distance_sq;
+    bool interior;
+};
+Weights closest_weights(FeatureKind kind, const std::array<Vec3, 4>& x) {
+    if (kind == FeatureKind::edge_edge) {
+        const auto c = closest_edge_edge(x[0], x[1], x[2], x[3]);
+        const bool interior = c.s > 0 && c.s < 1 && c.t > 0 && c.t < 1;
+        return {{1 - c.s, c.s, 1 - c.t, c.t}, c.distance_sq, interior};
+    }
+    const auto c = closest_vertex_triangle(x[0], x[1], x[2], x[3]);
+    return {{1, c.barycentric[0], c.barycentric[1], c.barycentric[2]}, c.distance_sq, true};
+}
+
+Vec3 blend(const std::array<double, 4>& w, const std::array<Vec3, 4>& x, std::size_t begin, std::size_t end) {
+    Vec3 p = w[begin] * x[begin];
+    for (std::size_t i = begin + 1; i < end; ++i) p += w[i] * x[i];
+    return p;
+}
+
+} // namespace
+
+CcdQuery ccd_query(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) {
+    const Corners c = corners(a, b, f);
+    CcdQuery q;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const BodyMotion& body = static_cast<int>(i) < c.split ? *c.first : *c.second;
+        q.x0[i] = body.x0[at(c.v[i])];
+        q.x1[i] = body.x1[at(c.v[i])];
+    }
+    return q;
+}
+
+FeaturePoints closest_points(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f, double t) {
+    const Corners c = corners(a, b, f);
+    const CcdQuery q = ccd_query(a, b, f);
+    std::array<Vec3, 4> x;
+    for (std::size_t i = 0; i < 4; ++i) x[i] = q.x0[i] + t * (q.x1[i] - q.x0[i]);
+    const Weights w = closest_weights(f.kind, x);
+    const auto split = static_cast<std::size_t>(c.split);
+    FeaturePoints p{blend(w.w, q.x0, 0, split),
+                    blend(w.w, q.x1, 0, split),
+                    blend(w.w, q.x0, split, 4),
+                    blend(w.w, q.x1, split, 4),
+                    blend(w.w, x, 0, split),
+                    blend(w.w, x, split, 4),
+                    w.distance_sq,
+                    w.interior};
+    if (f.kind == FeatureKind::face_vertex) {
+        std::swap(p.a0, p.b0);
+        std::swap(p.a1, p.b1);
+        std::swap(p.a, p.b);
+    }
+    return p;
+}
+
+} // namespace flotilla

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Feature pairs of two bodies: a vertex of one and a face of the other, or an edge of each.
+#pragma once
+
+#include "geometry/ccd.hpp"
+#include "state/trajectories.hpp"
+
+namespace flotilla {
+
+enum class FeatureKind : std::uint8_t { vertex_face, face_vertex, edge_edge }; ///< of body a, of body b
+
+struct FeaturePair {
+    FeatureKind kind = FeatureKind::vertex_face;
+    std::int32_t a = 0, b = 0; ///< vertex, triangle or edge number in each body's mesh
+
+    friend bool operator==(const FeaturePair&, const FeaturePair&) = default;
+};
+
+/// Distinct for distinct feature pairs of two bodies; orders them.
+[[nodiscard]] constexpr std::uint64_t feature_key(const FeaturePair& f) {
+    return (static_cast<std::uint64_t>(f.kind) << 62) |
+           (static_cast<std::uint64_t>(static_cast<std::uint32_t>(f.a)) << 31) |
+           static_cast<std::uint64_t>(static_cast<std::uint32_t>(f.b));
+}
+
+[[nodiscard]] constexpr CcdKind ccd_kind(FeatureKind kind) {
+    return kind == FeatureKind::edge_edge ? CcdKind::edge_edge : CcdKind::vertex_face;
+}
+
+/// The query's first feature is the vertex, or the edge of body a.
+[[nodiscard]] CcdQuery ccd_query(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f);
+
+/// Turns a direction of a query (second feature to first) into one from a to b.
+[[nodiscard]] constexpr Vec3 from_a_to_b(FeatureKind kind, const Vec3& direction) {
+    return kind == FeatureKind::face_vertex ? direction : -direction;
+}
+
+/// The closest points of a feature pair at time t of the linear motion, and how they move.
+struct FeaturePoints {
+    Vec3 a0, a1, b0, b1; ///< the material points at t = 0 and t = 1
+    Vec3 a, b;           ///< at time t
+    double distance_sq = 0;
+    bool interior = true; ///< edge_edge: neither point is an end of its edge
+};
+[[nodiscard]] FeaturePoints closest_points(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f, double t);
+
+/// Box of a vertex, triangle or edge at one time.
+[[nodiscard]] inline Box vertex_box(std::span<const Vec3> x, std::int32_t v) {
+    const Vec3& p = x[static_cast<std::size_t>(v)];
+    return {p, p};
+}
+[[nodiscard]] inline Box edge_box(std::span<const Vec3> x, const Edge& e) {
+    const Vec3 &p = x[static_cast<std::size_t>(e[0])], &q = x[static_cast<std::size_t>(e[1])];
+    return {min(p, q), max(p, q)};
+}
+[[nodiscard]] inline Box triangle_box(std::span<const Vec3> x, const Triangle& t) {
+    return box_of(x[static_cast<std::size_t>(t[0])], x[static_cast<std::size_t>(t[1])],
+                  x[static_cast<std::size_t>(t[2])]);
+}
+
+} // namespace flotilla

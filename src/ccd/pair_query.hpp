@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Earliest collision of a body pair along the linear trajectories of all its vertices (paper, section 3.1).
+#pragma once
+
+#include <vector>
+
+#include "ccd/feature_candidates.hpp"
+
+namespace flotilla {
+
+/// The earliest hit of a pair. No hit: both bodies are proved farther apart than the separation (relaxed for features that start
+/// closer, see CcdStart) during the whole motion.
+struct PairHit {
+    bool hit = false;
+    double toi = 1;       ///< [0, 1]
+    FeaturePair features; ///< of the hit
+    Vec3 normal;          ///< unit, from a to b at the time of impact
+};
+
+struct QueryCounters {
+    std::int64_t box_tests = 0, feature_queries = 0, pair_queries = 0;
+};
+
+/// Buffers of a pair query; one per thread, reused.
+class CcdScratch {
+  public:
+    QueryCounters counters;
+
+  private:
+    friend class EarliestHit;
+    struct Batch {
+        std::vector<CcdQuery> queries;
+        std::vector<CcdResult> results;
+        std::vector<FeaturePair> features;
+        std::vector<double> entry;
+    };
+    std::array<Batch, 2> batch_; ///< by CcdKind
+};
+
+/// A pure function of the two motions and the separation (m). A feature pair whose own moving boxes stay farther apart than
+/// the separation cannot hit; among the others the least (time, feature key) wins, where the time is not before the entry
+/// of their boxes: so the answer does not depend on how candidates were found or in which order they were tried.
+[[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, double separation, CcdScratch& scratch);
+
+} // namespace flotilla

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// Stage 1: elastic and partially elastic collisions (paper, section 3, Algorithm 1), as frozen sweeps (DESIGN section 5).
+//
+// Reads x^n and settings; writes the clusters' velocities, the end states and the pairs' records. On return the clusters of
+// infinite iterations would have no hit and no fast end proximity left; at the limit some may, for stage 5.
+#pragma once
+
+#include "pair/step_data.hpp"
+
+namespace flotilla {
+
+StageCounters handle_collisions(StepData& data);
+
+} // namespace flotilla

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// Stage 5, first part: dynamic contact (paper, section 4.1, Algorithm 2), as frozen sweeps (DESIGN section 5). Pairs that do not
+// resolve within their iterations are rigidified at the end of the sweep (section 4.2.1).
+#pragma once
+
+#include "pair/inelastic.hpp"
+
+namespace flotilla {
+
+struct DynamicContactStats {
+    StageCounters counters;
+    std::int64_t merges = 0;
+    std::int32_t trigger_a = -1, trigger_b = -1; ///< bodies of the first pair that was rigidified
+};
+
+DynamicContactStats handle_dynamic_contact(StepData& data);
+
+} // namespace flotilla

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "failsafe/failsafe.hpp"
+
+#include <algorithm>
+
+namespace flotilla {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+enum class RequestKind { merge_kinematic, merge_rigid, go_down, hold_script };
+
+struct Request {
+    RequestKind kind;
+    std::int32_t a, b; ///< clusters; go_down and hold_script: only a
+};
+
+class Failsafe {
+  public:
+    explicit Failsafe(StepData& data) : data_(data) {}
+
+    FailsafeStats run() {
+        while (true) {
+            check_turned_clusters();
+            freeze_clusters(data_, list_);
+            if (list_.empty()) break;
+            requests_.clear();
+            taken_.assign(data_.model.size(), 0);
+            for (const CandidatePair& pair : list_) operate(pair);
+            for (const Request& r : requests_) apply(r);
+            ++stats_.counters.sweeps;
+        }
+        std::sort(stats_.delayed_scripts.begin(), stats_.delayed_scripts.end());
+        return std::move(stats_);
+    }
+
+  private:
+    /// Clusters whose motion no longer keeps their members apart by itself need a proof for every pair of members; without it
+    /// a kinematic one becomes rigid and a rigid one is held (DESIGN 4.2).
+    void check_turned_clusters() {
+        for (std::size_t id = 0; id < data_.model.size(); ++id) {
+            const auto c = static_cast<std::int32_t>(id);
+            while (!data_.clusters[c].members.empty() && !data_.clusters[c].internal_proved) {
+                if (members_apart(c))
+                    data_.clusters[c].internal_proved = true;
+                else
+                    go_down(c);
+            }
+        }
+    }
+
+    bool members_apart(std::int32_t c) {
+        const auto& members = data_.clusters[c].members;
+        for (std::size_t i = 0; i < members.size(); ++i)
+            for (std::size_t j = i + 1; j < members.size(); ++j) {
+                if (proved(data_, members[i], members[j])) continue;
+                const auto lengths = data_.pairs.get(data_.model, data_.state, members[i], members[j]).lengths;
+                if (!boxes_overlap(data_.trajectories.motion(at(members[i])).swept(),
+                                   data_.trajectories.motion(at(members[j])).swept(), lengths.separation))
+                    continue;
+                if (query(data_, members[i], members[j], stats_.counters).hit) return false;
+            }
+        return true;
+    }
+
+    void operate(const CandidatePair& pair) {
+        if (taken_[at(pair.a)] != 0 || taken_[at(pair.b)] != 0) return;
+        ++stats_.counters.pairs;
+        const bool infinite_a = data_.clusters[pair.a].infinite(), infinite_b = data_.clusters[pair.b].infinite();
+        const Resolution r =
+            resolve_inelastic(data_, pair.a, pair.b, data_.model.settings.dynamic_pair_iterations, stats_.counters);
+        if (!r.found) return;
+        if (stats_.trigger_a < 0) stats_.trigger_a = r.first_a, stats_.trigger_b = r.first_b;
+        if (infinite_a && infinite_b) {
+            request({RequestKind::hold_script, data_.model.bodies[at(pair.a)].scripted() ? pair.a : pair.b, -1});
+        } else if (infinite_a || infinite_b) {
+            meet_infinite(infinite_a ? pair.b : pair.a, infinite_a ? pair.a : pair.b, r.resolved);
+        } else {
+            const bool kinematic = r.resolved && data_.model.settings.rigidification == Rigidification::kinematic;
+            taken_[at(pair.a)] = taken_[at(pair.b)] = 1;
+            request({kinematic ? RequestKind::merge_kinematic : RequestKind::merge_rigid, pair.a, pair.b});
+        }
+    }
+
+    /// The first conflict with a body of infinite mass since the last merge counts as resolved if it is; else down.
+    void meet_infinite(std::int32_t cluster, std::int32_t infinite, bool resolved) {
+        auto& met = data_.clusters[cluster].resolved_against;
+        const bool again = std::find(met.begin(), met.end(), infinite) != met.end();
+        if (resolved && !again) {
+            met.push_back(infinite);
+            return;
+        }
+        taken_[at(cluster)] = 1;
+        request({RequestKind::go_down, cluster, -1});
+    }
+
+    void request(const Request& r) { requests_.push_back(r); }
+
+    void apply(const Request& r) {
+        switch (r.kind) {
+        case RequestKind::go_down: go_down(r.a); break;
+        case RequestKind::hold_script: hold_script(r.a); break;
+        default: {
+            ++stats_.merges;
+            const bool rigid = r.kind == RequestKind::merge_rigid;
+            const std::int32_t merged = data_.clusters.merge(r.a, r.b, rigid, data_.dt, data_.trajectories);
+            if (rigid) data_.clusters.evolve(merged, data_.dt, data_.trajectories);
+        }
+        }
+    }
+
+    /// One rung down. A body alone moves in the same way on the first three, so it goes to the last at once.
+    void go_down(std::int32_t id) {
+        Cluster& c = data_.clusters[id];
+        ++stats_.rung_changes;
+        if (c.rung < Rung::rigid && c.members.size() > 1) {
+            data_.clusters.make_rigid(id, data_.trajectories);
+            c.resolved_against.clear();
+            data_.clusters.evolve(id, data_.dt, data_.trajectories);
+        } else {
+            data_.clusters.hold(id, data_.trajectories);
+        }
+    }
+
+    void hold_script(std::int32_t body) {
+        if (data_.trajectories.still(at(body))) return;
+        data_.trajectories.hold(at(body));
+        data_.clusters[body].velocity = data_.clusters[body].momentum = {};
+        stats_.delayed_scripts.push_back(body);
+    }
+
+    StepData& data_;
+    FailsafeStats stats_;
+    std::vector<CandidatePair> list_;
+    std::vector<Request> requests_;
+    std::vector<std::uint8_t> taken_; ///< clusters that a request of this sweep merges or moves
+};
+
+} // namespace
+
+FailsafeStats run_failsafe(StepData& data) { return Failsafe(data).run(); }
+
+} // namespace flotilla

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Stage 5, second part: the failsafe (paper, section 4.2, Algorithm 3) with the ladder of G4.
+//
+// As long as some pair has no proof, clusters are resolved pair by pair and merged: kinematically where all hits between them
+// could be resolved, rigidly where not. Clusters never chain through a static or scripted body: against one, a cluster is resolved,
+// and goes down a rung at its second conflict with the same body. The last rung is x^n, bit for bit. A scripted body that meets
+// a held one goes back to x^n as well (DESIGN 4.6).
+//
+// Termination: every sweep that leaves a pair unproved has merged two clusters, or taken one a rung down, or put a scripted body
+// back, or used up one of the finitely many first conflicts since the last merge. Bodies that stand at x^n are proved against
+// each other by the step before.
+#pragma once
+
+#include "pair/inelastic.hpp"
+
+namespace flotilla {
+
+struct FailsafeStats {
+    StageCounters counters;
+    std::int64_t merges = 0;
+    std::int64_t rung_changes = 0;
+    std::vector<std::int32_t> delayed_scripts; ///< scripted bodies put back to x^n, ascending
+    std::int32_t trigger_a = -1, trigger_b = -1;
+};
+
+FailsafeStats run_failsafe(StepData& data);
+
+} // namespace flotilla

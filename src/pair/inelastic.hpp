@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Inelastic resolution of two clusters, the operation of dynamic contact (paper, section 4.1) and of the failsafe (4.2).
+#pragma once
+
+#include "pair/step_data.hpp"
+
+namespace flotilla {
+
+struct Resolution {
+    bool found = false;                      ///< there was a hit
+    bool resolved = false;                   ///< there is none left: every pair of members is proved
+    std::int32_t first_a = -1, first_b = -1; ///< bodies of the first hit
+};
+
+/// Handles hits in consecutive order, at most `iterations` of them, each with the impulse that brings the bodies to their rest
+/// distance at the end of the step: v'_n = (d_rest - d)/dt.
+Resolution resolve_inelastic(StepData& data, std::int32_t a, std::int32_t b, int iterations, StageCounters& counters);
+
+/// Pairs of clusters in which some pair of bodies has no current proof, sorted by (lower id, higher id).
+const std::vector<CandidatePair>& freeze_clusters(StepData& data, std::vector<CandidatePair>& list);
+
+} // namespace flotilla

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "pair/step_data.hpp"
+
+namespace flotilla {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+double largest_reach(const StepData& data, std::size_t body, bool with_proximity) {
+    // A pair's lengths are those of its smaller movable body, so with each body's own length as its reach the sum of both is
+    // never less than the pair's.
+    const Settings& s = data.model.settings;
+    const double rest = s.rest_distance > 0 ? s.rest_distance : data.model.bodies[body].size / 330;
+    const double proximity = s.proximity_distance > 0 ? s.proximity_distance : 2 * rest;
+    const double separation = s.separation > 0 ? s.separation : rest / 50;
+    return with_proximity ? proximity : separation;
+}
+
+} // namespace
+
+const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity) {
+    const std::size_t n = data.model.size();
+    data.swept.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const bool movable = data.model.bodies[i].movable();
+        const double reach = movable ? largest_reach(data, i, with_proximity) : 0.0;
+        data.swept[i] = {data.trajectories.motion(i).swept(), reach, movable};
+    }
+    return data.broadphase.find(data.swept);
+}
+
+const std::vector<CandidatePair>& freeze(StepData& data, bool with_proximity) {
+    data.stale.clear();
+    for (const CandidatePair& p : swept_pairs(data, with_proximity))
+        if (data.clusters.of(at(p.a)) != data.clusters.of(at(p.b)) && !proved(data, p.a, p.b)) data.stale.push_back(p);
+    return data.stale;
+}
+
+const std::vector<CandidatePair>& end_pairs(StepData& data) {
+    const std::size_t n = data.model.size();
+    data.swept.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const bool movable = data.model.bodies[i].movable();
+        data.swept[i] = {data.trajectories.at_end(i).boxes0[0], movable ? largest_reach(data, i, true) : 0.0, movable};
+    }
+    return data.broadphase.find(data.swept);
+}
+
+bool proved(const StepData& data, std::int32_t a, std::int32_t b) {
+    const PairRecord* r = data.pairs.find(a, b);
+    return r != nullptr && r->proved_a == data.trajectories.version(at(a)) &&
+           r->proved_b == data.trajectories.version(at(b));
+}
+
+bool left(const StepData& data, std::int32_t a, std::int32_t b) {
+    const PairRecord* r = data.pairs.find(a, b);
+    return r != nullptr && r->left_a == data.trajectories.version(at(a)) &&
+           r->left_b == data.trajectories.version(at(b));
+}
+
+PairHit query(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters) {
+    const Stopwatch watch(counters.detection_ms);
+    PairRecord& r = data.pairs.get(data.model, data.state, a, b);
+    PairHit hit;
+    // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
+    if (!data.trajectories.still(at(a)) || !data.trajectories.still(at(b)))
+        hit = earliest_hit(data.trajectories.motion(at(a)), data.trajectories.motion(at(b)), r.lengths.separation,
+                           data.ccd);
+    if (!hit.hit) {
+        r.proved_a = data.trajectories.version(at(a));
+        r.proved_b = data.trajectories.version(at(b));
+    }
+    return hit;
+}
+
+ClusterHit query_clusters(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters) {
+    ClusterHit best;
+    for (std::int32_t i : data.clusters[a].members) {
+        const Box box_i = data.trajectories.motion(at(i)).swept();
+        for (std::int32_t j : data.clusters[b].members) {
+            const std::int32_t low = std::min(i, j), high = std::max(i, j);
+            if (proved(data, low, high)) continue;
+            PairRecord& r = data.pairs.get(data.model, data.state, low, high);
+            if (!boxes_overlap(box_i, data.trajectories.motion(at(j)).swept(), r.lengths.separation)) {
+                r.proved_a = data.trajectories.version(at(low)); // way a
+                r.proved_b = data.trajectories.version(at(high));
+                continue;
+            }
+            const PairHit hit = query(data, low, high, counters);
+            if (hit.hit && (!best.hit.hit || hit.toi < best.hit.toi)) best = {hit, low, high};
+        }
+    }
+    return best;
+}
+
+SweptContact swept_contact(const StepData& data, const ClusterHit& h) {
+    const FeaturePoints p =
+        closest_points(data.trajectories.motion(at(h.a)), data.trajectories.motion(at(h.b)), h.hit.features, h.hit.toi);
+    const auto arm = [&](std::int32_t body, const Vec3& point) {
+        const Cluster& c = data.clusters[data.clusters.of(at(body))];
+        const Vec3 com =
+            c.infinite() ? data.trajectories.start_pose(at(body)).com : c.com0 + (h.hit.toi * data.dt) * c.velocity;
+        return point - com;
+    };
+    const Vec3 relative = ((p.b1 - p.b0) - (p.a1 - p.a0)) / data.dt;
+    return {{h.hit.normal, arm(h.a, p.a), arm(h.b, p.b), relative, pair_friction(data.model, h.a, h.b)},
+            dot(h.hit.normal, p.b0 - p.a0)};
+}
+
+double pair_friction(const Model& model, std::int32_t a, std::int32_t b) {
+    return std::sqrt(model.bodies[at(a)].friction * model.bodies[at(b)].friction);
+}
+
+double pair_restitution(const Model& model, std::int32_t a, std::int32_t b) {
+    return std::max(model.bodies[at(a)].restitution, model.bodies[at(b)].restitution);
+}
+
+void push(StepData& data, std::int32_t a, std::int32_t b, const ContactPoint& point, const Vec3& impulse,
+          StageCounters& counters) {
+    const Stopwatch watch(counters.response_ms);
+    ++counters.impulses;
+    data.clusters.apply(a, point.arm_a, -impulse);
+    data.clusters.apply(b, point.arm_b, impulse);
+    data.clusters.evolve(a, data.dt, data.trajectories);
+    data.clusters.evolve(b, data.dt, data.trajectories);
+}
+
+} // namespace flotilla

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// The data that the stages of one step share.
+#pragma once
+
+#include <chrono>
+
+#include "ccd/pair_query.hpp"
+#include "pair/pair_table.hpp"
+#include "proximity/contact_points.hpp"
+#include "response/cluster.hpp"
+#include "state/candidate_pairs.hpp"
+
+namespace flotilla {
+
+struct StageCounters {
+    std::int64_t sweeps = 0;
+    std::int64_t pairs = 0; ///< operations run
+    std::int64_t impulses = 0;
+    std::int64_t left = 0; ///< pairs left to a later stage
+    double detection_ms = 0, response_ms = 0;
+    bool limit = false; ///< ended by its iteration limit
+};
+
+/// Adds the wall time of a scope to a counter. Times are reported, never used.
+class Stopwatch {
+  public:
+    explicit Stopwatch(double& ms) : ms_(ms), start_(std::chrono::steady_clock::now()) {}
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+    ~Stopwatch() {
+        ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+  private:
+    double& ms_;
+    std::chrono::steady_clock::time_point start_;
+};
+
+struct StepData {
+    const Model& model;
+    const State& state; ///< at x^n
+    Trajectories& trajectories;
+    Clusters& clusters;
+    PairTable& pairs;
+    PairFinder& broadphase;
+    CcdScratch& ccd;
+    ProximityScratch& proximity;
+    double dt;        ///< s
+    double angle_cos; ///< of theta_proximity
+    double approach;  ///< m/s, slower end proximities are left to static contact
+    std::vector<SweptBody> swept;
+    std::vector<CandidatePair> stale;
+    std::vector<ProximityPoint> points;
+};
+
+/// All pairs whose swept bounds come within the separation, or within the proximity distance, sorted.
+const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity);
+
+/// The frozen list of a sweep: pairs of bodies of different clusters whose swept bounds overlap and that have no current proof,
+/// sorted. Stage 1 also wants pairs within the proximity distance (`with_proximity`), stage 5 only those within the separation.
+const std::vector<CandidatePair>& freeze(StepData& data, bool with_proximity);
+
+/// All pairs whose boxes at the end poses come within the proximity distance, sorted; uses the freeze's buffers.
+const std::vector<CandidatePair>& end_pairs(StepData& data);
+
+/// Whether the pair's current versions are proved by the CCD, or were left by an operation.
+[[nodiscard]] bool proved(const StepData& data, std::int32_t a, std::int32_t b);
+[[nodiscard]] bool left(const StepData& data, std::int32_t a, std::int32_t b);
+
+/// Runs the CCD on a pair of bodies and records a proof where there is one.
+PairHit query(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters);
+
+/// The earliest hit between two clusters; pairs of members with a current proof are not looked at again.
+struct ClusterHit {
+    PairHit hit;
+    std::int32_t a = -1, b = -1; ///< bodies, of the first and of the second cluster
+};
+[[nodiscard]] ClusterHit query_clusters(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters);
+
+/// The contact of a swept hit in terms of the clusters: effective velocity and arms at the time of impact (section 3.2).
+struct SweptContact {
+    ContactPoint point;
+    double start_gap = 0; ///< m, along the normal at t = 0
+};
+[[nodiscard]] SweptContact swept_contact(const StepData& data, const ClusterHit& hit);
+
+/// Pair friction is the geometric mean, pair restitution the maximum (DESIGN section 6).
+[[nodiscard]] double pair_friction(const Model& model, std::int32_t a, std::int32_t b);
+[[nodiscard]] double pair_restitution(const Model& model, std::int32_t a, std::int32_t b);
+
+/// Applies an impulse to two clusters and re-evolves them.
+void push(StepData& data, std::int32_t a, std::int32_t b, const ContactPoint& point, const Vec3& impulse,
+          StageCounters& counters);
+
+} // namespace flotilla

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "response/cluster.hpp"
+
+#include <algorithm>
+
+namespace flotilla {
+namespace {
+
+constexpr double kLargestRigidTurn =
+    2; // radians: below it a rigid motion keeps linear trajectories apart (DESIGN 4.2 c)
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Inverse of a symmetric positive definite matrix.
+Mat3 inverse(const Mat3& a) {
+    const Vec3 r0 = row(a, 0), r1 = row(a, 1), r2 = row(a, 2);
+    const Vec3 c0 = cross(r1, r2), c1 = cross(r2, r0), c2 = cross(r0, r1);
+    const double d = 1 / dot(r0, c0);
+    // The inverse is symmetric, so rows may stand for columns.
+    return d * Mat3{{c0.x, c0.y, c0.z, c1.x, c1.y, c1.z, c2.x, c2.y, c2.z}};
+}
+
+} // namespace
+
+void Clusters::start(const Model& model, const Trajectories& trajectories, std::span<const Motion> motion) {
+    model_ = &model;
+    const std::size_t n = model.size();
+    clusters_.resize(n);
+    cluster_of_.resize(n);
+    base_.resize(n);
+    inertia_.resize(n);
+    base_turn_.assign(n, {});
+    motion_.assign(motion.begin(), motion.end());
+    for (std::size_t i = 0; i < n; ++i) {
+        const Pose& pose = trajectories.start_pose(i);
+        const RigidShape& shape = model.shape_of(i);
+        const bool movable = model.bodies[i].movable();
+        cluster_of_[i] = static_cast<std::int32_t>(i);
+        base_[i] = pose;
+        if (movable) inertia_[i] = {turned(shape.inertia, pose.rotation), turned(shape.inverse_inertia, pose.rotation)};
+        Cluster& c = clusters_[i];
+        c.members.assign(1, static_cast<std::int32_t>(i));
+        c.resolved_against.clear();
+        c.rung = Rung::free;
+        c.rigid = c.internal_proved = true;
+        c.inverse_mass = movable ? model.bodies[i].inverse_mass : 0.0;
+        c.com0 = c.base_com = pose.com;
+        c.inertia = inertia_[i];
+        c.velocity = motion[i].velocity;
+        c.momentum = motion[i].momentum;
+    }
+}
+
+void Clusters::set_script(std::int32_t id, const Motion& motion) {
+    motion_[at(id)] = motion;
+    (*this)[id].velocity = motion.velocity;
+    (*this)[id].momentum = motion.momentum;
+}
+
+Impulsive Clusters::impulsive(std::int32_t id) const {
+    const Cluster& c = (*this)[id];
+    if (!c.infinite()) return {c.inverse_mass, c.inertia.inverse, c.velocity, c.inertia.inverse * c.momentum};
+    // Scripted bodies keep their angular velocity in place of a momentum; held ones stand still.
+    if (c.rung == Rung::held) return {};
+    return {0, {}, c.velocity, c.momentum};
+}
+
+void Clusters::apply(std::int32_t id, const Vec3& arm, const Vec3& impulse) {
+    Cluster& c = (*this)[id];
+    if (c.infinite()) return;
+    const Vec3 twist = cross(arm, impulse);
+    const Vec3 dv = c.inverse_mass * impulse, dw = c.inertia.inverse * twist;
+    c.velocity += dv;
+    c.momentum += twist;
+    for (std::int32_t i : c.members) { // equation 14
+        Motion& m = motion_[at(i)];
+        m.velocity += dv + cross(dw, base_[at(i)].com - c.base_com);
+        m.momentum += inertia_[at(i)].tensor * dw;
+    }
+}
+
+void Clusters::evolve(std::int32_t id, double dt, Trajectories& trajectories) {
+    Cluster& c = (*this)[id];
+    if (c.infinite()) return;
+    const Vec3 com = c.com0 + dt * c.velocity; // equation 3
+    const RotationStep r = rotate_for(c.inertia, c.momentum, dt);
+    const bool turns = r.rotation != Quat{};
+    for (std::int32_t i : c.members) {
+        const Pose& base = base_[at(i)];
+        const Vec3 arm = base.com - c.base_com;
+        const Quat q = turns ? normalized(r.rotation * base.rotation) : base.rotation;
+        const Vec3 moved = com + (turns ? rotate(r.rotation, arm) : arm);
+        Vec3 turn = base_turn_[at(i)];
+        if (turns)
+            turn = turn == Vec3{}
+                       ? r.vector
+                       : rotation_vector_near(q * conjugate(trajectories.start_pose(at(i)).rotation), turn + r.vector);
+        trajectories.set_end(at(i), make_pose(model_->shape_of(at(i)), moved, q), turn);
+    }
+    const bool keeps_apart = c.rigid ? length(r.vector) < kLargestRigidTurn : !turns;
+    if (c.members.size() > 1 && !keeps_apart) c.internal_proved = false;
+}
+
+void Clusters::gather(Cluster& c, const Trajectories& trajectories) const {
+    double mass = 0;
+    Vec3 sum;
+    for (std::int32_t i : c.members) {
+        mass += model_->bodies[at(i)].mass;
+        sum += model_->bodies[at(i)].mass * trajectories.start_pose(at(i)).com;
+    }
+    c.inverse_mass = 1 / mass; // equation 5
+    c.com0 = sum / mass;       // equation 6
+    Mat3 tensor{};
+    for (std::int32_t i : c.members) { // equation 7
+        const Mat3 r = cross_matrix(trajectories.start_pose(at(i)).com - c.com0);
+        tensor = tensor + (inertia_[at(i)].tensor + model_->bodies[at(i)].mass * (r * transpose(r)));
+    }
+    c.inertia = {tensor, inverse(tensor)};
+}
+
+void Clusters::set_rigid(Cluster& c, const Trajectories& trajectories) {
+    c.rigid = c.internal_proved = true;
+    c.base_com = c.com0;
+    Vec3 linear, angular;
+    for (std::int32_t i : c.members) { // equation 8
+        const Motion& m = motion_[at(i)];
+        const Pose& pose = trajectories.start_pose(at(i));
+        const Vec3 p = model_->bodies[at(i)].mass * m.velocity;
+        linear += p;
+        angular += cross(pose.com - c.com0, p) + m.momentum;
+        base_[at(i)] = pose;
+        base_turn_[at(i)] = {};
+    }
+    c.velocity = c.inverse_mass * linear;
+    c.momentum = angular;
+    const Vec3 omega = c.inertia.inverse * angular;
+    for (std::int32_t i : c.members) { // equation 10
+        motion_[at(i)].velocity = c.velocity + cross(omega, base_[at(i)].com - c.com0);
+        motion_[at(i)].momentum = inertia_[at(i)].tensor * omega;
+    }
+}
+
+void Clusters::set_kinematic(Cluster& c, double dt, const Trajectories& trajectories) {
+    c.rigid = false;
+    Vec3 sum;
+    for (std::int32_t i : c.members) {
+        base_[at(i)] = trajectories.end_pose(at(i));
+        base_turn_[at(i)] = trajectories.turn(at(i));
+        sum += model_->bodies[at(i)].mass * base_[at(i)].com;
+    }
+    c.base_com = c.inverse_mass * sum;       // equation 11
+    c.velocity = (c.base_com - c.com0) / dt; // equation 12
+    c.momentum = {};
+}
+
+std::int32_t Clusters::merge(std::int32_t a, std::int32_t b, bool rigid, double dt, const Trajectories& trajectories) {
+    const std::int32_t low = std::min(a, b), high = std::max(a, b);
+    Cluster &to = (*this)[low], &from = (*this)[high];
+    for (std::int32_t i : from.members) cluster_of_[at(i)] = low;
+    to.members.insert(to.members.end(), from.members.begin(), from.members.end());
+    std::sort(to.members.begin(), to.members.end());
+    from.members.clear();
+    to.rung = std::max({to.rung, from.rung, rigid ? Rung::rigid : Rung::kinematic});
+    to.internal_proved = to.internal_proved && from.internal_proved;
+    to.resolved_against.clear();
+    gather(to, trajectories);
+    if (rigid)
+        set_rigid(to, trajectories);
+    else
+        set_kinematic(to, dt, trajectories);
+    return low;
+}
+
+void Clusters::make_rigid(std::int32_t id, const Trajectories& trajectories) {
+    Cluster& c = (*this)[id];
+    c.rung = std::max(c.rung, Rung::rigid);
+    set_rigid(c, trajectories);
+}
+
+void Clusters::hold(std::int32_t id, Trajectories& trajectories) {
+    Cluster& c = (*this)[id];
+    c.rung = Rung::held;
+    c.internal_proved = true;
+    c.inverse_mass = 0;
+    c.velocity = c.momentum = {};
+    for (std::int32_t i : c.members) {
+        motion_[at(i)] = {};
+        trajectories.hold(at(i));
+    }
+}
+
+} // namespace flotilla

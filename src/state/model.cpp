@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "state/model.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "state/rotation_step.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr double kRestOfSize = 1.0 / 330.0; // 1 cm for the paper's 3.3 m boat
+constexpr double kProximityOfRest = 2;
+constexpr double kSeparationOfRest = 1.0 / 50.0;
+
+/// FNV-1a over 64-bit words with a final mix: quality enough to tell states apart, and the same everywhere.
+class Hasher {
+  public:
+    void add(std::uint64_t word) { value_ = (value_ ^ word) * 0x100000001b3ull + (value_ >> 29); }
+    void add(double x) { add(std::bit_cast<std::uint64_t>(x)); }
+    void add(const Vec3& v) { add(v.x), add(v.y), add(v.z); }
+    void add(const Quat& q) { add(q.w), add(q.x), add(q.y), add(q.z); }
+    [[nodiscard]] std::uint64_t value() const {
+        std::uint64_t z = value_;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+        return z ^ (z >> 31);
+    }
+
+  private:
+    std::uint64_t value_ = 0xcbf29ce484222325ull;
+};
+
+} // namespace
+
+Pose make_pose(const RigidShape& shape, const Vec3& com, const Quat& rotation) {
+    return {com, rotation, com - rotate(rotation, shape.center_of_mass)};
+}
+
+Pose pose_at_origin(const RigidShape& shape, const Vec3& origin, const Quat& rotation) {
+    return {origin + rotate(rotation, shape.center_of_mass), rotation, origin};
+}
+
+PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b) {
+    const Settings& s = model.settings;
+    double size = std::numeric_limits<double>::infinity();
+    for (std::int32_t i : {a, b}) {
+        const Body& body = model.bodies[static_cast<std::size_t>(i)];
+        if (body.movable()) size = std::min(size, body.size);
+    }
+    double rest = s.rest_distance > 0 ? s.rest_distance : size * kRestOfSize;
+    const double proximity = s.proximity_distance > 0 ? s.proximity_distance : kProximityOfRest * rest;
+    const double separation = s.separation > 0 ? s.separation : kSeparationOfRest * rest;
+    const auto less = [](const RestDistance& r, std::pair<std::int32_t, std::int32_t> key) {
+        return std::pair(r.a, r.b) < key;
+    };
+    const auto it = std::lower_bound(state.rest_distances.begin(), state.rest_distances.end(), std::pair(a, b), less);
+    if (it != state.rest_distances.end() && it->a == a && it->b == b) rest = std::min(rest, it->distance);
+    return {rest, proximity, separation};
+}
+
+Vec3 angular_velocity(const RigidShape& shape, const Quat& rotation, const Vec3& momentum) {
+    return rotate(rotation, shape.inverse_inertia * rotate(conjugate(rotation), momentum));
+}
+
+std::uint64_t state_hash(const State& state) {
+    Hasher h;
+    h.add(static_cast<std::uint64_t>(state.step));
+    h.add(state.time);
+    for (const Pose& p : state.pose) h.add(p.com), h.add(p.rotation), h.add(p.origin);
+    for (const Motion& m : state.motion) h.add(m.velocity), h.add(m.momentum);
+    for (double d : state.script_delay) h.add(d);
+    for (const RestDistance& r : state.rest_distances) {
+        h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(r.a)) << 32) | static_cast<std::uint32_t>(r.b));
+        h.add(r.distance);
+    }
+    for (const WarmImpulse& w : state.warm_impulses) {
+        h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(w.a)) << 32) | static_cast<std::uint32_t>(w.b));
+        h.add(w.feature_key);
+        h.add(w.impulse);
+    }
+    return h.value();
+}
+
+} // namespace flotilla

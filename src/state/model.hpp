@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// What a run does not change (Model) and what outlives a step (State).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <flotilla/scene.hpp>
+#include <flotilla/settings.hpp>
+
+#include "base/rotation.hpp"
+#include "state/rigid_shape.hpp"
+
+namespace flotilla {
+
+/// Constants of a body. Movable bodies have finite mass; static and scripted ones have none.
+struct Body {
+    std::int32_t shape = 0;
+    BodyType type = BodyType::dynamic;
+    double mass = 0, inverse_mass = 0; ///< kg, 1/kg
+    double friction = 0, restitution = 0;
+    double size = 0; ///< m, diameter of the bounding sphere about the centre of mass
+    std::vector<Keyframe> keyframes;
+
+    [[nodiscard]] bool movable() const { return type == BodyType::dynamic; }
+    [[nodiscard]] bool scripted() const { return type == BodyType::kinematic; }
+};
+
+struct Model {
+    std::vector<RigidShape> shapes;
+    std::vector<Body> bodies;
+    Vec3 gravity; ///< m/s^2
+    Settings settings;
+
+    [[nodiscard]] std::size_t size() const { return bodies.size(); }
+    [[nodiscard]] const RigidShape& shape_of(std::size_t body) const {
+        return shapes[static_cast<std::size_t>(bodies[body].shape)];
+    }
+};
+
+/// Where a body is. `origin` belongs to the mesh's own origin and is what world vertices are computed from and what files hold;
+/// `com` is the centre of mass that moves by equation 3. Both are state: neither is rebuilt from the other.
+struct Pose {
+    Vec3 com;      ///< m
+    Quat rotation; ///< unit; mesh axes to world
+    Vec3 origin;   ///< m
+
+    friend bool operator==(const Pose&, const Pose&) = default;
+};
+
+/// The pose with a given centre of mass and rotation.
+[[nodiscard]] Pose make_pose(const RigidShape& shape, const Vec3& com, const Quat& rotation);
+/// The pose of a body whose mesh origin stands at `origin`.
+[[nodiscard]] Pose pose_at_origin(const RigidShape& shape, const Vec3& origin, const Quat& rotation);
+
+struct Motion {
+    Vec3 velocity; ///< of the centre of mass, m/s
+    Vec3
+        momentum; ///< angular, about the centre of mass, kg m^2/s; angular velocity for static and scripted bodies (rad/s)
+};
+
+/// A pair that started closer than its rest distance keeps its start distance (DESIGN section 3).
+struct RestDistance {
+    std::int32_t a, b; ///< a < b
+    double distance;   ///< m
+};
+
+/// The impulse at a feature pair, kept for the next solve as a world vector.
+struct WarmImpulse {
+    std::int32_t a, b; ///< a < b
+    std::uint64_t feature_key;
+    Vec3 impulse; ///< on b, N s
+};
+
+/// Everything that can change a later bit. A checkpoint holds exactly this, and the state hash covers it.
+struct State {
+    std::int64_t step = 0;
+    double time = 0; ///< s
+    std::vector<Pose> pose;
+    std::vector<Motion> motion;
+    std::vector<double> script_delay;         ///< s by which a body's script clock lags behind the time
+    std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
+    std::vector<WarmImpulse> warm_impulses;   ///< sorted by (a, b, feature_key)
+};
+
+/// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its movable
+/// bodies (DESIGN section 3).
+struct PairLengths {
+    double rest, proximity, separation; ///< m
+};
+[[nodiscard]] PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b);
+
+/// Angular velocity of a body with angular momentum `momentum` at the given orientation, rad/s.
+[[nodiscard]] Vec3 angular_velocity(const RigidShape& shape, const Quat& rotation, const Vec3& momentum);
+
+/// 64-bit hash of all bits of the state.
+[[nodiscard]] std::uint64_t state_hash(const State& state);
+
+} // namespace flotilla

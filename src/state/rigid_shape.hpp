@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// A shape as the solver uses it: mesh, features, hierarchy and mass, shared by all bodies that have it.
+#pragma once
+
+#include "mesh/bvh.hpp"
+#include "mesh/topology.hpp"
+
+namespace flotilla {
+
+struct RigidShape {
+    TriangleMesh mesh; ///< vertices in the mesh's own coordinates, m
+    Topology topology;
+    Bvh bvh;
+    Vec3 center_of_mass;  ///< mesh coordinates
+    double mass = 0;      ///< kg; 0 where the shape has none (static and scripted bodies only)
+    Mat3 inertia;         ///< about the centre of mass, mesh axes, kg m^2
+    Mat3 inverse_inertia; ///< zero where the shape has no mass
+    double radius = 0;    ///< m, largest distance of a vertex from the centre of mass, rounded up
+};
+
+} // namespace flotilla

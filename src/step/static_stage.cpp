@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "step/static_stage.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace flotilla {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+void append_pair(StepData& data, const CandidatePair& pair, ContactSet& out) {
+    const PairRecord& record = data.pairs.get(data.model, data.state, pair.a, pair.b);
+    data.points.clear();
+    const auto result = find_contact_points(data.trajectories.at_end(at(pair.a)), data.trajectories.at_end(at(pair.b)),
+                                            record.lengths.proximity, data.angle_cos, data.proximity, data.points);
+    if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
+    for (const ProximityPoint& p : data.points) {
+        // The point of the vertex, or of body a's edge (section 4.3.1).
+        const Vec3 point = p.features.kind == FeatureKind::face_vertex ? p.b : p.a;
+        out.contacts.push_back({pair.a, pair.b, point, p.normal, p.distance, 0,
+                                pair_friction(data.model, pair.a, pair.b), feature_key(p.features)});
+        out.rest.push_back(record.lengths.rest);
+        out.processed.push_back(record.processed ? 1 : 0);
+    }
+}
+
+auto warm_key(const WarmImpulse& w) { return std::tuple(w.a, w.b, w.feature_key); }
+auto contact_key(const Contact& c) { return std::tuple(c.a, c.b, c.feature_key); }
+
+void load_warm(const std::vector<Contact>& contacts, const std::vector<WarmImpulse>& warm, double factor,
+               std::vector<Vec3>& impulses) {
+    impulses.assign(contacts.size(), {});
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        while (k < warm.size() && warm_key(warm[k]) < contact_key(contacts[i])) ++k;
+        if (k < warm.size() && warm_key(warm[k]) == contact_key(contacts[i])) impulses[i] = factor * warm[k].impulse;
+    }
+}
+
+void store_warm(const StaticStageScratch& scratch, std::vector<WarmImpulse>& warm) {
+    warm.clear();
+    for (std::size_t i = 0; i < scratch.selected.size(); ++i) {
+        const Contact& c = scratch.selected[i];
+        if (scratch.solver.shocked[at(c.a)] != 0 || scratch.solver.shocked[at(c.b)] != 0) continue;
+        if (scratch.impulses[i] != Vec3{}) warm.push_back({c.a, c.b, c.feature_key, scratch.impulses[i]});
+    }
+}
+
+} // namespace
+
+void find_contacts(StepData& data, ContactSet& out) {
+    out.contacts.clear();
+    out.rest.clear();
+    out.processed.clear();
+    out.min_distance = std::numeric_limits<double>::infinity();
+    for (const CandidatePair& p : end_pairs(data)) append_pair(data, p, out);
+}
+
+void VelocityArrays::load(const Model& model, std::span<const Pose> poses, std::span<const Motion> motion) {
+    const std::size_t n = model.size();
+    position.resize(n);
+    velocity.resize(n);
+    angular_velocity.resize(n);
+    inverse_mass.resize(n);
+    inverse_inertia.resize(n);
+    inertia.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const RigidShape& shape = model.shape_of(i);
+        const bool movable = model.bodies[i].movable();
+        position[i] = poses[i].com;
+        velocity[i] = motion[i].velocity;
+        inverse_mass[i] = movable ? model.bodies[i].inverse_mass : 0.0;
+        inverse_inertia[i] = movable ? turned(shape.inverse_inertia, poses[i].rotation) : Mat3{};
+        inertia[i] = movable ? turned(shape.inertia, poses[i].rotation) : Mat3{};
+        angular_velocity[i] = movable ? inverse_inertia[i] * motion[i].momentum : motion[i].momentum;
+    }
+}
+
+void VelocityArrays::store(const Model& model, std::span<const Vec3> angular_before, std::span<Motion> motion) const {
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        if (!model.bodies[i].movable()) continue;
+        motion[i].velocity = velocity[i];
+        if (angular_velocity[i] != angular_before[i])
+            motion[i].momentum += inertia[i] * (angular_velocity[i] - angular_before[i]);
+    }
+}
+
+StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,
+                                      std::span<Motion> motion, std::vector<WarmImpulse>& warm,
+                                      const StaticStageOptions& options, StaticStageScratch& scratch) {
+    const Settings& s = model.settings;
+    scratch.selected.clear();
+    for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+        if (options.final_stage && set.processed[i] == 0) continue;
+        Contact c = set.contacts[i];
+        const double full = (set.rest[i] - c.distance) / s.time_step; // equation 16
+        c.target = options.final_stage ? std::min(0.0, full) : full;
+        scratch.selected.push_back(c);
+    }
+    load_warm(scratch.selected, warm, options.warm_factor, scratch.impulses);
+    VelocityArrays& b = scratch.bodies;
+    b.load(model, poses, motion);
+    scratch.angular_before = b.angular_velocity;
+    ContactSolveOptions solve;
+    solve.iterations = s.static_iterations;
+    solve.tolerance = s.static_tolerance;
+    solve.warm_start = s.warm_start;
+    solve.shock = s.shock_propagation;
+    solve.tangents = s.tangents;
+    solve.seed = s.seed;
+    solve.step = 2 * static_cast<std::uint64_t>(options.step) + (options.final_stage ? 1 : 0);
+    const ContactSolveStats stats = solve_contacts(
+        scratch.selected, {b.position, b.velocity, b.angular_velocity, b.inverse_mass, b.inverse_inertia}, solve,
+        scratch.impulses, scratch.solver);
+    b.store(model, scratch.angular_before, motion);
+    store_warm(scratch, warm);
+    return {stats, static_cast<std::int64_t>(scratch.selected.size())};
+}
+
+} // namespace flotilla

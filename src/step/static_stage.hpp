@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Stages 3 and 7: contact points at one set of poses, and the solve that keeps them from approaching (paper, section 4.3).
+#pragma once
+
+#include <flotilla/report.hpp>
+
+#include "pair/step_data.hpp"
+#include "static_contact/solve_contacts.hpp"
+
+namespace flotilla {
+
+/// Contact points at the end poses of all pairs within their proximity distance, sorted by (a, b, feature key).
+struct ContactSet {
+    std::vector<Contact> contacts;                                 ///< targets unset
+    std::vector<double> rest;                                      ///< m, rest distance of each contact's pair
+    std::vector<std::uint8_t> processed;                           ///< stage 1 examined the pair
+    double min_distance = std::numeric_limits<double>::infinity(); ///< m, of all feature pairs within proximity
+};
+void find_contacts(StepData& data, ContactSet& out);
+
+/// Bodies as stages 3 and 7 see them: velocities to be changed and the inertia of the poses where the contacts are.
+struct VelocityArrays {
+    std::vector<Vec3> position, velocity, angular_velocity;
+    std::vector<double> inverse_mass;
+    std::vector<Mat3> inverse_inertia;
+    std::vector<Mat3> inertia;
+
+    void load(const Model& model, std::span<const Pose> poses, std::span<const Motion> motion);
+    /// Writes back; a momentum changes only where the angular velocity did, so that untouched bodies keep theirs to the bit.
+    void store(const Model& model, std::span<const Vec3> angular_before, std::span<Motion> motion) const;
+};
+
+struct StaticStageOptions {
+    bool final_stage = false; ///< stage 7: only processed pairs, target min(0, (d_rest - d)/dt)
+    double warm_factor = 1;   ///< of the stored impulses
+    std::int64_t step = 0;
+};
+
+struct StaticStageScratch {
+    ContactScratch solver;
+    VelocityArrays bodies;
+    std::vector<Vec3> angular_before;
+    std::vector<Contact> selected;
+    std::vector<Vec3> impulses;
+};
+
+struct StaticStageStats {
+    ContactSolveStats solve;
+    std::int64_t contacts = 0;
+};
+
+/// Solves the contacts of the set on `motion`; `warm` holds the impulses of the last solve and takes those of this one.
+StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,
+                                      std::span<Motion> motion, std::vector<WarmImpulse>& warm,
+                                      const StaticStageOptions& options, StaticStageScratch& scratch);
+
+} // namespace flotilla

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+#include "step/stepper.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "collision/collisions.hpp"
+#include "step/scripts.hpp"
+
+namespace flotilla {
+namespace {
+
+void add_counters(const StageCounters& c, StepReport& report) {
+    report.pairs += c.pairs;
+    report.ms(Phase::detection) += c.detection_ms;
+    report.ms(Phase::response) += c.response_ms;
+}
+
+/// Adds dt * gravity to the movable bodies (stages 2 and 6).
+void accelerate(const Model& model, double dt, std::span<Motion> motion) {
+    for (std::size_t i = 0; i < motion.size(); ++i)
+        if (model.bodies[i].movable()) motion[i].velocity += dt * model.gravity;
+}
+
+} // namespace
+
+Stepper::Stepper(const Model& model, State state) : model_(model), state_(std::move(state)) {
+    trajectories_.start(model_, state_.pose);
+    turns_.assign(model_.size(), {});
+    StepData d = data();
+    find_contacts(d, contacts_);
+    if (state_.step > 0) return;
+    // Pairs that start closer than their rest distance keep their start distance as such (DESIGN section 3).
+    for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
+        const Contact& c = contacts_.contacts[i];
+        if (!(c.distance < contacts_.rest[i])) continue;
+        auto& list = state_.rest_distances;
+        if (!list.empty() && list.back().a == c.a && list.back().b == c.b)
+            list.back().distance = std::min(list.back().distance, c.distance);
+        else
+            list.push_back({c.a, c.b, c.distance});
+    }
+    pairs_.clear();
+    if (!state_.rest_distances.empty()) find_contacts(d, contacts_);
+}
+
+StepData Stepper::data() {
+    const Settings& s = model_.settings;
+    const double approach =
+        s.approach_threshold >= 0 ? s.approach_threshold : 0.5 * length(model_.gravity) * s.time_step;
+    return {model_,
+            state_,
+            trajectories_,
+            clusters_,
+            pairs_,
+            broadphase_,
+            ccd_,
+            proximity_,
+            s.time_step,
+            sin_cos(s.proximity_angle * std::numbers::pi / 180).cos,
+            approach,
+            {},
+            {},
+            {}};
+}
+
+StepReport Stepper::step() {
+    StepReport report;
+    report.step = state_.step + 1;
+    const double dt = model_.settings.time_step;
+    report.time = static_cast<double>(report.step) * dt;
+    std::vector<Pose> end(model_.size());
+    std::vector<Motion> collided, half, next;
+    DynamicContactStats dynamic;
+    FailsafeStats failsafe;
+    {
+        const Stopwatch total(report.total_ms);
+        pairs_.clear();
+        StepData d = data();
+        { // 1) collisions: v^n becomes v^
+            const Stopwatch watch(report.ms(Phase::collisions));
+            start_clusters(state_.motion);
+            const StageCounters c = handle_collisions(d);
+            add_counters(c, report);
+            report.collisions = c.impulses;
+            if (c.limit) report.warnings |= kCollisionLimit;
+            collided = clusters_.motion();
+        }
+        { // 2) v^{n+1/2} = v^ + dt/2 a
+            const Stopwatch watch(report.ms(Phase::half_velocity));
+            half = collided;
+            accelerate(model_, 0.5 * dt, half);
+        }
+        { // 3) static contact on v^{n+1/2}, contacts at x^n
+            const Stopwatch watch(report.ms(Phase::half_static_contact));
+            static_contact(half, state_.pose, false, report);
+        }
+        { // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4
+            const Stopwatch watch(report.ms(Phase::position));
+            start_clusters(half);
+        }
+        { // 5) dynamic contact, then the failsafe: x^{n+1} is free of intersections
+            const Stopwatch watch(report.ms(Phase::dynamic_contact));
+            dynamic = handle_dynamic_contact(d);
+            add_counters(dynamic.counters, report);
+        }
+        {
+            const Stopwatch watch(report.ms(Phase::failsafe));
+            failsafe = run_failsafe(d);
+            add_counters(failsafe.counters, report);
+            record_failsafe(dynamic, failsafe, report);
+        }
+        {
+            const Stopwatch watch(report.ms(Phase::certificate));
+            certify(d);
+            for (std::size_t i = 0; i < end.size(); ++i) end[i] = trajectories_.end_pose(i);
+        }
+        { // 6) v^{n+1} = v^ + dt a
+            const Stopwatch watch(report.ms(Phase::velocity));
+            next = collided;
+            accelerate(model_, dt, next);
+            for (std::size_t i = 0; i < next.size(); ++i)
+                if (!model_.bodies[i].movable()) next[i] = clusters_.motion()[i];
+            held_velocities(next, end, report);
+        }
+        { // 7) static contact on v^{n+1}, contacts at x^{n+1}
+            const Stopwatch watch(report.ms(Phase::static_contact));
+            {
+                const Stopwatch detection(report.ms(Phase::static_detection));
+                find_contacts(d, contacts_);
+            }
+            static_contact(next, end, true, report);
+        }
+    }
+    commit(next, end, failsafe);
+    report.min_distance = contacts_.min_distance;
+    measure(report);
+    return report;
+}
+
+void Stepper::start_clusters(std::span<const Motion> motion) {
+    clusters_.start(model_, trajectories_, motion);
+    move_scripts();
+    for (std::size_t i = 0; i < model_.size(); ++i)
+        if (model_.bodies[i].movable())
+            clusters_.evolve(static_cast<std::int32_t>(i), model_.settings.time_step, trajectories_);
+}
+
+void Stepper::move_scripts() {
+    const double dt = model_.settings.time_step;
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        if (!model_.bodies[i].scripted()) continue;
+        const double time = static_cast<double>(state_.step + 1) * dt - state_.script_delay[i];
+        const Pose end = scripted_pose(model_.shape_of(i), model_.bodies[i], time);
+        const Pose& start = trajectories_.start_pose(i);
+        const Vec3 turn =
+            end.rotation == start.rotation ? Vec3{} : rotation_vector(end.rotation * conjugate(start.rotation));
+        trajectories_.set_end(i, end, turn);
+        clusters_.set_script(static_cast<std::int32_t>(i), {(end.com - start.com) / dt, turn / dt});
+    }
+}
+
+void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
+                             StepReport& report) {
+    const Stopwatch watch(report.ms(Phase::static_response));
+    // Half a step's gravity in stage 3, a whole one's in stage 7: impulses follow (DESIGN 4.7).
+    const StaticStageStats stats = solve_static_contact(model_, contacts_, poses, motion, state_.warm_impulses,
+                                                        {final_stage, final_stage ? 2.0 : 0.5, report.step}, static_);
+    report.iterations += stats.solve.iterations;
+    report.residual = std::max(report.residual, stats.solve.residual);
+    if (final_stage) report.contacts = stats.contacts;
+    if (stats.solve.residual > model_.settings.static_tolerance) report.warnings |= kStaticLimit;
+}
+
+void Stepper::record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report) {
+    if (dynamic.counters.limit) report.warnings |= kDynamicLimit;
+    if (!failsafe.delayed_scripts.empty()) report.warnings |= kScriptDelayed;
+    report.merges = dynamic.merges + failsafe.merges;
+    report.rung_changes = failsafe.rung_changes;
+    report.trigger_a = dynamic.trigger_a >= 0 ? dynamic.trigger_a : failsafe.trigger_a;
+    report.trigger_b = dynamic.trigger_a >= 0 ? dynamic.trigger_b : failsafe.trigger_b;
+    failsafe_bodies_.assign(model_.size(), 0);
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        const Cluster& c = clusters_[static_cast<std::int32_t>(i)];
+        if (c.members.empty() || (c.members.size() == 1 && c.rung == Rung::free)) continue;
+        const auto size = static_cast<std::int64_t>(c.members.size());
+        report.largest_cluster = std::max(report.largest_cluster, size);
+        if (c.rung == Rung::kinematic) report.kinematic_bodies += size;
+        if (c.rung == Rung::rigid) report.rigid_bodies += size;
+        if (c.rung == Rung::held) report.held += size;
+        for (std::int32_t member : c.members) failsafe_bodies_[static_cast<std::size_t>(member)] = 1;
+    }
+}
+
+/// A body that the failsafe kept from falling must not go on accelerating: a cluster takes the velocity of the motion it really
+/// made if that holds less kinetic energy than what it would have (DESIGN 4.5).
+void Stepper::held_velocities(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
+    const double dt = model_.settings.time_step;
+    const auto kinetic = [&](std::size_t i, const Motion& m) {
+        const Vec3 omega = angular_velocity(model_.shape_of(i), end[i].rotation, m.momentum);
+        return 0.5 * model_.bodies[i].mass * length_sq(m.velocity) + 0.5 * dot(omega, m.momentum);
+    };
+    for (std::size_t id = 0; id < model_.size(); ++id) {
+        const Cluster& c = clusters_[static_cast<std::int32_t>(id)];
+        if (c.members.empty() || failsafe_bodies_[id] == 0) continue;
+        double planned = 0, real = 0;
+        std::vector<Motion> made;
+        for (std::int32_t m : c.members) {
+            const auto i = static_cast<std::size_t>(m);
+            const Pose& start = trajectories_.start_pose(i);
+            const Mat3 inertia = turned(model_.shape_of(i).inertia, end[i].rotation);
+            made.push_back(
+                {(end[i].com - start.com) / dt + 0.5 * dt * model_.gravity, inertia * (trajectories_.turn(i) / dt)});
+            planned += kinetic(i, motion[i]);
+            real += kinetic(i, made.back());
+        }
+        if (!(real < planned)) continue;
+        for (std::size_t k = 0; k < c.members.size(); ++k) motion[static_cast<std::size_t>(c.members[k])] = made[k];
+        report.warnings |= kReboundLost;
+    }
+    std::erase_if(state_.warm_impulses, [&](const WarmImpulse& w) {
+        return failsafe_bodies_[static_cast<std::size_t>(w.a)] != 0 ||
+               failsafe_bodies_[static_cast<std::size_t>(w.b)] != 0;
+    });
+}
+
+void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
+    for (std::int32_t body : failsafe.delayed_scripts)
+        state_.script_delay[static_cast<std::size_t>(body)] += model_.settings.time_step;
+    for (std::size_t i = 0; i < model_.size(); ++i) turns_[i] = trajectories_.turn(i);
+    state_.motion.assign(motion.begin(), motion.end());
+    state_.pose.assign(end.begin(), end.end());
+    ++state_.step;
+    state_.time = static_cast<double>(state_.step) * model_.settings.time_step;
+    trajectories_.advance();
+}
+
+void Stepper::measure(StepReport& report) const {
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        const Body& body = model_.bodies[i];
+        if (!body.movable()) continue;
+        const Motion& m = state_.motion[i];
+        const Vec3 p = body.mass * m.velocity;
+        report.momentum += p;
+        report.angular_momentum += cross(state_.pose[i].com, p) + m.momentum;
+        report.kinetic_energy +=
+            0.5 * dot(p, m.velocity) +
+            0.5 * dot(m.momentum, angular_velocity(model_.shape_of(i), state_.pose[i].rotation, m.momentum));
+        report.energy -= body.mass * dot(model_.gravity, state_.pose[i].com);
+    }
+    report.energy += report.kinetic_energy;
+    report.state_hash = state_hash(state_);
+}
+
+} // namespace flotilla

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// One time step (paper, section 2): seven stages over the state.
+#pragma once
+
+#include <flotilla/report.hpp>
+
+#include "broadphase/pairs.hpp"
+#include "dynamic_contact/dynamic_contact.hpp"
+#include "failsafe/failsafe.hpp"
+#include "step/certificate.hpp"
+#include "step/static_stage.hpp"
+
+namespace flotilla {
+
+class Stepper {
+  public:
+    /// The state must be free of intersections; `model` must outlive the stepper.
+    Stepper(const Model& model, State state);
+
+    /// Advances by the settings' time step. Throws CertificateError rather than leave an unproved state.
+    StepReport step();
+
+    [[nodiscard]] const State& state() const { return state_; }
+    /// The rotation vector of each body's motion in the last step, with whole turns, radians.
+    [[nodiscard]] const std::vector<Vec3>& turns() const { return turns_; }
+    /// Contact points at the present poses.
+    [[nodiscard]] const ContactSet& contacts() const { return contacts_; }
+    /// Bodies that a failsafe event of the last step touched, as flags.
+    [[nodiscard]] const std::vector<std::uint8_t>& failsafe_bodies() const { return failsafe_bodies_; }
+    [[nodiscard]] const QueryCounters& query_counters() const { return ccd_.counters; }
+
+  private:
+    StepData data();
+    void start_clusters(std::span<const Motion> motion);
+    void move_scripts();
+    void static_contact(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage, StepReport& report);
+    void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
+    void held_velocities(std::span<Motion> motion, std::span<const Pose> end, StepReport& report);
+    void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
+    void measure(StepReport& report) const;
+
+    const Model& model_;
+    State state_;
+    Trajectories trajectories_;
+    Clusters clusters_;
+    PairTable pairs_;
+    Broadphase broadphase_;
+    CcdScratch ccd_;
+    ProximityScratch proximity_;
+    StaticStageScratch static_;
+    ContactSet contacts_;
+    std::vector<Vec3> turns_;
+    std::vector<std::uint8_t> failsafe_bodies_;
+};
+
+} // namespace flotilla
