@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The contact solver on brick walls: bricks of 1 x 1 x 0.5 m in layers of n x n, shifted by half a brick from layer to
 // layer, so that a brick rests on up to four others with four contact points each, all with friction.
-//   Sweep      projected Gauss-Seidel, random tangents and pyramid; the counter per_visit is one contact with its 3 rows
+//   Sweep      projected Gauss-Seidel, random tangents and pyramid; the counter per_visit_ns is one contact with its 3 rows
+//   SweepScalar  the same without vectors, for the same bits
 //   SweepDisc  the same with aligned tangents and the friction disc
-//   Assemble   set-up alone (order, islands, colours, rows): per_contact
+//   Assemble   set-up alone (order, islands, colours, rows): per_contact_ns
 //   Shock      one sweep, then shock propagation to the default tolerance: the whole solve
 // Every run starts from the same state. Before anything is timed, a converged solve must carry the weight of the wall.
 #include <cmath>
@@ -117,6 +118,11 @@ void run(benchmark::State& state, const ContactSolveOptions& options, const char
 void BM_StaticContact_Sweep(benchmark::State& state) {
     run(state, {.iterations = 100, .tolerance = 0, .warm_start = false, .shock = false}, "per_visit_ns");
 }
+void BM_StaticContact_SweepScalar(benchmark::State& state) {
+    ContactSolveOptions options{.iterations = 100, .tolerance = 0, .warm_start = false, .shock = false};
+    options.isa = Isa::scalar;
+    run(state, options, "per_visit_ns");
+}
 void BM_StaticContact_SweepDisc(benchmark::State& state) {
     run(state, {.iterations = 100, .tolerance = 0, .warm_start = false, .shock = false, .tangents = Tangents::aligned},
         "per_visit_ns");
@@ -132,6 +138,7 @@ void walls(benchmark::internal::Benchmark* b) {
     b->ArgNames({"bricks", "layers"})->Args({2, 4})->Args({6, 4})->Args({12, 8})->Unit(benchmark::kMicrosecond);
 }
 BENCHMARK(BM_StaticContact_Sweep)->Apply(walls);
+BENCHMARK(BM_StaticContact_SweepScalar)->Apply(walls);
 BENCHMARK(BM_StaticContact_SweepDisc)->Apply(walls);
 BENCHMARK(BM_StaticContact_Assemble)->Apply(walls);
 BENCHMARK(BM_StaticContact_Shock)->Apply(walls);
