@@ -49,6 +49,7 @@ PUBLIC_HEADERS = {
     "settings": "scene",
     "scene": "scene",
     "scene_file": "io",
+    "scene_library": "scene",
     "report": "step/report",
     "picture": "io",
 }

@@ -5,9 +5,12 @@
 #include <cmath>
 #include <unordered_map>
 
+#include <flotilla/error.hpp>
+
 #include "base/rotation.hpp"
 #include "base/text.hpp"
 #include "base/vec3.hpp"
+#include "scene/scene.hpp"
 #include "scene/settings_table.hpp"
 
 namespace flotilla {
@@ -128,6 +131,12 @@ void check_shape(const ShapeDescription& shape, const std::string& path, ErrorLi
     else if (shape.inertia && !errors.any_under(path))
         check.problem("inertia", "needs one of surface_density, density and mass");
     if (shape.center_of_mass) check.magnitude("center_of_mass", *shape.center_of_mass, kMaxCoordinate, "m");
+    if (shape.mass_kind == MassKind::none || errors.any_under(path)) return;
+    try {
+        (void)shape_mass_properties(shape);
+    } catch (const InputError& error) {
+        errors.add(path, error.what());
+    }
 }
 
 void check_keyframes(BodyDescription& body, const std::string& path, ErrorList& errors) {

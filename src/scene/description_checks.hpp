@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Checks of a scene description that need no mesh processing: names, references, ranges, rotations, keyframes.
+// Checks of a scene description: names, references, ranges, rotations, keyframes, and whether the masses exist.
 // Limits are wide enough for any sensible scene in SI units and narrow enough that nothing later overflows or underflows.
 #pragma once
 

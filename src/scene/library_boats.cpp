@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Scenes with boats.
+#include <algorithm>
+#include <cmath>
+
+#include "base/rotation.hpp"
+#include "mesh/primitives.hpp"
+#include "scene/library.hpp"
+
+namespace flotilla::library {
+
+namespace {
+
+constexpr double kBoatDensity = 10; // kg/m^2
+constexpr double kPi = 3.14159265358979323846;
+
+ShapeDescription boat_shape() {
+    ShapeDescription boat = shape_of("boat", boat_mesh());
+    boat.mass_kind = MassKind::surface_density;
+    boat.mass_value = kBoatDensity;
+    return boat;
+}
+
+// Boats with random orientations whose bounding spheres stand at `places`.
+void add_boats(SceneDescription& scene, const std::vector<Vec3>& places, const Vec3& sphere_center,
+               std::uint64_t seed) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const Quat turn = random_rotation(seed, i);
+        BodyDescription boat =
+            body_of("boat" + std::to_string(i), 0, BodyType::dynamic, places[i] - rotate(turn, sphere_center));
+        boat.rotation = turn;
+        scene.bodies.push_back(std::move(boat));
+    }
+}
+
+// The bowl's radius, m. A settled pile takes about 4.5 m^3 per boat (a boat's box has 2.4 m^3; hulls nest a little and lie
+// criss-cross); 70 % of the bowl is left to it, so that the impact throws none out. Below 4.5 m a boat would bridge the bowl.
+double bowl_radius(int boats, double angle) {
+    constexpr double kVolumePerBoat = 4.5 / 0.7, kLeast = 4.5;
+    const double h = 1 - sin_cos(angle).cos; // depth of the cap of a unit sphere
+    const double unit_volume = kPi * h * h * (3 - h) / 3;
+    return std::max(kLeast, std::cbrt(boats * kVolumePerBoat / unit_volume));
+}
+
+} // namespace
+
+SceneDescription boats_in_bowl(int bodies, std::uint64_t seed) {
+    constexpr double kAngle = 80 * kPi / 180, kAir = 0.3;
+    const int boats = bodies - 2;
+    const double radius = bowl_radius(boats, kAngle);
+    const SinCos rim = sin_cos(kAngle);
+
+    SceneDescription scene;
+    scene.shapes = {boat_shape(), shape_of("bowl", bowl_mesh(radius, kAngle, 20, 64)),
+                    shape_of("ground", make_plate(6 * radius, 6 * radius))};
+    const BoundingSphere sphere = bounding_sphere({scene.shapes[0].vertices, scene.shapes[0].triangles});
+    // Whole boats inside the rim, the lowest just above it.
+    const double column = radius * rim.sin - sphere.radius - kAir;
+    const double bottom = radius * (1 - rim.cos) + 1.1 * sphere.radius;
+    add_boats(scene, packed_column(static_cast<std::size_t>(boats), sphere.radius, column, bottom, seed), sphere.center,
+              seed);
+    scene.bodies.push_back(body_of("bowl", 1, BodyType::fixed, {}));
+    scene.bodies.push_back(body_of("ground", 2, BodyType::fixed, {0, 0, -0.1 * radius}));
+    return scene;
+}
+
+SceneDescription falling_boats(int bodies, std::uint64_t seed) {
+    const auto boats = static_cast<std::size_t>(bodies - 1);
+    SceneDescription scene;
+    scene.shapes = {boat_shape()};
+    const BoundingSphere sphere = bounding_sphere({scene.shapes[0].vertices, scene.shapes[0].triangles});
+    const double column = sphere.radius * std::cbrt(static_cast<double>(boats));
+    scene.shapes.push_back(
+        shape_of("ground", make_plate(10 * (column + sphere.radius), 10 * (column + sphere.radius))));
+    add_boats(scene, packed_column(boats, sphere.radius, column, 1.5 * sphere.radius, seed), sphere.center, seed);
+    scene.bodies.push_back(body_of("ground", 1, BodyType::fixed, {}));
+    return scene;
+}
+
+SceneDescription closing_walls(int, std::uint64_t) {
+    SceneDescription scene;
+    scene.gravity = {};
+    scene.shapes = {boat_shape(), shape_of("wall", make_plate(6, 6))};
+    scene.bodies.push_back(body_of("boat", 0, BodyType::dynamic, {}));
+    // Upright, 2 m from the boat's middle at first, through each other at the end.
+    const Quat upright = rotation_from_vector({kPi / 2, 0, 0});
+    for (const double side : {-1.0, 1.0}) {
+        BodyDescription wall = body_of(side < 0 ? "left" : "right", 1, BodyType::kinematic, {0, 2 * side, 0});
+        wall.rotation = upright;
+        wall.keyframes = {{0, {0, 2 * side, 0}, upright}, {2, {0, -0.1 * side, 0}, upright}};
+        scene.bodies.push_back(std::move(wall));
+    }
+    return scene;
+}
+
+} // namespace flotilla::library

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "scene/scene.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <unordered_map>
+
+#include "base/error_list.hpp"
+#include "base/random.hpp"
+#include "base/rotation.hpp"
+#include "base/text.hpp"
+#include "geometry/ccd.hpp"
+#include "scene/description_checks.hpp"
+
+namespace flotilla {
+
+namespace {
+
+MassProperties plain_mass_properties(const ShapeDescription& shape, const TriangleMesh& mesh) {
+    switch (shape.mass_kind) {
+    case MassKind::surface_density: return shell_mass_properties(mesh, shape.mass_value, shape.name);
+    case MassKind::density: return solid_mass_properties(mesh, shape.mass_value, shape.name);
+    case MassKind::mass:
+    case MassKind::none: break;
+    }
+    return shell_mass_properties_total(mesh, shape.mass_value, shape.name);
+}
+
+bool same_bits(const Vec3& a, const Vec3& b) {
+    const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+    return bits(a.x) == bits(b.x) && bits(a.y) == bits(b.y) && bits(a.z) == bits(b.z);
+}
+
+bool same_shape(const ShapeDescription& a, const ShapeDescription& b) {
+    return a.mass_kind == b.mass_kind && a.mass_value == b.mass_value && a.inertia == b.inertia &&
+           a.center_of_mass == b.center_of_mass && a.triangles == b.triangles &&
+           std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(), same_bits);
+}
+
+std::uint64_t hash_of(const ShapeDescription& shape) {
+    std::uint64_t h = random_bits(shape.vertices.size(), shape.triangles.size());
+    for (const Vec3& v : shape.vertices)
+        h = random_bits(h, std::bit_cast<std::uint64_t>(v.x), std::bit_cast<std::uint64_t>(v.y),
+                        std::bit_cast<std::uint64_t>(v.z));
+    return h;
+}
+
+Shape build_shape(ShapeDescription&& description) {
+    Shape shape;
+    shape.mass = shape_mass_properties(description);
+    shape.name = std::move(description.name);
+    shape.mesh = {std::move(description.vertices), std::move(description.triangles)};
+    shape.topology = build_topology(shape.mesh);
+    shape.bvh = build_bvh(shape.mesh);
+    shape.sphere = bounding_sphere(shape.mesh);
+    shape.center = shape.mass                   ? shape.mass->center_of_mass
+                   : description.center_of_mass ? *description.center_of_mass
+                                                : shape.sphere.center;
+    shape.radius = bounding_radius(shape.mesh, shape.center);
+    return shape;
+}
+
+// Moves the shapes into `scene`, each once, and returns where each one went.
+std::vector<std::int32_t> build_shapes(std::vector<ShapeDescription>& descriptions, Scene& scene) {
+    std::unordered_multimap<std::uint64_t, std::size_t> known;
+    std::vector<std::int32_t> index(descriptions.size());
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < descriptions.size(); ++i) {
+        const std::uint64_t hash = hash_of(descriptions[i]);
+        const auto [first, last] = known.equal_range(hash);
+        const auto same = std::find_if(
+            first, last, [&](const auto& k) { return same_shape(descriptions[k.second], descriptions[i]); });
+        if (same != last) {
+            index[i] = index[same->second];
+            continue;
+        }
+        known.emplace(hash, i);
+        index[i] = static_cast<std::int32_t>(kept.size());
+        kept.push_back(i);
+    }
+    for (const std::size_t i : kept) scene.shapes.push_back(build_shape(std::move(descriptions[i])));
+    return index;
+}
+
+void warn_of_unused_shapes(const SceneDescription& description, std::vector<std::string>& warnings) {
+    std::vector<bool> used(description.shapes.size(), false);
+    for (const BodyDescription& body : description.bodies) used[static_cast<std::size_t>(body.shape)] = true;
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (!used[i]) warnings.push_back("no body has the shape " + in_quotes(description.shapes[i].name));
+}
+
+// Rounding grows with the distance from the origin. Where its bound reaches the separation that the body's size asks for,
+// contacts can no longer be told from intersections and the body will be held in place.
+void warn_of_far_bodies(const Scene& scene, std::vector<std::string>& warnings) {
+    constexpr double kFloorPerError = 16; // gaps below 16 times the rounding bound count as intersecting
+    constexpr double kRestPerSeparation = 50;
+    for (const BodyDescription& body : scene.bodies) {
+        if (body.type != BodyType::dynamic) continue;
+        const Shape& shape = scene.shapes[static_cast<std::size_t>(body.shape)];
+        const double separation = 2 * shape.sphere.radius / kSizePerRestDistance / kRestPerSeparation;
+        const Vec3 c = world_center(scene, body);
+        const double reach = max_component(abs(c)) + shape.radius;
+        if (kFloorPerError * ccd_error(reach) > separation)
+            warnings.push_back("body " + in_quotes(body.name) + " is too far from the origin for its size: at " +
+                               to_text(reach) + " m coordinates are too coarse for a body of " +
+                               to_text(2 * shape.sphere.radius) + " m");
+    }
+}
+
+} // namespace
+
+Vec3 world_center(const Scene& scene, const BodyDescription& body) {
+    return body.position + rotate(body.rotation, scene.shapes[static_cast<std::size_t>(body.shape)].center);
+}
+
+std::optional<MassProperties> shape_mass_properties(const ShapeDescription& shape) {
+    if (shape.mass_kind == MassKind::none) return {};
+    const TriangleMesh mesh{shape.vertices, shape.triangles};
+    // With everything given there is nothing to integrate, so surfaces without an area of their own are welcome too.
+    if (shape.mass_kind == MassKind::mass && shape.inertia && shape.center_of_mass)
+        return given_mass_properties(shape.mass_value, *shape.center_of_mass, *shape.inertia, shape.name);
+    return with_overrides(plain_mass_properties(shape, mesh), shape.inertia, shape.center_of_mass, shape.name);
+}
+
+Scene build_scene(SceneDescription description, const std::string& source) {
+    ErrorList errors(source);
+    check_description(description, errors);
+    errors.throw_if_any();
+
+    Scene scene;
+    scene.gravity = description.gravity;
+    scene.settings = description.settings;
+    warn_of_unused_shapes(description, scene.warnings);
+    const std::vector<std::int32_t> shape_index = build_shapes(description.shapes, scene);
+    scene.bodies = std::move(description.bodies);
+    for (BodyDescription& body : scene.bodies) body.shape = shape_index[static_cast<std::size_t>(body.shape)];
+    warn_of_far_bodies(scene, scene.warnings);
+    return scene;
+}
+
+} // namespace flotilla

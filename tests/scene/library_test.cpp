@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include <flotilla/error.hpp>
+#include <flotilla/scene_library.hpp>
+
+#include "base/rotation.hpp"
+#include "mesh/mesh_file.hpp"
+#include "scene/initial_overlap.hpp"
+#include "scene/library.hpp"
+
+namespace flotilla {
+namespace {
+
+void expect_valid_and_free(const SceneDescription& description, const std::string& what) {
+    const Scene scene = build_scene(description);
+    EXPECT_TRUE(scene.warnings.empty()) << what << ": " << scene.warnings.front();
+    EXPECT_TRUE(find_initial_overlaps(scene).movable.empty()) << what;
+}
+
+TEST(SceneLibrary, EveryDefaultSceneIsValidAndFreeOfIntersections) {
+    for (const LibraryScene& info : list_scenes()) {
+        const SceneDescription scene = make_scene(info.name);
+        EXPECT_EQ(scene.bodies.size(), static_cast<std::size_t>(info.default_bodies)) << info.name;
+        expect_valid_and_free(scene, std::string(info.name));
+    }
+}
+
+TEST(SceneLibrary, BoatsNeverIntersectAtTheStart) {
+    for (const int bodies : {3, 4, 5, 12, 102, 252, 1002})
+        for (const std::uint64_t seed : {0U, 1U, 77U}) {
+            const SceneDescription scene = make_scene("boats-in-bowl", bodies, seed);
+            EXPECT_EQ(scene.bodies.size(), static_cast<std::size_t>(bodies));
+            expect_valid_and_free(scene, std::to_string(bodies) + " bodies, seed " + std::to_string(seed));
+        }
+}
+
+TEST(SceneLibrary, TrianglesAndStacksNeverIntersectAtTheStart) {
+    for (const int bodies : {6, 10, 50, 186, 1000})
+        for (const std::uint64_t seed : {0U, 5U})
+            expect_valid_and_free(make_scene("triangles-on-pegs", bodies, seed), "pegs");
+    for (const int bodies : {2, 21, 200}) expect_valid_and_free(make_scene("stack", bodies), "stack");
+    for (const int bodies : {2, 3, 9, 60})
+        expect_valid_and_free(make_scene("falling-boats", bodies, 3), "falling boats");
+}
+
+// Whole boats start inside the cylinder over the rim and above it, and there is room for them below the rim.
+TEST(SceneLibrary, BoatsFallIntoTheBowl) {
+    for (const int bodies : {3, 12, 102, 252, 1002}) {
+        const Scene scene = build_scene(make_scene("boats-in-bowl", bodies, 9));
+        double rim_radius = 0, rim_height = 0;
+        const std::size_t bowl = scene.bodies.size() - 2;
+        ASSERT_EQ(scene.bodies[bowl].name, "bowl");
+        for (const Vec3& v : initial_vertices(scene, bowl)) {
+            rim_radius = std::max(rim_radius, std::hypot(v.x, v.y));
+            rim_height = std::max(rim_height, v.z);
+        }
+        for (std::size_t i = 0; i < bowl; ++i)
+            for (const Vec3& v : initial_vertices(scene, i)) {
+                ASSERT_LT(std::hypot(v.x, v.y), rim_radius) << bodies;
+                ASSERT_GT(v.z, rim_height) << bodies;
+            }
+        const double pi = std::acos(-1.0);
+        const double volume =
+            pi * rim_height * (3 * rim_radius * rim_radius + rim_height * rim_height) / 6; // spherical cap
+        EXPECT_GT(volume, 4.5 * (bodies - 2)) << "at 4.5 m^3 per boat the pile must fit";
+    }
+}
+
+TEST(SceneLibrary, SameSeedSameBitsOtherSeedOtherScene) {
+    const auto same = [](const SceneDescription& a, const SceneDescription& b) {
+        for (std::size_t i = 0; i < a.bodies.size(); ++i)
+            if (a.bodies[i].position != b.bodies[i].position || a.bodies[i].rotation != b.bodies[i].rotation)
+                return false;
+        return a.shapes[1].vertices == b.shapes[1].vertices;
+    };
+    EXPECT_TRUE(same(make_scene("boats-in-bowl", 52, 4), make_scene("boats-in-bowl", 52, 4)));
+    EXPECT_FALSE(same(make_scene("boats-in-bowl", 52, 4), make_scene("boats-in-bowl", 52, 5)));
+}
+
+TEST(SceneLibrary, OrientationsAreUnitAndUniform) {
+    // The mean of w^2 over uniform rotations is 1/4, its variance 1/32.
+    constexpr std::size_t kSamples = 20000;
+    double sum = 0;
+    for (std::size_t i = 0; i < kSamples; ++i) {
+        const Quat q = library::random_rotation(1, i);
+        ASSERT_NEAR(norm(q), 1, 1e-15);
+        sum += q.w * q.w;
+    }
+    EXPECT_NEAR(sum / kSamples, 0.25, 5 * std::sqrt(1.0 / 32 / kSamples));
+}
+
+TEST(SceneLibrary, PackedSpheresNeverTouch) {
+    for (const double column : {0.0, 0.5, 1.2, 3.0, 7.5})
+        for (const std::uint64_t seed : {1U, 2U}) {
+            const std::vector<Vec3> places = library::packed_column(150, 1, column, 10, seed);
+            ASSERT_EQ(places.size(), 150U);
+            for (std::size_t i = 0; i < places.size(); ++i) {
+                EXPECT_LE(std::hypot(places[i].x, places[i].y), std::max(column, 0.055));
+                EXPECT_GT(places[i].z, 10 - 0.06);
+                for (std::size_t j = 0; j < i; ++j) ASSERT_GT(length(places[i] - places[j]), 2.009) << column;
+            }
+        }
+}
+
+TEST(SceneLibrary, TheEmbeddedBoatIsTheMeshFile) {
+    const TriangleMesh file = read_mesh(FLOTILLA_SOURCE_DIR "/bench/meshes/boat.obj");
+    const TriangleMesh embedded = library::boat_mesh();
+    EXPECT_EQ(embedded.vertices, file.vertices);
+    EXPECT_EQ(embedded.triangles, file.triangles);
+}
+
+TEST(SceneLibrary, TheBowlIsThatOfTheMeshFile) {
+    const TriangleMesh file = read_mesh(FLOTILLA_SOURCE_DIR "/bench/meshes/bowl.obj");
+    const TriangleMesh made = library::bowl_mesh(10, 80 * std::acos(-1.0) / 180, 20, 64);
+    ASSERT_EQ(made.vertices.size(), file.vertices.size());
+    EXPECT_EQ(made.triangles, file.triangles);
+    for (std::size_t i = 0; i < made.vertices.size(); ++i)
+        EXPECT_LT(length(made.vertices[i] - file.vertices[i]), 1e-7) << i;
+}
+
+TEST(SceneLibrary, RefusesUnknownNamesAndNumbers) {
+    const auto refusal = [](std::string_view name, int bodies) -> std::string {
+        try {
+            (void)make_scene(name, bodies);
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    EXPECT_EQ(refusal("boats-in-bowel", 0), "unknown scene \"boats-in-bowel\"; did you mean \"boats-in-bowl\"?");
+    EXPECT_EQ(refusal("boats-in-bowl", 2), "scene boats-in-bowl has 3 to 1000000 bodies, not 2");
+    EXPECT_EQ(refusal("stack", -1), "scene stack has 2 to 10000 bodies, not -1");
+}
+
+} // namespace
+} // namespace flotilla
