@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "io/json_document.hpp"
+#include "io/scene_keys.hpp"
 #include "mesh/mesh_file.hpp"
 #include "scene/description_checks.hpp"
 #include "scene/settings_table.hpp"
@@ -22,16 +23,12 @@ namespace {
 
 using io::Json;
 using io::JsonPlace;
+using io::kBodyKeys;
 using io::kind_of;
+using io::kKeyframeKeys;
+using io::kSceneKeys;
+using io::kShapeKeys;
 using std::string_view_literals::operator""sv;
-
-constexpr std::array kSceneKeys{"flotilla_scene"sv, "gravity"sv, "settings"sv, "shapes"sv, "bodies"sv};
-constexpr std::array kShapeKeys{"name"sv,      "mesh"sv,          "scale"sv,           "vertices"sv,
-                                "triangles"sv, "density"sv,       "surface_density"sv, "mass"sv,
-                                "inertia"sv,   "center_of_mass"sv};
-constexpr std::array kBodyKeys{"name"sv,     "shape"sv,    "type"sv,        "position"sv,  "rotation"sv,
-                               "velocity"sv, "friction"sv, "restitution"sv, "keyframes"sv, "angular_velocity"sv};
-constexpr std::array kKeyframeKeys{"time"sv, "position"sv, "rotation"sv};
 
 class SceneReader {
   public:

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// The keys of a scene file beside those of `settings`. scene.schema.json lists the same; a test compares them.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace flotilla::io {
+
+using std::string_view_literals::operator""sv;
+
+inline constexpr std::array kSceneKeys{"flotilla_scene"sv, "gravity"sv, "settings"sv, "shapes"sv, "bodies"sv};
+inline constexpr std::array kShapeKeys{"name"sv,      "mesh"sv,          "scale"sv,           "vertices"sv,
+                                       "triangles"sv, "density"sv,       "surface_density"sv, "mass"sv,
+                                       "inertia"sv,   "center_of_mass"sv};
+inline constexpr std::array kBodyKeys{"name"sv,     "shape"sv,    "type"sv,        "position"sv,  "rotation"sv,
+                                      "velocity"sv, "friction"sv, "restitution"sv, "keyframes"sv, "angular_velocity"sv};
+inline constexpr std::array kKeyframeKeys{"time"sv, "position"sv, "rotation"sv};
+
+} // namespace flotilla::io
