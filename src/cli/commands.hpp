@@ -26,6 +26,9 @@ enum ExitCode : int {
 using Action = std::function<int()>;
 
 void register_ccd(CLI::App& app, Action& action);
+void register_check(CLI::App& app, Action& action);
 void register_picture(CLI::App& app, Action& action);
+void register_plan(CLI::App& app, Action& action);
+void register_scene(CLI::App& app, Action& action);
 
 } // namespace flotilla::cli

@@ -38,7 +38,10 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     cli::Action action;
     cli::register_ccd(app, action);
+    cli::register_check(app, action);
     cli::register_picture(app, action);
+    cli::register_plan(app, action);
+    cli::register_scene(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

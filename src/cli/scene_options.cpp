@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#include "cli/scene_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <flotilla/error.hpp>
+
+namespace flotilla::cli {
+
+SceneFileOptions SceneArguments::resolve() const {
+    SceneFileOptions options{preset, {}};
+    Settings scratch = flotilla::preset(preset);
+    for (const std::string& text : set) {
+        const std::size_t equals = text.find('=');
+        if (equals == std::string::npos) throw InputError("--set " + text + ": must be key=value");
+        options.overrides.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+        set_setting(scratch, options.overrides.back().first, options.overrides.back().second);
+    }
+    return options;
+}
+
+void add_scene_options(CLI::App& command, SceneArguments& arguments) {
+    command.add_option("--preset", arguments.preset, "Settings to start from: preview, balanced, accurate, reference")
+        ->capture_default_str();
+    // One value per --set, or it would swallow what follows it.
+    command
+        .add_option("--set", arguments.set,
+                    "key=value: a setting that replaces the scene's (plan --settings lists them)")
+        ->allow_extra_args(false)
+        ->type_name("KEY=VALUE");
+}
+
+} // namespace flotilla::cli

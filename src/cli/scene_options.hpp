@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// --preset and --set, the same for every command that reads a scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <flotilla/scene_file.hpp>
+
+namespace CLI {
+class App;
+}
+
+namespace flotilla::cli {
+
+struct SceneArguments {
+    std::string preset = "balanced";
+    std::vector<std::string> set; ///< "key=value"
+
+    /// Throws InputError where a --set has no '=' or its key or value is wrong.
+    [[nodiscard]] SceneFileOptions resolve() const;
+};
+
+void add_scene_options(CLI::App& command, SceneArguments& arguments);
+
+} // namespace flotilla::cli

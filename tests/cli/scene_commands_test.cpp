@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+// flotilla scene, check and plan --settings: what they print and how they exit.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include <flotilla/scene_file.hpp>
+#include <flotilla/scene_library.hpp>
+#include <flotilla/settings.hpp>
+
+#include "support/command.hpp"
+
+namespace flotilla::test {
+namespace {
+
+const std::string kCrossing = R"({"flotilla_scene": 1,
+  "shapes": [{"name": "t", "mass": 1, "vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}],
+  "bodies": [{"name": "left one", "shape": "t"}, {"name": "right", "shape": "t", "position": [0.1, 0.1, -0.2], "rotation": [0.6, 0.8, 0, 0]},
+             {"name": "wall", "shape": "t", "type": "static", "position": [5, 0, 0]},
+             {"name": "wall2", "shape": "t", "type": "static", "position": [5, 0, 0]}]})";
+
+TEST(SceneCommand, PrintsWhatCheckAccepts) {
+    const TemporaryFolder folder;
+    for (const LibraryScene& info : list_scenes()) {
+        const CommandOutput made = run_flotilla("scene " + std::string(info.name));
+        EXPECT_EQ(made.exit_code, 0) << made.err;
+        const CommandOutput check = run_flotilla("check " + folder.write("scene.json", made.out));
+        EXPECT_EQ(check.exit_code, 0) << check.err;
+        EXPECT_TRUE(check.out.starts_with("ok: " + std::to_string(info.default_bodies) + " bodies (")) << check.out;
+    }
+}
+
+TEST(SceneCommand, RoundTripsThroughReaderAndWriter) {
+    const CommandOutput made = run_flotilla("scene boats-in-bowl --bodies 20 --seed 8");
+    std::ostringstream again;
+    write_scene(again, parse_scene(made.out, "scene", "."));
+    EXPECT_EQ(again.str(), made.out);
+}
+
+TEST(SceneCommand, SameSeedSameBytes) {
+    const std::string line = "scene boats-in-bowl --bodies 12 --seed 3";
+    const CommandOutput first = run_flotilla(line);
+    EXPECT_EQ(first.exit_code, 0);
+    EXPECT_EQ(first.out, run_flotilla(line).out);
+    EXPECT_NE(first.out, run_flotilla("scene boats-in-bowl --bodies 12 --seed 4").out);
+}
+
+TEST(SceneCommand, ListsScenesAndRefusesOthers) {
+    const CommandOutput list = run_flotilla("scene --list");
+    EXPECT_EQ(list.exit_code, 0);
+    for (const LibraryScene& info : list_scenes())
+        EXPECT_NE(list.out.find(std::string(info.name) + " "), std::string::npos);
+    const CommandOutput unknown = run_flotilla("scene boats");
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_EQ(unknown.out, "");
+    EXPECT_NE(unknown.err.find("unknown scene \"boats\""), std::string::npos) << unknown.err;
+    EXPECT_EQ(run_flotilla("scene").exit_code, 2);
+    EXPECT_EQ(run_flotilla("scene stack --bodies 1").exit_code, 2);
+}
+
+TEST(CheckCommand, SummarisesAGoodScene) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("s.json", R"({"flotilla_scene": 1, "shapes": [{"name": "t", "mass": 2,
+      "vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}], "bodies": [{"name": "b", "shape": "t"}]})");
+    const CommandOutput r = run_flotilla("check " + file);
+    EXPECT_EQ(r.exit_code, 0);
+    EXPECT_EQ(r.out, "ok: 1 body (1 dynamic, 0 static, 0 kinematic), 1 shape, 1 triangle, mass 2 kg\n");
+    EXPECT_EQ(r.err, "");
+}
+
+TEST(CheckCommand, InvalidScenesExitWithTwoAndAllProblems) {
+    const TemporaryFolder folder;
+    const std::string file =
+        folder.write("s.json", R"({"flotilla_scene": 1, "gravty": [0,0,0], "shapes": [{"name": "line", "mass": 2,
+      "vertices": [[0,0,0],[1,0,0],[2,0,0]], "triangles": [[0,1,2]]}], "bodies": [{"name": "b", "shape": "line", "friction": -1}]})");
+    const CommandOutput r = run_flotilla("check " + file);
+    EXPECT_EQ(r.exit_code, 2);
+    EXPECT_EQ(r.out, "");
+    EXPECT_NE(r.err.find(file + ": /gravty: unknown key \"gravty\"; did you mean \"gravity\"?\n"), std::string::npos)
+        << r.err;
+    EXPECT_NE(r.err.find(file + ": /shapes/0: shape 'line': "), std::string::npos) << r.err;
+    EXPECT_NE(r.err.find(file + ": /bodies/0/friction: must be in 0 .. 1000, got -1\n"), std::string::npos) << r.err;
+}
+
+TEST(CheckCommand, IntersectingBodiesExitWithFourAndAreWritten) {
+    const TemporaryFolder folder;
+    const CommandOutput r = run_flotilla("check " + folder.write("s.json", kCrossing));
+    EXPECT_EQ(r.exit_code, 4);
+    EXPECT_NE(r.err.find("error: bodies \"left one\" and \"right\" intersect at t = 0: 1 triangle pair, near ("),
+              std::string::npos)
+        << r.err;
+    EXPECT_NE(r.err.find("warning: bodies \"wall\" and \"wall2\" intersect"), std::string::npos) << r.err;
+    std::ifstream obj(folder.path() / "s.overlap.obj");
+    const std::string text{std::istreambuf_iterator<char>(obj), {}};
+    EXPECT_NE(text.find("g pair0_left_one\nv 0 0 0\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("f 4 5 6\n"), std::string::npos) << text;
+    EXPECT_EQ(text.find("wall"), std::string::npos);
+}
+
+TEST(CheckCommand, WritesIntersectionsWhereAsked) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("s.json", kCrossing), out = (folder.path() / "x.obj").string();
+    EXPECT_EQ(run_flotilla("check " + file + " --output " + out).exit_code, 4);
+    EXPECT_TRUE(std::filesystem::exists(out));
+    const CommandOutput nowhere = run_flotilla("check " + file + " --output " + (folder.path() / "no/x.obj").string());
+    EXPECT_EQ(nowhere.exit_code, 4) << "the verdict matters more than the file";
+    EXPECT_NE(nowhere.err.find("cannot be written"), std::string::npos);
+}
+
+TEST(CheckCommand, UnreadableFilesExitWithFive) { EXPECT_EQ(run_flotilla("check /no/such/scene.json").exit_code, 5); }
+
+TEST(CheckCommand, SettingsFromTheCommandLineAreChecked) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("s.json", run_flotilla("scene stack").out);
+    EXPECT_EQ(run_flotilla("check " + file + " --preset accurate --set friction=0.5 --set seed=3").exit_code, 0);
+    EXPECT_EQ(run_flotilla("check --set friction=0.5 " + file).exit_code, 0);
+    const CommandOutput unknown = run_flotilla("check " + file + " --set frction=0.5");
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_NE(unknown.err.find("did you mean \"friction\"?"), std::string::npos) << unknown.err;
+    EXPECT_EQ(run_flotilla("check " + file + " --set friction").exit_code, 2);
+    EXPECT_EQ(run_flotilla("check " + file + " --preset best").exit_code, 2);
+}
+
+TEST(PlanCommand, ListsEverySettingAndPreset) {
+    const CommandOutput r = run_flotilla("plan --settings");
+    EXPECT_EQ(r.exit_code, 0);
+    for (const SettingInfo& info : list_settings())
+        EXPECT_NE(r.out.find(std::string(info.key) + " = " + info.default_value), std::string::npos) << info.key;
+    for (const std::string_view name : preset_names())
+        EXPECT_NE(r.out.find("  " + std::string(name) + ":"), std::string::npos);
+    EXPECT_EQ(run_flotilla("plan").exit_code, 2);
+}
+
+} // namespace
+} // namespace flotilla::test
