@@ -39,8 +39,10 @@ void add_corner_products(DdMat3& second, const DoubleDouble& weight, const DdVec
     add_outer(second, weight, s);
 }
 
+/// Sums what `add` contributes for each triangle with area, then divides by the constants of the closed forms: once at the
+/// end, so that the sums of simple shapes stay free of rounding.
 template <class Add>
-Moments integrate(const TriangleMesh& mesh, Add&& add) {
+Moments integrate(const TriangleMesh& mesh, const std::array<double, 3>& divisors, Add&& add) {
     Moments m;
     m.reference = center(bounding_box(mesh));
     for (const Triangle& t : mesh.triangles) {
@@ -49,29 +51,35 @@ Moments integrate(const TriangleMesh& mesh, Add&& add) {
         const Vec3& c = mesh.vertices[static_cast<std::size_t>(t[2])];
         if (!is_zero_area(a, b, c)) add(m, a, b, c);
     }
+    m.zeroth = m.zeroth / DoubleDouble(divisors[0]);
+    for (DoubleDouble& x : m.first) x = x / DoubleDouble(divisors[1]);
+    for (DdVec3& row : m.second)
+        for (DoubleDouble& x : row) x = x / DoubleDouble(divisors[2]);
     return m;
 }
 
+/// Weighted by twice the area.
 Moments surface_moments(const TriangleMesh& mesh) {
-    return integrate(mesh, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
+    return integrate(mesh, {2, 6, 24}, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
         const DdVec3 n = doubled_area_vector(va, vb, vc);
-        const DoubleDouble area = DoubleDouble(0.5) * sqrt(dot(n, n));
+        const DoubleDouble weight = sqrt(dot(n, n));
         const DdVec3 a = exact_difference(va, m.reference), b = exact_difference(vb, m.reference),
                      c = exact_difference(vc, m.reference), s = a + b + c;
-        m.zeroth += area;
-        m.first += (area / DoubleDouble(3)) * s;
-        add_corner_products(m.second, area / DoubleDouble(12), a, b, c, s);
+        m.zeroth += weight;
+        m.first += weight * s;
+        add_corner_products(m.second, weight, a, b, c, s);
     });
 }
 
+/// Weighted by the determinant, six times the volume.
 Moments volume_moments(const TriangleMesh& mesh) {
-    return integrate(mesh, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
+    return integrate(mesh, {6, 24, 120}, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
         const DdVec3 a = exact_difference(va, m.reference), b = exact_difference(vb, m.reference),
                      c = exact_difference(vc, m.reference), s = a + b + c;
-        const DoubleDouble d = dot(a, cross(b, c));
-        m.zeroth += d / DoubleDouble(6);
-        m.first += (d / DoubleDouble(24)) * s;
-        add_corner_products(m.second, d / DoubleDouble(120), a, b, c, s);
+        const DoubleDouble weight = dot(a, cross(b, c));
+        m.zeroth += weight;
+        m.first += weight * s;
+        add_corner_products(m.second, weight, a, b, c, s);
     });
 }
 
@@ -165,6 +173,15 @@ MassProperties finish(const DoubleDouble& mass, const DdVec3& com, const DdMat3&
     return p;
 }
 
+/// Makes off-diagonal entries zero that are below what the sums can know, so that a symmetric shape has the axes one expects
+/// and not those of its rounding.
+void drop_noise(DdMat3& inertia) {
+    const double trace = inertia[0][0].hi + inertia[1][1].hi + inertia[2][2].hi;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            if (i != j && std::abs(inertia[i][j].hi) < 0x1p-96 * trace) inertia[i][j] = 0;
+}
+
 /// Inertia from integrals: density times (trace(C) 1 - C) with C the second moments about the centre of mass. The diagonal
 /// is a sum of two non-negative second moments, so no cancellation makes it negative.
 MassProperties from_moments(const Moments& m, const DoubleDouble& density, const std::string& name) {
@@ -175,6 +192,7 @@ MassProperties from_moments(const Moments& m, const DoubleDouble& density, const
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j)
             inertia[i][j] = density * (i == j ? c[(i + 1) % 3][(i + 1) % 3] + c[(i + 2) % 3][(i + 2) % 3] : -c[i][j]);
+    drop_noise(inertia);
     const DdVec3 com = shift + DdVec3{m.reference.x, m.reference.y, m.reference.z};
     return finish(density * m.zeroth, com, inertia, name);
 }

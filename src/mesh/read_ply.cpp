@@ -155,6 +155,9 @@ Header read_header(TextInput& in) {
         }
     }
     if (!has_format) in.fail("the header has no format");
+    // Such rows take no bytes, so the length of the file would not bound their number.
+    for (const Element& e : h.elements)
+        if (e.properties.empty()) in.fail_at(e.line, "element '" + e.name + "' has no properties");
     require_roles(in, h, "vertex", {Role::x, Role::y, Role::z});
     require_roles(in, h, "face", {Role::corners});
     return h;
