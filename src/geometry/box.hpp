@@ -29,8 +29,8 @@ constexpr Vec3 center(const Box& a) { return 0.5 * a.lower + 0.5 * a.upper; }
 /// The largest magnitude of a coordinate, m.
 constexpr double max_abs_coordinate(const Box& a) { return max_component(max(abs(a.lower), abs(a.upper))); }
 
-/// Whether the boxes come within `inflation` of each other along every axis, both boxes taken at rest. Conservative: with
-/// exact a - b <= inflation, rounding to nearest is monotone, so fl(a - b) <= inflation. NaN counts as overlap.
+/// Whether the boxes come within `inflation` of each other along every axis, both boxes taken at rest. Conservative:
+/// with exact a - b <= inflation, rounding to nearest is monotone, so fl(a - b) <= inflation. NaN counts as overlap.
 constexpr bool boxes_overlap(const Box& a, const Box& b, double inflation) {
     return !((a.lower.x - b.upper.x > inflation) | (b.lower.x - a.upper.x > inflation) |
              (a.lower.y - b.upper.y > inflation) | (b.lower.y - a.upper.y > inflation) |

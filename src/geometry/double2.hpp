@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Two doubles side by side, for tests too short for a wide kernel. SSE2 is part of baseline x86-64; elsewhere plain code with
-// the same results, bit for bit. Every operation is the IEEE one per lane; larger() and smaller() return their second
-// argument where a lane holds a NaN.
+// Two doubles side by side, for tests too short for a wide kernel. SSE2 is part of baseline x86-64; elsewhere plain
+// code with the same results, bit for bit. Every operation is the IEEE one per lane; larger() and smaller() return
+// their second argument where a lane holds a NaN.
 #pragma once
 
 #if defined(__SSE2__)

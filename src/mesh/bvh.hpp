@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The bounding hierarchy of a shape: a binary tree over its triangles, built once and shared by all instances. Boxes are the
-// instance's: one array per time, indexed like the nodes, refitted to the instance's world vertices.
+// The bounding hierarchy of a shape: a binary tree over its triangles, built once and shared by all instances. Boxes
+// are the instance's: one array per time, indexed like the nodes, refitted to the instance's world vertices.
 //
-// Boxes at t = 0 and at t = 1 lie in separate arrays because they change at different rates: those at t = 0 once per step,
-// those at t = 1 whenever the end state does.
+// Boxes at t = 0 and at t = 1 lie in separate arrays because they change at different rates: those at t = 0 once per
+// step, those at t = 1 whenever the end state does.
 #pragma once
 
 #include <array>
@@ -20,8 +20,9 @@
 
 namespace flotilla {
 
-/// Nodes stand in depth-first order: the left child follows its parent, so every child has a larger index than its parent
-/// and a backward loop sees children first. Eight bytes: a traversal reads it together with 48 or 96 bytes of boxes.
+/// Nodes stand in depth-first order: the left child follows its parent, so every child has a larger index than its
+/// parent and a backward loop sees children first. Eight bytes: a traversal reads it together with 48 or 96 bytes of
+/// boxes.
 struct BvhNode {
     std::int32_t first; ///< leaf: position of its first triangle in Bvh::triangles; inner node: the right child
     std::int32_t count; ///< leaf: number of triangles, > 0; inner node: 0
@@ -79,7 +80,8 @@ struct NodePair {
     double entry_time;
 };
 
-/// Every expansion replaces a pair by at most two and goes down by one in one tree, so no more than depth + depth + 1 pairs wait.
+/// Every expansion replaces a pair by at most two and goes down by one in one tree, so no more than depth + depth + 1
+/// pairs wait.
 class NodePairStack {
   public:
     [[nodiscard]] bool empty() const { return size_ == 0; }
@@ -115,39 +117,46 @@ inline double max_abs_coordinate(const BvhView& v) {
     return std::max(flotilla::max_abs_coordinate(v.t0[0]), flotilla::max_abs_coordinate(v.t1[0]));
 }
 
-/// Depth first through all node pairs that `test(node_a, node_b, entry_time)` does not rule out, the child that enters first
-/// before the other. A pair may have become pointless while it waited: `wanted(entry_time)` is asked when its turn comes.
-/// `boxes_a` and `boxes_b` only decide which node to open.
+/// Depth first through all node pairs that `test(node_a, node_b, entry_time)` does not rule out, the child that enters
+/// first before the other. A pair may have become pointless while it waited: `wanted(entry_time)` is asked when its
+/// turn comes. `boxes_a` and `boxes_b` only decide which node to open.
 template <class Test, class Wanted, class Leaf>
 void traverse(const Bvh& a, const Bvh& b, std::span<const Box> boxes_a, std::span<const Box> boxes_b, Test&& test,
               Wanted&& wanted, Leaf&& leaf) {
     const auto at = [](std::int32_t i) { return static_cast<std::size_t>(i); };
     NodePairStack stack;
-    NodePair root{0, 0, 0};
-    if (!test(0, 0, root.entry_time)) return;
-    stack.push(root);
-    while (!stack.empty()) {
-        const NodePair p = stack.pop();
-        if (!wanted(p.entry_time)) continue;
+    NodePair p{0, 0, 0};
+    bool live = test(0, 0, p.entry_time);
+    for (;;) {
+        while (!live || !wanted(p.entry_time)) {
+            if (stack.empty()) return;
+            p = stack.pop();
+            live = true;
+        }
         const BvhNode na = a.nodes[at(p.a)], nb = b.nodes[at(p.b)];
         if (na.count > 0 && nb.count > 0) {
             leaf(na, nb, p.entry_time);
+            live = false;
             continue;
         }
         auto [near, far] = children(p, na, nb, open_first(na, nb, boxes_a[at(p.a)], boxes_b[at(p.b)]));
         const bool keep_near = test(near.a, near.b, near.entry_time), keep_far = test(far.a, far.b, far.entry_time);
-        if (keep_near && keep_far && far.entry_time < near.entry_time) std::swap(near, far);
-        if (keep_far) stack.push(far);
-        if (keep_near) stack.push(near);
+        if (keep_near && keep_far) {
+            if (far.entry_time < near.entry_time) std::swap(near, far);
+            stack.push(far);
+        }
+        p = keep_near ? near : far;
+        live = keep_near || keep_far;
     }
 }
 
 } // namespace bvh_detail
 
-/// Calls callback(triangles_a, triangles_b, entry_time) for every pair of leaves whose moving boxes come within `inflation`
-/// (m) of each other at some t in [0, 1]; both triangle lists are spans of std::int32_t. Conservative: two triangles, one from each body,
-/// that come within `inflation` along their linear paths are in some pair of lists. entry_time is a lower bound of the
-/// first time they do. The order of calls is a pure function of the boxes. No allocation.
+/// Calls callback(triangles_a, triangles_b, entry_time) for every pair of leaves whose moving boxes come within
+/// `inflation` (m) of each other at some t in [0, 1]; both triangle lists are spans of std::int32_t. Conservative: two
+/// triangles, one from each body, that come within `inflation` along their linear paths are in some pair of lists.
+/// entry_time is a lower bound of the first time they do. The order of calls is a pure function of the boxes. No
+/// allocation.
 template <class Callback>
 void for_each_overlapping_leaf_pair(const BvhView& a, const BvhView& b, double inflation, Callback&& callback) {
     const OutwardInflation outward(inflation,
@@ -170,9 +179,9 @@ void for_each_overlapping_leaf_pair(const Bvh& bvh_a, const MovingBoxes& boxes_a
                                    std::forward<Callback>(callback));
 }
 
-/// Like for_each_overlapping_leaf_pair, for an earliest-hit query: callback returns the earliest hit so far (at most what it
-/// returned before; `t_max` to begin with), and pairs that cannot meet by then are skipped. Of two children the one that
-/// enters earlier is visited first.
+/// Like for_each_overlapping_leaf_pair, for an earliest-hit query: callback returns the earliest hit so far (at most
+/// what it returned before; `t_max` to begin with), and pairs that cannot meet by then are skipped. Of two children the
+/// one that enters earlier is visited first.
 template <class Callback>
 void for_each_leaf_pair_until(const BvhView& a, const BvhView& b, double inflation, double t_max, Callback&& callback) {
     const OutwardInflation outward(inflation,
@@ -190,8 +199,8 @@ void for_each_leaf_pair_until(const BvhView& a, const BvhView& b, double inflati
         });
 }
 
-/// Calls callback(triangles_a, triangles_b) for every pair of leaves whose boxes, at rest, come within `inflation` (m) of each
-/// other. Conservative as above. No allocation.
+/// Calls callback(triangles_a, triangles_b) for every pair of leaves whose boxes, at rest, come within `inflation` (m)
+/// of each other. Conservative as above. No allocation.
 template <class Callback>
 void for_each_overlapping_leaf_pair(const Bvh& bvh_a, std::span<const Box> boxes_a, const Bvh& bvh_b,
                                     std::span<const Box> boxes_b, double inflation, Callback&& callback) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Double-double arithmetic: an unevaluated sum hi + lo of two doubles, about 31 decimal digits. For set-up work whose result
-// is rounded to double at the end. Additions and products are the textbook error-free transformations (Dekker 1971, Knuth);
-// they need rounding to nearest, no contraction, no excess precision, and magnitudes below 2^996 (the split overflows above).
+// Double-double arithmetic: an unevaluated sum hi + lo of two doubles, about 31 decimal digits. For set-up work whose
+// result is rounded to double at the end. Additions and products are the textbook error-free transformations (Dekker
+// 1971, Knuth); they need rounding to nearest, no contraction, no excess precision, and magnitudes below 2^996 (the
+// split overflows above).
 #pragma once
 
 #include <cmath>

@@ -39,8 +39,8 @@ void add_corner_products(DdMat3& second, const DoubleDouble& weight, const DdVec
     add_outer(second, weight, s);
 }
 
-/// Sums what `add` contributes for each triangle with area, then divides by the constants of the closed forms: once at the
-/// end, so that the sums of simple shapes stay free of rounding.
+/// Sums what `add` contributes for each triangle with area, then divides by the constants of the closed forms: once at
+/// the end, so that the sums of simple shapes stay free of rounding.
 template <class Add>
 Moments integrate(const TriangleMesh& mesh, const std::array<double, 3>& divisors, Add&& add) {
     Moments m;
@@ -89,8 +89,8 @@ DdMat3 to_dd(const Mat3& a) {
     return d;
 }
 
-/// One Jacobi rotation: makes a[p][q] zero and applies the rotation to the columns of v. Entries below the accuracy of the
-/// matrix are left: theta would overflow, and they move no eigenvalue's leading double.
+/// One Jacobi rotation: makes a[p][q] zero and applies the rotation to the columns of v. Entries below the accuracy of
+/// the matrix are left: theta would overflow, and they move no eigenvalue's leading double.
 void rotate_away(DdMat3& a, DdMat3& v, std::size_t p, std::size_t q) {
     if (std::abs(a[p][q].hi) <= 0x1p-106 * (std::abs(a[p][p].hi) + std::abs(a[q][q].hi))) return;
     const DoubleDouble theta = (a[q][q] - a[p][p]) / (DoubleDouble(2) * a[p][q]);
@@ -118,8 +118,8 @@ struct Eigen3 {
 };
 
 /// Cyclic Jacobi in a fixed order. In double-double, so that small values are right relative to themselves after
-/// rounding, and of our own, so that the axes have the same bits with every compiler. Convergence is quadratic: below ten
-/// sweeps; the bound is for input with NaN.
+/// rounding, and of our own, so that the axes have the same bits with every compiler. Convergence is quadratic: below
+/// ten sweeps; the bound is for input with NaN.
 Eigen3 eigen_decomposition(DdMat3 a) {
     constexpr int kMaxSweeps = 40;
     DdMat3 v{};
@@ -173,8 +173,8 @@ MassProperties finish(const DoubleDouble& mass, const DdVec3& com, const DdMat3&
     return p;
 }
 
-/// Makes off-diagonal entries zero that are below what the sums can know, so that a symmetric shape has the axes one expects
-/// and not those of its rounding.
+/// Makes off-diagonal entries zero that are below what the sums can know, so that a symmetric shape has the axes one
+/// expects and not those of its rounding.
 void drop_noise(DdMat3& inertia) {
     const double trace = inertia[0][0].hi + inertia[1][1].hi + inertia[2][2].hi;
     for (std::size_t i = 0; i < 3; ++i)
@@ -182,8 +182,8 @@ void drop_noise(DdMat3& inertia) {
             if (i != j && std::abs(inertia[i][j].hi) < 0x1p-96 * trace) inertia[i][j] = 0;
 }
 
-/// Inertia from integrals: density times (trace(C) 1 - C) with C the second moments about the centre of mass. The diagonal
-/// is a sum of two non-negative second moments, so no cancellation makes it negative.
+/// Inertia from integrals: density times (trace(C) 1 - C) with C the second moments about the centre of mass. The
+/// diagonal is a sum of two non-negative second moments, so no cancellation makes it negative.
 MassProperties from_moments(const Moments& m, const DoubleDouble& density, const std::string& name) {
     const DdVec3 shift = (DoubleDouble(1) / m.zeroth) * m.first;
     DdMat3 c = m.second;
@@ -207,8 +207,8 @@ Moments checked_surface_moments(const TriangleMesh& mesh, const std::string& nam
 /// The largest deviation from symmetry that is taken for rounding, relative to the largest entry: values typed with ten
 /// digits pass, a transposition error does not.
 constexpr double kSymmetryTolerance = 1e-9;
-/// Allowed excess of the largest principal inertia over the sum of the others, relative: values typed with seven digits for
-/// a flat body (where the two are equal) pass.
+/// Allowed excess of the largest principal inertia over the sum of the others, relative: values typed with seven digits
+/// for a flat body (where the two are equal) pass.
 constexpr double kTriangleInequalityTolerance = 1e-6;
 
 void require_symmetric(const Mat3& a, const std::string& name) {
@@ -244,7 +244,8 @@ MassProperties solid_mass_properties(const TriangleMesh& mesh, double density, c
         refuse(name, "a density needs a consistently oriented mesh, this one has neighbouring triangles that "
                      "face opposite sides");
     const Moments m = volume_moments(mesh);
-    // A volume this far below that of the bounding box is what remains of exact cancellation, as in a plate folded onto itself.
+    // A volume this far below that of the bounding box is what remains of exact cancellation, as in a plate folded onto
+    // itself.
     const Vec3 e = extent(bounding_box(mesh));
     if (!(std::abs(m.zeroth.hi) > 1e-24 * ((e.x * e.y) * e.z))) refuse(name, "its volume is zero");
     return from_moments(m, m.zeroth.hi < 0 ? DoubleDouble(-density) : DoubleDouble(density), name);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Mass, centre of mass and inertia of a triangle mesh, as a thin shell (surface integral) or as a solid (volume integral).
+// Mass, centre of mass and inertia of a triangle mesh, as a thin shell (surface integral) or as a solid (volume
+// integral).
 //
 // A linear map sends the unit triangle (tetrahedron) to each triangle (tetrahedron with the reference point), so with
 // corners a, b, c and s = a + b + c the moments are closed forms:
 //   surface, A the area:        int x = A s / 3,     int x x^T = A/12  (a a^T + b b^T + c c^T + s s^T)
 //   volume, D = a . (b x c):    int 1 = D / 6,  int x = D s / 24,  int x x^T = D/120 (a a^T + b b^T + c c^T + s s^T)
-// Coordinates are taken from the centre of the bounding box and everything is summed in double-double arithmetic (about 31
-// digits), so neither the distance from the origin, nor needles, nor the order of triangles costs digits: results are exact
-// to a few units in the last place for the mesh as given.
+// Coordinates are taken from the centre of the bounding box and everything is summed in double-double arithmetic (about
+// 31 digits), so neither the distance from the origin, nor needles, nor the order of triangles costs digits: results
+// are exact to a few units in the last place for the mesh as given.
 #pragma once
 
 #include <optional>
@@ -25,9 +26,9 @@ struct MassProperties {
     Quat principal_axes;    ///< rotates principal axes into mesh axes: inertia = R diag(principal_inertia) R^T
 };
 
-/// All of these throw an InputError naming the shape where the mass properties do not exist: a density or mass that is not
-/// positive and finite, no area (volume), or everything so close to one line that the smallest principal inertia is below
-/// kMinInertiaRatio of the largest.
+/// All of these throw an InputError naming the shape where the mass properties do not exist: a density or mass that is
+/// not positive and finite, no area (volume), or everything so close to one line that the smallest principal inertia is
+/// below kMinInertiaRatio of the largest.
 
 /// A thin shell of `surface_density` kg/m^2. Zero-area triangles have no part in it.
 [[nodiscard]] MassProperties shell_mass_properties(const TriangleMesh& mesh, double surface_density,
@@ -35,21 +36,22 @@ struct MassProperties {
 /// A thin shell of `mass` kg, spread evenly over the surface.
 [[nodiscard]] MassProperties shell_mass_properties_total(const TriangleMesh& mesh, double mass,
                                                          const std::string& name);
-/// A solid of `density` kg/m^3. Refused unless the mesh is closed and consistently oriented (topology.hpp); all triangles
-/// facing outwards and all facing inwards mean the same solid. A closed part facing the other way than the rest is a cavity.
+/// A solid of `density` kg/m^3. Refused unless the mesh is closed and consistently oriented (topology.hpp); all
+/// triangles facing outwards and all facing inwards mean the same solid. A closed part facing the other way than the
+/// rest is a cavity.
 [[nodiscard]] MassProperties solid_mass_properties(const TriangleMesh& mesh, double density, const std::string& name);
 
 /// Mass properties as given. `inertia` (about the centre of mass, mesh axes) must be symmetric to 1e-9 of its largest
 /// entry, positive definite, and its principal values must obey the triangle inequality to 1e-6: no body has others.
 [[nodiscard]] MassProperties given_mass_properties(double mass, const Vec3& center_of_mass, const Mat3& inertia,
                                                    const std::string& name);
-/// `base` with the centre of mass, the inertia or both replaced. A new centre without a new inertia moves the inertia there
-/// by the parallel axis theorem, m (|d|^2 1 - d d^T) more.
+/// `base` with the centre of mass, the inertia or both replaced. A new centre without a new inertia moves the inertia
+/// there by the parallel axis theorem, m (|d|^2 1 - d d^T) more.
 [[nodiscard]] MassProperties with_overrides(const MassProperties& base, const std::optional<Mat3>& inertia,
                                             const std::optional<Vec3>& center_of_mass, const std::string& name);
 
-/// A body thinner than about 3e-7 of its length has a smallest principal inertia below 1e-13 of the largest: the inverse
-/// of the inertia matrix would have lost its digits, so such meshes need an explicit inertia.
+/// A body thinner than about 3e-7 of its length has a smallest principal inertia below 1e-13 of the largest: the
+/// inverse of the inertia matrix would have lost its digits, so such meshes need an explicit inertia.
 inline constexpr double kMinInertiaRatio = 1e-13;
 
 } // namespace flotilla

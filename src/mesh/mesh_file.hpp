@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Mesh files: strict readers for OBJ, STL and PLY.
 //
-// Geometry is taken as it is: degenerate and duplicate triangles, open and non-manifold surfaces are all accepted. What is
-// refused, by an InputError saying `path:line: reason` (`path:byte N: reason` in binary data), is anything whose meaning is
-// in doubt: malformed numbers, coordinates that are not finite, indices out of range, files shorter or longer than they say,
-// meshes without a triangle. Numbers are read and written the same in every locale.
+// Geometry is taken as it is: degenerate and duplicate triangles, open and non-manifold surfaces are all accepted. What
+// is refused, by an InputError saying `path:line: reason` (`path:byte N: reason` in binary data), is anything whose
+// meaning is in doubt: malformed numbers, coordinates that are not finite, indices out of range, files shorter or
+// longer than they say, meshes without a triangle. Numbers are read and written the same in every locale.
 #pragma once
 
 #include <filesystem>
@@ -14,9 +14,9 @@
 
 namespace flotilla {
 
-/// Reads a mesh; the extension (.obj, .stl, .ply, in any case) decides the format. Polygons become fans around their first
-/// corner. STL, which repeats every vertex, has its equal vertices merged. Throws InputError, or IoError where the file
-/// cannot be read.
+/// Reads a mesh; the extension (.obj, .stl, .ply, in any case) decides the format. Polygons become fans around their
+/// first corner. STL, which repeats every vertex, has its equal vertices merged. Throws InputError, or IoError where
+/// the file cannot be read.
 [[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path);
 
 /// Throws an InputError naming the shape and the vertex or triangle (counted from 0) unless every coordinate is finite,

@@ -26,8 +26,8 @@ void add_quad(TriangleMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c
     mesh.triangles.push_back({a, c, d});
 }
 
-/// Cells of a grid of (nu + 1) x (nv + 1) vertices, u running fastest, that starts at `first`. Where `closed_u` or `closed_v`
-/// is set there are only nu or nv vertices that way and the last cell comes back to the first.
+/// Cells of a grid of (nu + 1) x (nv + 1) vertices, u running fastest, that starts at `first`. Where `closed_u` or
+/// `closed_v` is set there are only nu or nv vertices that way and the last cell comes back to the first.
 void add_grid(TriangleMesh& mesh, std::int32_t first, int nu, int nv, bool closed_u, bool closed_v) {
     const int row = closed_u ? nu : nu + 1;
     const auto index = [&](int u, int v) { return first + (closed_v ? v % nv : v) * row + (closed_u ? u % nu : u); };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Tessellated shapes, centred at the origin, triangles facing outwards. Corners lie on the smooth surface. Lengths in metres;
-// arguments must be positive (counts: as noted), which is asserted. The same bits on every system.
+// Tessellated shapes, centred at the origin, triangles facing outwards. Corners lie on the smooth surface. Lengths in
+// metres; arguments must be positive (counts: as noted), which is asserted. The same bits on every system.
 #pragma once
 
 #include "mesh/triangle_mesh.hpp"
@@ -11,7 +11,8 @@ namespace flotilla {
 [[nodiscard]] TriangleMesh make_plate(double size_x, double size_y, int nx = 1, int ny = 1);
 /// A box, each face n by n cells of two triangles. Closed.
 [[nodiscard]] TriangleMesh make_box(double size_x, double size_y, double size_z, int n = 1);
-/// A sphere from an icosahedron whose triangles are divided in four `subdivisions` (>= 0) times: 20 * 4^s triangles. Closed.
+/// A sphere from an icosahedron whose triangles are divided in four `subdivisions` (>= 0) times: 20 * 4^s triangles.
+/// Closed.
 [[nodiscard]] TriangleMesh make_sphere(double radius, int subdivisions);
 /// A cylinder around the z axis with caps: `segments` (>= 3) around, `rings` along, caps as fans. Closed.
 [[nodiscard]] TriangleMesh make_cylinder(double radius, double height, int segments, int rings = 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// PLY, ASCII and binary of both byte orders. The elements `vertex` (x, y, z) and `face` (vertex_indices or vertex_index) are
-// read wherever they stand; other properties and elements are walked over.
+// PLY, ASCII and binary of both byte orders. The elements `vertex` (x, y, z) and `face` (vertex_indices or
+// vertex_index) are read wherever they stand; other properties and elements are walked over.
 #include <algorithm>
 #include <array>
 #include <cmath>

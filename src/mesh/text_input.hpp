@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the mesh readers share: a text walked line by line or word by word, numbers independent of the locale, errors that
-// say where.
+// What the mesh readers share: a text walked line by line or word by word, numbers independent of the locale, errors
+// that say where.
 #pragma once
 
 #include <charconv>
@@ -36,7 +36,8 @@ inline std::string_view take_word(std::string_view& rest) {
     return word;
 }
 
-/// A number that fills the whole word. A leading '+' is allowed; values too small for a double become zero or subnormal.
+/// A number that fills the whole word. A leading '+' is allowed; values too small for a double become zero or
+/// subnormal.
 inline std::optional<double> parse_double(std::string_view word) {
     if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
     double value = 0;

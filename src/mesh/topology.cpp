@@ -149,8 +149,8 @@ double bounding_radius(const TriangleMesh& mesh, const Vec3& center) {
 }
 
 BoundingSphere bounding_sphere(const TriangleMesh& mesh) {
-    // Badoiu and Clarkson 2003: step k moves the centre 1/(k + 1) of the way to the farthest vertex; the radius converges to
-    // the smallest like 1/k at worst.
+    // Badoiu and Clarkson 2003: step k moves the centre 1/(k + 1) of the way to the farthest vertex; the radius
+    // converges to the smallest like 1/k at worst.
     constexpr int kSteps = 128;
     std::vector<Vec3> vertices;
     for_each_used_vertex(mesh, [&](const Vec3& v) { vertices.push_back(v); });

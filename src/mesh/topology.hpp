@@ -14,11 +14,12 @@ namespace flotilla {
 
 using Edge = std::array<std::int32_t, 2>; ///< vertex indices, low one first
 
-/// The features of a soup and who owns them. Each referenced vertex and each edge is owned by exactly one of the triangles
-/// that have it, the one with the lowest index. A traversal of overlapping triangle pairs that tests only owned features
+/// The features of a soup and who owns them. Each referenced vertex and each edge is owned by exactly one of the
+/// triangles that have it, the one with the lowest index. A traversal of overlapping triangle pairs that tests only
+/// owned features
 ///   owned vertices of A x triangle B, triangle A x owned vertices of B, owned edges of A x owned edges of B
-/// meets each vertex-face and edge-edge pair of two bodies exactly once, and loses none: a feature lies inside the bounds of
-/// its owner. Edges are named by vertex index: vertices that merely coincide make different edges.
+/// meets each vertex-face and edge-edge pair of two bodies exactly once, and loses none: a feature lies inside the
+/// bounds of its owner. Edges are named by vertex index: vertices that merely coincide make different edges.
 struct Topology {
     std::vector<Edge> edges; ///< sorted, each once; a triangle with an index twice has an edge (i, i)
     std::vector<std::array<std::int32_t, 3>> triangle_edges; ///< edge k joins corners k and (k + 1) mod 3
@@ -31,10 +32,10 @@ struct Topology {
 inline bool owns_corner(std::uint8_t owned, int corner) { return ((owned >> corner) & 1) != 0; }
 inline bool owns_edge(std::uint8_t owned, int edge) { return ((owned >> (3 + edge)) & 1) != 0; }
 
-/// Whether the surface bounds a volume, decided after merging vertices at equal positions: closed where every edge has an
-/// even number of triangles, oriented where as many run along it one way as the other. Triangles with two corners at one
-/// place do not count. Other zero-area triangles may fill a T-junction or lie about as waste, so the mesh passes if it does
-/// so either with or without them.
+/// Whether the surface bounds a volume, decided after merging vertices at equal positions: closed where every edge has
+/// an even number of triangles, oriented where as many run along it one way as the other. Triangles with two corners at
+/// one place do not count. Other zero-area triangles may fill a T-junction or lie about as waste, so the mesh passes if
+/// it does so either with or without them.
 struct Closedness {
     bool closed = false;
     bool oriented = false; ///< implies closed

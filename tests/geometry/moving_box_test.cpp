@@ -36,8 +36,8 @@ std::optional<mpq_class> exact_entry(const Query& q, const mpq_class& inflation)
     return enter <= leave ? std::optional(enter) : std::nullopt;
 }
 
-/// Random boxes of one of several kinds: anywhere, on a coarse grid (exact touching, equal times), far from the origin, an
-/// ulp or two from the grid, flat.
+/// Random boxes of one of several kinds: anywhere, on a coarse grid (exact touching, equal times), far from the origin,
+/// an ulp or two from the grid, flat.
 class Generator {
   public:
     explicit Generator(std::uint64_t seed) : rng_(seed) {}

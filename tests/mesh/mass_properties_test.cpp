@@ -21,7 +21,8 @@
 namespace flotilla {
 namespace {
 
-/// Bits of the multiple-precision oracle: 120 decimal digits for the square roots that areas need; all else is rational.
+/// Bits of the multiple-precision oracle: 120 decimal digits for the square roots that areas need; all else is
+/// rational.
 constexpr unsigned kOracleBits = 400;
 
 using Rational3 = std::array<mpq_class, 3>;
@@ -34,8 +35,8 @@ Rational3 cross(const Rational3& a, const Rational3& b) {
 mpq_class dot(const Rational3& a, const Rational3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 mpf_class real(const mpq_class& q) { return mpf_class(q, kOracleBits); }
 
-/// Mass properties of the polyhedron by point rules that are exact for quadratics, about the origin: edge midpoints of each
-/// triangle (surfaces), corners and centroid of each tetrahedron (volumes).
+/// Mass properties of the polyhedron by point rules that are exact for quadratics, about the origin: edge midpoints of
+/// each triangle (surfaces), corners and centroid of each tetrahedron (volumes).
 struct Oracle {
     mpf_class mass{0, kOracleBits};
     std::array<mpf_class, 3> first{mpf_class(0, kOracleBits), mpf_class(0, kOracleBits), mpf_class(0, kOracleBits)};
