@@ -29,6 +29,7 @@ void register_ccd(CLI::App& app, Action& action);
 void register_check(CLI::App& app, Action& action);
 void register_picture(CLI::App& app, Action& action);
 void register_plan(CLI::App& app, Action& action);
+void register_run(CLI::App& app, Action& action);
 void register_scene(CLI::App& app, Action& action);
 
 } // namespace flotilla::cli

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include <flotilla/error.hpp>
+#include <flotilla/world.hpp>
 
 #include "cli/commands.hpp"
 
@@ -19,6 +20,12 @@ int run(const cli::Action& action) {
         const int code = action();
         if (!std::cout.flush()) throw IoError("cannot write to standard output");
         return code;
+    } catch (const OverlapError& e) {
+        std::cerr << "flotilla: " << e.what() << '\n';
+        return cli::kOverlap;
+    } catch (const BrokenPromise& e) {
+        std::cerr << "flotilla: " << e.what() << '\n';
+        return cli::kBrokenPromise;
     } catch (const InputError& e) {
         std::cerr << "flotilla: " << e.what() << '\n';
         return cli::kBadInput;
@@ -41,6 +48,7 @@ int main(int argc, char** argv) {
     cli::register_check(app, action);
     cli::register_picture(app, action);
     cli::register_plan(app, action);
+    cli::register_run(app, action);
     cli::register_scene(app, action);
     try {
         app.parse(argc, argv);

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// A whole run: a scene simulated into a run folder.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <flotilla/report.hpp>
+#include <flotilla/scene.hpp>
+
+namespace flotilla {
+
+struct RunOptions {
+    std::filesystem::path output; ///< run folder; empty: nothing is written
+    bool overwrite = false;       ///< replace what an earlier run left in the folder
+    std::int64_t steps = 0;       ///< total
+    int frame_every = 1;          ///< steps per frame
+    std::vector<std::string> command_line;
+    std::string scene_json; ///< the scene file's text, for the record
+    /// Called after every step; returning false ends the run early.
+    std::function<bool(const StepReport&)> after_step;
+};
+
+/// Sums over a run.
+struct RunSummary {
+    std::int64_t steps = 0;
+    std::int64_t bodies = 0;
+    double total_ms = 0, worst_ms = 0; ///< wall time in steps; of the slowest
+    std::array<double, kNumPhases> phase_ms{};
+    std::int64_t collisions = 0, merges = 0, rung_changes = 0, held = 0;
+    double min_distance = std::numeric_limits<double>::infinity(); ///< m
+    StepReport last;
+};
+
+/// Simulates `scene`; `source` names it in messages. Throws InputError, OverlapError, BrokenPromise or IoError; what was written
+/// before stays readable.
+[[nodiscard]] RunSummary run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options);
+
+} // namespace flotilla

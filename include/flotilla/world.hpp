@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// A scene in motion: the solver as an embedding program sees it.
+//
+//     flotilla::World world(flotilla::read_scene("boats.json"));
+//     for (int i = 0; i < 240; ++i) world.step();
+//     const flotilla::BodyState boat = world.body(0);
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <flotilla/report.hpp>
+#include <flotilla/scene.hpp>
+
+namespace flotilla {
+
+/// The end of a step could not be proved free of intersections. It is thrown instead of leaving such a state.
+class BrokenPromise : public std::logic_error {
+  public:
+    using std::logic_error::logic_error;
+};
+
+/// Bodies intersect at the start; the message names them.
+class OverlapError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+struct BodyState {
+    Vec3 position;         ///< of the mesh's own origin, m
+    Quat rotation;         ///< mesh axes to world, unit
+    Vec3 center_of_mass;   ///< m
+    Vec3 velocity;         ///< of the centre of mass, m/s
+    Vec3 angular_velocity; ///< rad/s, world axes
+};
+
+/// A contact point at the present poses.
+struct ContactState {
+    std::int32_t body_a = 0, body_b = 0; ///< a < b
+    Vec3 point;                          ///< m, world
+    Vec3 normal;                         ///< unit, from a to b
+    double distance = 0;                 ///< m
+};
+
+class World {
+  public:
+    /// Throws InputError for an invalid scene and OverlapError where bodies intersect at the start. `source` starts messages.
+    explicit World(const SceneDescription& scene, const std::string& source = "scene");
+    ~World();
+    World(World&&) noexcept;
+    World& operator=(World&&) noexcept;
+
+    /// Advances by settings().time_step. Throws BrokenPromise rather than leave bodies that are not proved apart.
+    StepReport step();
+
+    [[nodiscard]] std::size_t size() const; ///< bodies
+    [[nodiscard]] std::int64_t steps() const;
+    [[nodiscard]] double time() const; ///< s
+    [[nodiscard]] const Settings& settings() const;
+    [[nodiscard]] BodyState body(std::size_t index) const;
+    /// The rotation vector of a body's motion in the last step, with whole turns, radians, world axes.
+    [[nodiscard]] Vec3 turn(std::size_t index) const;
+    [[nodiscard]] std::vector<ContactState> contacts() const;
+    /// Centre of mass of a body in mesh coordinates, m; for a body without mass the point that its path is described by.
+    [[nodiscard]] Vec3 local_center_of_mass(std::size_t index) const;
+    [[nodiscard]] std::uint64_t state_hash() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace flotilla

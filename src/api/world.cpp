@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include <flotilla/world.hpp>
+
+#include "scene/initial_overlap.hpp"
+#include "state/build_model.hpp"
+#include "step/stepper.hpp"
+
+namespace flotilla {
+namespace {
+
+/// The checks that come before the first step: exact, because continuous detection cannot see an overlap that is there already.
+Scene checked(const SceneDescription& description, const std::string& source) {
+    Scene scene = build_scene(description, source);
+    const InitialOverlaps overlaps = find_initial_overlaps(scene);
+    if (overlaps.movable.empty()) return scene;
+    std::string message;
+    for (const BodyOverlap& o : overlaps.movable) {
+        if (!message.empty()) message += '\n';
+        message += source + ": bodies \"" + scene.bodies[static_cast<std::size_t>(o.a)].name + "\" and \"" +
+                   scene.bodies[static_cast<std::size_t>(o.b)].name + "\" intersect at t = 0 (" +
+                   std::to_string(o.triangles.size()) + " triangle pairs)";
+    }
+    throw OverlapError(message);
+}
+
+} // namespace
+
+struct World::Impl {
+    explicit Impl(const Scene& scene) : model(make_model(scene)), stepper(model, initial_state(scene, model)) {}
+
+    Model model;
+    Stepper stepper;
+};
+
+World::World(const SceneDescription& scene, const std::string& source)
+    : impl_(std::make_unique<Impl>(checked(scene, source))) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+StepReport World::step() {
+    try {
+        return impl_->stepper.step();
+    } catch (const CertificateError& e) {
+        throw BrokenPromise(e.what());
+    }
+}
+
+std::size_t World::size() const { return impl_->model.size(); }
+std::int64_t World::steps() const { return impl_->stepper.state().step; }
+double World::time() const { return impl_->stepper.state().time; }
+const Settings& World::settings() const { return impl_->model.settings; }
+
+BodyState World::body(std::size_t index) const {
+    const State& state = impl_->stepper.state();
+    const Pose& pose = state.pose[index];
+    const Motion& motion = state.motion[index];
+    const Vec3 omega = impl_->model.bodies[index].movable()
+                           ? angular_velocity(impl_->model.shape_of(index), pose.rotation, motion.momentum)
+                           : motion.momentum;
+    return {pose.origin, pose.rotation, pose.com, motion.velocity, omega};
+}
+
+Vec3 World::turn(std::size_t index) const { return impl_->stepper.turns()[index]; }
+
+std::vector<ContactState> World::contacts() const {
+    std::vector<ContactState> out;
+    for (const Contact& c : impl_->stepper.contacts().contacts)
+        out.push_back({c.a, c.b, c.point, c.normal, c.distance});
+    return out;
+}
+
+Vec3 World::local_center_of_mass(std::size_t index) const { return impl_->model.shape_of(index).center_of_mass; }
+std::uint64_t World::state_hash() const { return flotilla::state_hash(impl_->stepper.state()); }
+
+} // namespace flotilla

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+// flotilla run: simulates a scene into a run folder.
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include <flotilla/error.hpp>
+#include <flotilla/run.hpp>
+#include <flotilla/scene_file.hpp>
+
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/scene_options.hpp"
+
+namespace flotilla::cli {
+namespace {
+
+struct RunArguments {
+    std::string scene;
+    SceneArguments options;
+    std::string output;
+    std::int64_t steps = -1;
+    double duration = -1; ///< s
+    double dt = 0;        ///< s; 0: the scene's
+    int frame_every = 1;
+    bool overwrite = false, quiet = false;
+    std::vector<std::string> command_line;
+};
+
+constexpr double kDefaultDuration = 10; // s
+
+std::int64_t total_steps(const RunArguments& arguments, double dt) {
+    if (arguments.steps >= 0) return arguments.steps;
+    const double duration = arguments.duration >= 0 ? arguments.duration : kDefaultDuration;
+    return static_cast<std::int64_t>(std::ceil(duration / dt - 1e-9));
+}
+
+std::string exact_text(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    return text;
+}
+
+std::string note(const StepReport& r) {
+    char text[96];
+    std::snprintf(text, sizeof text, "t = %.3f s, %.0f ms/step, %ld contacts", r.time, r.total_ms,
+                  static_cast<long>(r.contacts));
+    return text;
+}
+
+void print_summary(const RunSummary& s) {
+    const double n = s.steps > 0 ? static_cast<double>(s.steps) : 1;
+    std::printf("%ld bodies, %ld steps, %.3f s simulated\n", static_cast<long>(s.bodies), static_cast<long>(s.steps),
+                s.last.time);
+    std::printf("time per step: mean %.2f ms, slowest %.2f ms\n", s.total_ms / n, s.worst_ms);
+    for (std::size_t p = 0; p < kNumPhases; ++p)
+        if (s.phase_ms[p] / n >= 0.005)
+            std::printf("  %-24s %9.2f ms\n", std::string(kPhaseNames[p]).c_str(), s.phase_ms[p] / n);
+    std::printf("collision impulses: %.1f per step; contacts at the end: %ld\n", static_cast<double>(s.collisions) / n,
+                static_cast<long>(s.last.contacts));
+    std::printf("failsafe: %ld merges, %ld rung changes, %ld bodies held (all steps together)\n",
+                static_cast<long>(s.merges), static_cast<long>(s.rung_changes), static_cast<long>(s.held));
+    std::printf("smallest distance at the end of a step: ");
+    if (std::isfinite(s.min_distance))
+        std::printf("%.6g m\n", s.min_distance);
+    else
+        std::printf("nothing came within the proximity distance\n");
+    std::printf("energy at the end: %.6g J (kinetic %.6g J)\n", s.last.energy, s.last.kinetic_energy);
+    std::printf("state hash: %016lx\n", static_cast<unsigned long>(s.last.state_hash));
+}
+
+std::string file_text(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+int run_run(const RunArguments& arguments) {
+    SceneFileOptions options = arguments.options.resolve();
+    if (arguments.dt > 0) options.overrides.emplace_back("time_step", exact_text(arguments.dt));
+    const SceneDescription scene = read_scene(arguments.scene, options);
+    RunOptions run;
+    run.output = arguments.output;
+    run.overwrite = arguments.overwrite;
+    run.steps = total_steps(arguments, scene.settings.time_step);
+    run.frame_every = arguments.frame_every;
+    run.command_line = arguments.command_line;
+    run.scene_json = file_text(arguments.scene);
+    RunSummary summary;
+    {
+        Progress progress("step", run.steps, arguments.quiet);
+        run.after_step = [&](const StepReport& r) {
+            progress.update(r.step, note(r));
+            return true;
+        };
+        summary = run_scene(scene, arguments.scene, run);
+    }
+    print_summary(summary);
+    return kOk;
+}
+
+} // namespace
+
+void register_run(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<RunArguments>();
+    CLI::App* command = app.add_subcommand("run", "Simulate a scene");
+    command->add_option("scene", arguments->scene, "scene file")->required();
+    add_scene_options(*command, arguments->options);
+    command->add_option("--output", arguments->output, "run folder; without it nothing is written");
+    auto* steps =
+        command->add_option("--steps", arguments->steps, "total number of steps")->check(CLI::NonNegativeNumber);
+    command->add_option("--duration", arguments->duration, "total time, s (default 10)")
+        ->check(CLI::NonNegativeNumber)
+        ->excludes(steps);
+    command->add_option("--dt", arguments->dt, "time step, s; replaces the scene's")->check(CLI::PositiveNumber);
+    command->add_option("--frame-every", arguments->frame_every, "steps per written frame")->check(CLI::PositiveNumber);
+    command->add_flag("--overwrite", arguments->overwrite, "replace an earlier run in the folder");
+    command->add_flag("--quiet", arguments->quiet, "no progress");
+    command->callback([arguments, &action] { action = [arguments] { return run_run(*arguments); }; });
+}
+
+} // namespace flotilla::cli

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "state/build_model.hpp"
+
+#include "state/rotation_step.hpp"
+
+namespace flotilla {
+namespace {
+
+/// Inverse of a symmetric positive definite matrix from its principal form: R diag(1/d) R^T.
+Mat3 inverse_of(const MassProperties& m) {
+    const Mat3 r = matrix(m.principal_axes);
+    const Vec3& d = m.principal_inertia;
+    return r * (diagonal({1 / d.x, 1 / d.y, 1 / d.z}) * transpose(r));
+}
+
+RigidShape make_shape(const Shape& shape) {
+    RigidShape out;
+    out.mesh = shape.mesh;
+    out.topology = shape.topology;
+    out.bvh = shape.bvh;
+    out.center_of_mass = shape.center;
+    out.radius = shape.radius;
+    if (shape.mass) {
+        out.mass = shape.mass->mass;
+        out.inertia = shape.mass->inertia;
+        out.inverse_inertia = inverse_of(*shape.mass);
+    }
+    return out;
+}
+
+Body make_body(const Scene& scene, const BodyDescription& description) {
+    const Shape& shape = scene.shapes[static_cast<std::size_t>(description.shape)];
+    Body body;
+    body.shape = description.shape;
+    body.type = description.type;
+    if (body.movable()) {
+        body.mass = shape.mass->mass;
+        body.inverse_mass = 1 / body.mass;
+    }
+    body.friction = description.friction;
+    body.restitution = description.restitution;
+    body.size = 2 * shape.sphere.radius;
+    body.keyframes = description.keyframes;
+    return body;
+}
+
+} // namespace
+
+Model make_model(const Scene& scene) {
+    Model model;
+    model.gravity = scene.gravity;
+    model.settings = scene.settings;
+    for (const Shape& shape : scene.shapes) model.shapes.push_back(make_shape(shape));
+    for (const BodyDescription& body : scene.bodies) model.bodies.push_back(make_body(scene, body));
+    return model;
+}
+
+State initial_state(const Scene& scene, const Model& model) {
+    State state;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        const BodyDescription& body = scene.bodies[i];
+        const RigidShape& shape = model.shape_of(i);
+        state.pose.push_back(pose_at_origin(shape, body.position, body.rotation));
+        if (model.bodies[i].movable())
+            state.motion.push_back({body.velocity, turned(shape.inertia, body.rotation) * body.angular_velocity});
+        else
+            state.motion.push_back({});
+        state.script_delay.push_back(0);
+    }
+    return state;
+}
+
+} // namespace flotilla
