@@ -9,6 +9,7 @@
 #include "io/file.hpp"
 #include "io/hdf5.hpp"
 #include "io/number.hpp"
+#include "io/run_files.hpp"
 
 namespace flotilla::io {
 namespace {
@@ -40,9 +41,7 @@ std::vector<CheckpointFile> list_checkpoints(const fs::path& folder) {
 }
 
 fs::path checkpoint_path(const fs::path& folder, std::int64_t step) {
-    const std::string digits = std::to_string(step);
-    return folder /
-           (std::string(kPrefix) + std::string(digits.size() < 8 ? 8 - digits.size() : 0, '0') + digits + ".h5");
+    return folder / (std::string(kPrefix) + padded(step) + ".h5");
 }
 
 Checkpoint read_checkpoint(const CheckpointFile& entry) {

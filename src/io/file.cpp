@@ -95,12 +95,16 @@ void write_file(const fs::path& path, std::span<const std::byte> bytes) {
         ::unlink(temporary.c_str());
         fail(path, "write", error);
     }
-    if (::rename(temporary.c_str(), path.c_str()) != 0) {
+    replace_file(temporary, path);
+}
+
+void replace_file(const fs::path& from, const fs::path& to) {
+    if (::rename(from.c_str(), to.c_str()) != 0) {
         const int error = errno;
-        ::unlink(temporary.c_str());
-        fail(path, "replace", error);
+        ::unlink(from.c_str());
+        fail(to, "replace", error);
     }
-    sync_folder(path.has_parent_path() ? path.parent_path() : fs::path("."));
+    sync_folder(to.has_parent_path() ? to.parent_path() : fs::path("."));
 }
 
 void write_file(const fs::path& path, std::string_view text) { write_file(path, std::as_bytes(std::span(text))); }

@@ -22,6 +22,9 @@ namespace flotilla::io {
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_file(const std::filesystem::path& path, std::string_view text);
 
+/// Renames `from`, which is complete and synced, over `to`, and syncs the folder. On failure `from` is removed.
+void replace_file(const std::filesystem::path& from, const std::filesystem::path& to);
+
 /// Makes earlier renames and removals in the folder durable.
 void sync_folder(const std::filesystem::path& folder);
 

@@ -23,12 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Wide enough that names sort like numbers.
-std::string padded(std::int64_t value) {
-    const std::string digits = std::to_string(value);
-    return std::string(digits.size() < 8 ? 8 - digits.size() : 0, '0') + digits;
-}
-
 /// "frames-A-B.h5"
 std::optional<SegmentFile> parse_segment(const fs::path& path) {
     const std::string name = path.filename().string();
@@ -84,6 +78,11 @@ std::string hex(std::uint64_t value) {
 }
 
 } // namespace
+
+std::string padded(std::int64_t value) {
+    const std::string digits = std::to_string(value);
+    return std::string(digits.size() < 8 ? 8 - digits.size() : 0, '0') + digits;
+}
 
 fs::path segment_path(const fs::path& folder, std::int64_t first, std::int64_t last) {
     return folder / ("frames-" + padded(first) + "-" + padded(last) + ".h5");
@@ -158,6 +157,10 @@ RunInfo parse_run_json(const fs::path& path, const std::string& text) {
         info.trajectory = json.at("trajectory") == "rigid" ? Trajectory::rigid : Trajectory::linear;
         info.time_step = json.at("time_step").get<double>();
         info.frame_every = json.at("frame_every").get<int>();
+        const auto text_of = [&json](const char* key) { return json.at(key).get<std::string>(); };
+        info.record = {text_of("status"),   text_of("version"), text_of("commit"),
+                       text_of("compiler"), text_of("flags"),   json.at("machine").at("processor").get<std::string>(),
+                       text_of("started"),  text_of("updated")};
         return info;
     } catch (const Json::exception& error) {
         throw IoError(path.string() + ": damaged: " + error.what());

@@ -18,6 +18,8 @@ inline constexpr std::string_view kSceneJson = "scene.json";
 inline constexpr std::string_view kMeshes = "meshes.h5";
 inline constexpr std::string_view kStepsCsv = "steps.csv";
 
+/// Eight digits or more, so that names sort like numbers.
+[[nodiscard]] std::string padded(std::int64_t value);
 [[nodiscard]] std::filesystem::path segment_path(const std::filesystem::path& folder, std::int64_t first,
                                                  std::int64_t last);
 /// The segments in the folder by their names, in frame order; where two overlap (a crash while one replaced the other) the

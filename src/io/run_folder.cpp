@@ -70,13 +70,9 @@ FrameView view(const Frame& frame) {
 
 } // namespace
 
-RunScene make_run_scene(const SceneDescription& scene, std::span<const Vec3> centers_of_mass) {
-    FLOTILLA_ASSERT(centers_of_mass.size() == scene.shapes.size());
+RunScene make_run_scene(const Scene& scene) {
     RunScene result;
-    for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
-        const auto& shape = scene.shapes[i];
-        result.shapes.push_back({shape.name, {shape.vertices, shape.triangles}, centers_of_mass[i]});
-    }
+    for (const auto& shape : scene.shapes) result.shapes.push_back({shape.name, shape.mesh, shape.center});
     for (const auto& body : scene.bodies) result.bodies.push_back({body.name, body.shape, body.type});
     return result;
 }

@@ -30,10 +30,18 @@
 #include "io/file.hpp"
 #include "io/hdf5.hpp"
 #include "mesh/triangle_mesh.hpp"
+#include "scene/scene.hpp"
 
 namespace flotilla::io {
 
-/// What run.json records beside what the program knows itself (version, commit, compiler, flags, machine).
+/// What the program itself writes into run.json; set by reading.
+struct RunRecord {
+    std::string status; ///< "running", "complete" or why the run ended
+    std::string version, commit, compiler, flags, processor;
+    std::string started, updated; ///< UTC, ISO 8601
+};
+
+/// What run.json says about a run.
 struct RunInfo {
     std::vector<std::string> command_line;
     int threads = 1;
@@ -44,6 +52,7 @@ struct RunInfo {
     Trajectory trajectory = Trajectory::linear;
     double time_step = 0; ///< s
     int frame_every = 1;  ///< steps per frame
+    RunRecord record;     ///< ignored by writing
 };
 
 struct RunShape {
@@ -60,8 +69,7 @@ struct RunScene {
     std::vector<RunShape> shapes;
     std::vector<RunBody> bodies;
 };
-/// Precondition: one centre of mass per shape.
-[[nodiscard]] RunScene make_run_scene(const SceneDescription& scene, std::span<const Vec3> centers_of_mass);
+[[nodiscard]] RunScene make_run_scene(const Scene& scene);
 
 /// One frame to be written: arrays over the bodies in scene order.
 struct FrameView {

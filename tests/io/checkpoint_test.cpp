@@ -5,7 +5,8 @@
 
 #include <flotilla/error.hpp>
 
-#include "io/temporary_folder.hpp"
+#include "io/damage.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace flotilla {
 namespace {
@@ -21,7 +22,7 @@ std::size_t files_in(const fs::path& folder) {
 }
 
 TEST(Checkpoint, TheNewestIsReadAndTwoAreKept) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     EXPECT_FALSE(io::read_last_checkpoint(temporary.path()).has_value());
     const std::vector<io::CheckpointArray> arrays{{"position", {1, 2, 3}}};
     for (const std::int64_t step : {9, 10, 100}) io::write_checkpoint(temporary.path(), step, state_of(step), arrays);
@@ -34,7 +35,7 @@ TEST(Checkpoint, TheNewestIsReadAndTwoAreKept) {
 }
 
 TEST(Checkpoint, DamageToTheNewestFallsBackToTheOneBefore) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     io::write_checkpoint(temporary.path(), 10, state_of(10));
     io::write_checkpoint(temporary.path(), 20, state_of(20));
     const fs::path newest = temporary.path() / "checkpoint-00000020.h5";

@@ -10,8 +10,9 @@
 
 #include <flotilla/error.hpp>
 
+#include "io/damage.hpp"
 #include "io/sample_run.hpp"
-#include "io/temporary_folder.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace flotilla {
 namespace {
@@ -49,7 +50,7 @@ void expect_frame(const io::Frame& frame, std::size_t bodies, std::int64_t k) {
 }
 
 TEST(RunFolder, GivesBackWhatWasWrittenAcrossSegments) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     const fs::path folder = temporary.path() / "new" / "run";
     {
         RunWriter writer(folder, sample_info(), sample_scene(5), io::OpenRun::create);
@@ -77,7 +78,7 @@ TEST(RunFolder, GivesBackWhatWasWrittenAcrossSegments) {
 }
 
 TEST(RunFolder, KeepsTurnsThatAreNotTheShortestArc) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     const Vec3 fast{0, 0, 20}, slow{0.3, 0.2, 0.1};
     SampleFrame a(3, 0), b(3, 1);
     b.path = {Vec3{}, fast, slow};
@@ -100,7 +101,7 @@ TEST(RunFolder, KeepsTurnsThatAreNotTheShortestArc) {
 }
 
 TEST(RunFolder, AFrameOfTenThousandBodiesIsAtMost1100Kilobytes) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     RunWriter writer(temporary.path(), sample_info(), sample_scene(10000), io::OpenRun::create);
     write_sample(writer, 10000, 0, 9);
     writer.close("complete");
@@ -108,13 +109,13 @@ TEST(RunFolder, AFrameOfTenThousandBodiesIsAtMost1100Kilobytes) {
 }
 
 TEST(RunFolder, RefusesAFolderWithContent) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     { std::ofstream(temporary.path() / "notes.txt") << "mine"; }
     EXPECT_THROW(RunWriter(temporary.path(), sample_info(), sample_scene(1), io::OpenRun::create), InputError);
 }
 
 TEST(RunFolder, OverwritingRemovesAnEarlierRunAndNothingElse) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     {
         RunWriter writer(temporary.path(), sample_info(), sample_scene(2), io::OpenRun::create);
         write_sample(writer, 2, 0, 130);
@@ -130,7 +131,7 @@ TEST(RunFolder, OverwritingRemovesAnEarlierRunAndNothingElse) {
 }
 
 TEST(RunFolder, ResumingRemovesLaterFramesAndRowsAndGoesOn) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     {
         RunWriter writer(temporary.path(), sample_info(), sample_scene(2), io::OpenRun::create);
         write_sample(writer, 2, 0, 300);
@@ -153,7 +154,7 @@ TEST(RunFolder, ResumingRemovesLaterFramesAndRowsAndGoesOn) {
 }
 
 TEST(RunFolder, FlushedFramesSurviveARunThatIsKilled) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     RunWriter writer(temporary.path(), sample_info(), sample_scene(2), io::OpenRun::create);
     write_sample(writer, 2, 0, 10);
     writer.flush();
@@ -179,7 +180,7 @@ class DamagedRun : public ::testing::Test {
         return count;
     }
     fs::path segment(const char* name) { return temporary_.path() / name; }
-    TemporaryFolder temporary_;
+    test::TemporaryFolder temporary_;
 };
 
 TEST_F(DamagedRun, ATruncatedSegmentIsNamedWithItsFramesAndCostsOnlyThem) {
@@ -243,7 +244,7 @@ TEST_F(DamagedRun, DamagedMeshesAndRunJsonAreReported) {
 }
 
 TEST(RunFolder, SegmentsAreOrdinaryHdf5Files) {
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     RunWriter writer(temporary.path(), sample_info(), sample_scene(2), io::OpenRun::create);
     write_sample(writer, 2, 0, 3);
     writer.close("complete");
@@ -260,7 +261,7 @@ TEST(RunFolder, SegmentsAreOrdinaryHdf5Files) {
 TEST(RunFolder, AFullDiskLosesNothingOlder) {
     // /dev/full stands for the disk: a link to it under the temporary name makes the write fail with the real error.
     if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-    const TemporaryFolder temporary;
+    const test::TemporaryFolder temporary;
     RunWriter writer(temporary.path(), sample_info(), sample_scene(2), io::OpenRun::create);
     write_sample(writer, 2, 0, 10);
     writer.flush();

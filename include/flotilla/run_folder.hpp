@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// What can be done with the folder of a finished or running simulation, apart from verifying it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace flotilla {
+
+struct RunSummary {
+    std::string status; ///< "running", "complete" or why it ended
+    std::string version, commit, compiler, processor, started, updated;
+    std::vector<std::string> command_line;
+    int threads = 0;
+    double time_step = 0; ///< s
+    std::int64_t bodies = 0, dynamic_bodies = 0, shapes = 0;
+    std::int64_t triangles = 0; ///< of all bodies
+    std::int64_t frames = 0;
+    std::int64_t last_step = 0;
+    double last_time = 0; ///< s
+    std::uintmax_t frame_bytes = 0;
+    std::int64_t checkpoint_step = -1; ///< -1: no valid checkpoint
+    std::vector<std::string> problems; ///< files that are damaged or missing
+    std::string settings_json;
+};
+/// IoError where `folder` is not a run folder.
+[[nodiscard]] RunSummary summarize_run(const std::filesystem::path& folder);
+
+enum class ExportFormat : std::uint8_t {
+    csv, ///< one row per body and frame, 17 significant digits
+    vtp, ///< ParaView: one point per body with its rotation, the meshes, and a .pvd over time
+    obj, ///< one file per frame, all bodies in the world
+    glb, ///< one animated node per body, single precision
+};
+/// Writes a CSV to a stream.
+void export_csv(const std::filesystem::path& folder, std::ostream& out);
+/// Writes `output`: a file for csv and glb, a folder for vtp and obj. Existing files are replaced. IoError where something
+/// cannot be read or written.
+void export_run(const std::filesystem::path& folder, ExportFormat format, const std::filesystem::path& output);
+
+} // namespace flotilla

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// A run in the formats of other programs. Whole files are written, replaced only once they are complete.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string_view>
+
+#include "io/run_folder.hpp"
+
+namespace flotilla::io {
+
+/// The contract's CSV (io/poses_csv), handed to `write` frame by frame.
+void export_csv(RunReader& run, const std::function<void(std::string_view)>& write);
+
+/// frame-<k>.obj: all bodies in world coordinates, one object each.
+void export_obj(RunReader& run, const std::filesystem::path& folder);
+
+/// For ParaView: bodies.pvd, the collection over time of frames/bodies-<k>.vtp with one point per body, at the mesh's origin;
+/// point data body, shape, type, quaternion (w x y z), velocity, angular_velocity, speed. meshes/<k>-<name>.vtp are the
+/// shapes in mesh coordinates, for glyphs turned by the quaternion.
+void export_vtp(RunReader& run, const std::filesystem::path& folder);
+
+/// Binary glTF 2.0: one mesh per shape, one node per body with keyframes of every frame; single precision; z becomes up
+/// through the root node.
+void export_glb(RunReader& run, const std::filesystem::path& file);
+
+} // namespace flotilla::io

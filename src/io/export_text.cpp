@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// CSV and OBJ.
+#include "io/export.hpp"
+#include "io/number.hpp"
+#include "io/poses_csv.hpp"
+#include "io/run_files.hpp"
+#include "mesh/placement.hpp"
+
+namespace flotilla::io {
+namespace {
+
+/// OBJ takes a name up to the end of the line.
+std::string one_line(std::string name) {
+    for (char& c : name)
+        if (c == '\n' || c == '\r') c = ' ';
+    return name;
+}
+
+void append_object(std::string& text, const RunShape& shape, const std::string& name, std::span<const Vec3> world,
+                   std::size_t first_vertex) {
+    text.append("o ").append(one_line(name)).append("\n");
+    for (const Vec3& v : world) {
+        text += 'v';
+        for (const double x : {v.x, v.y, v.z}) {
+            text += ' ';
+            append_number(text, x);
+        }
+        text += '\n';
+    }
+    for (const Triangle& t : shape.mesh.triangles) {
+        text += 'f';
+        for (const std::int32_t i : t) {
+            text += ' ';
+            append_number(text, first_vertex + static_cast<std::size_t>(i) + 1);
+        }
+        text += '\n';
+    }
+}
+
+} // namespace
+
+void export_csv(RunReader& run, const std::function<void(std::string_view)>& write) {
+    std::vector<std::string> names;
+    for (const auto& body : run.scene().bodies) names.push_back(body.name);
+    write(std::string(kPosesHeader) + "\n");
+    for (std::int64_t k = 0; k < run.frames(); ++k) write(poses_csv_rows(run.frame(k), names));
+}
+
+void export_obj(RunReader& run, const std::filesystem::path& folder) {
+    create_folder(folder);
+    const RunScene& scene = run.scene();
+    std::vector<Vec3> world;
+    for (std::int64_t k = 0; k < run.frames(); ++k) {
+        const Frame frame = run.frame(k);
+        std::string text;
+        std::size_t vertices = 0;
+        for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+            const RunShape& shape = scene.shapes[static_cast<std::size_t>(scene.bodies[i].shape)];
+            world.resize(shape.mesh.vertices.size());
+            world_vertices(shape.mesh.vertices, frame.position[i], frame.rotation[i], world);
+            append_object(text, shape, scene.bodies[i].name, world, vertices);
+            vertices += world.size();
+        }
+        write_file(folder / ("frame-" + padded(k) + ".obj"), text);
+    }
+}
+
+} // namespace flotilla::io
