@@ -27,9 +27,12 @@ using Action = std::function<int()>;
 
 void register_ccd(CLI::App& app, Action& action);
 void register_check(CLI::App& app, Action& action);
+void register_export(CLI::App& app, Action& action);
+void register_info(CLI::App& app, Action& action);
 void register_picture(CLI::App& app, Action& action);
 void register_plan(CLI::App& app, Action& action);
 void register_run(CLI::App& app, Action& action);
 void register_scene(CLI::App& app, Action& action);
+void register_verify(CLI::App& app, Action& action);
 
 } // namespace flotilla::cli

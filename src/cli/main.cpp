@@ -46,10 +46,13 @@ int main(int argc, char** argv) {
     cli::Action action;
     cli::register_ccd(app, action);
     cli::register_check(app, action);
+    cli::register_export(app, action);
+    cli::register_info(app, action);
     cli::register_picture(app, action);
     cli::register_plan(app, action);
     cli::register_run(app, action);
     cli::register_scene(app, action);
+    cli::register_verify(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

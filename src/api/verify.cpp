@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+#include <flotilla/verify.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include <flotilla/error.hpp>
+#include <flotilla/scene_file.hpp>
+
+#include "audit/audit.hpp"
+#include "base/text.hpp"
+#include "io/poses_csv.hpp"
+#include "io/run_folder.hpp"
+#include "parallel/parallel_for.hpp"
+#include "scene/scene.hpp"
+
+namespace flotilla {
+namespace {
+
+using Kind = VerifyFault::Kind;
+
+audit::Scene make_audit_scene(const io::RunScene& scene) {
+    audit::Scene result;
+    for (const auto& shape : scene.shapes) result.shapes.push_back(audit::make_shape(shape.mesh, shape.center_of_mass));
+    for (const auto& body : scene.bodies) result.bodies.push_back({body.shape, body.type != BodyType::dynamic});
+    return result;
+}
+
+std::vector<audit::Pose> poses_of(const io::Frame& frame) {
+    std::vector<audit::Pose> poses;
+    for (std::size_t i = 0; i < frame.position.size(); ++i) poses.push_back({frame.position[i], frame.rotation[i]});
+    return poses;
+}
+
+/// Takes the frames of a trajectory in order and collects what is wrong with them.
+class Verifier {
+  public:
+    Verifier(const io::RunScene& scene, audit::Motion motion, const VerifyOptions& options)
+        : bodies_(scene.bodies),
+          scene_(make_audit_scene(scene)),
+          motion_(motion),
+          options_(options),
+          threads_(options.threads > 0 ? options.threads : default_threads()) {
+        report_.bodies = static_cast<std::int64_t>(bodies_.size());
+    }
+
+    /// `one_step`: this frame is one time step after the one before.
+    void add(io::Frame frame, bool one_step) {
+        audit::Placement placement = audit::place(scene_, poses_of(frame), threads_);
+        check_frame(frame, placement);
+        if (last_ && wants_motion(one_step))
+            check_motion(frame, placement);
+        else if (last_ || gap_)
+            ++report_.motions_skipped;
+        gap_ = false;
+        last_ = Placed{std::move(frame), std::move(placement)};
+    }
+
+    /// A frame that cannot be read: nothing is known about the motion on both sides of it.
+    void skip(const std::string& reason) {
+        // A damaged segment gives the same message for each of its frames.
+        if (report_.unreadable.empty() || report_.unreadable.back() != reason) report_.unreadable.push_back(reason);
+        if (last_) ++report_.motions_skipped;
+        last_.reset();
+        gap_ = true;
+    }
+
+    VerifyReport finish(double seconds) {
+        report_.seconds = seconds;
+        if (report_.motions_skipped > 0 && options_.motion != VerifyMotion::never && report_.unreadable.empty())
+            report_.notes.push_back(
+                "frames are more than one time step apart: " + std::to_string(report_.motions_skipped) +
+                " of them were checked as states, not the motion before them");
+        return std::move(report_);
+    }
+
+  private:
+    struct Placed {
+        io::Frame frame;
+        audit::Placement placement;
+    };
+
+    [[nodiscard]] bool wants_motion(bool one_step) const {
+        return options_.motion == VerifyMotion::always || (options_.motion == VerifyMotion::automatic && one_step);
+    }
+
+    void check_frame(const io::Frame& frame, const audit::Placement& placement) {
+        for (const auto& bad : placement.bad) add_fault(bad_body(Kind::bad_pose, frame, bad));
+        const audit::StateReport state = audit::check_state(scene_, placement, threads_);
+        for (const auto& hit : state.intersections) {
+            VerifyFault fault = pair_fault(Kind::intersection, frame, hit.body_a, hit.body_b);
+            fault.triangle_a = hit.triangle_a;
+            fault.triangle_b = hit.triangle_b;
+            fault.triangle_pairs = hit.triangle_pairs;
+            fault.place = hit.place;
+            add_fault(std::move(fault));
+        }
+        ++report_.frames;
+        report_.pairs += state.pairs;
+        report_.triangle_pairs += state.triangle_pairs;
+        if (options_.distance) measure(frame, placement);
+    }
+
+    void measure(const io::Frame& frame, const audit::Placement& placement) {
+        const audit::SmallestDistance nearest = audit::smallest_distance(scene_, placement);
+        if (!(nearest.distance < report_.smallest_distance)) return;
+        report_.smallest_distance = nearest.distance;
+        report_.smallest_distance_frame = frame.index;
+        report_.smallest_distance_a = name(nearest.body_a);
+        report_.smallest_distance_b = name(nearest.body_b);
+    }
+
+    void check_motion(const io::Frame& frame, const audit::Placement& placement) {
+        const io::Frame& before = last_->frame;
+        const auto turns = io::path_rotations(before, frame);
+        const audit::MotionReport found =
+            audit::check_motion(scene_, last_->placement, placement, motion_, turns, threads_);
+        for (const auto& bad : found.bad_paths) add_fault(bad_body(Kind::bad_path, before, bad));
+        for (const auto& passage : found.passages) {
+            VerifyFault fault =
+                pair_fault(passage.crossing ? Kind::crossing : Kind::unproved, before, passage.body_a, passage.body_b);
+            fault.time += passage.time * (frame.time - before.time);
+            fault.triangle_a = passage.triangle_a;
+            fault.triangle_b = passage.triangle_b;
+            fault.place = passage.place;
+            add_fault(std::move(fault));
+        }
+        ++report_.motions;
+        report_.motion_pairs += found.pairs;
+        report_.triangle_pairs += found.triangle_pairs;
+    }
+
+    [[nodiscard]] const std::string& name(std::int32_t body) const {
+        return bodies_[static_cast<std::size_t>(body)].name;
+    }
+
+    [[nodiscard]] VerifyFault pair_fault(Kind kind, const io::Frame& frame, std::int32_t a, std::int32_t b) const {
+        VerifyFault fault;
+        fault.kind = kind;
+        fault.frame = frame.index;
+        fault.time = frame.time;
+        fault.body_a = a;
+        fault.body_b = b;
+        fault.name_a = name(a);
+        fault.name_b = name(b);
+        return fault;
+    }
+
+    [[nodiscard]] VerifyFault bad_body(Kind kind, const io::Frame& frame, const audit::BadPose& bad) const {
+        VerifyFault fault;
+        fault.kind = kind;
+        fault.frame = frame.index;
+        fault.time = frame.time;
+        fault.body_a = bad.body;
+        fault.name_a = name(bad.body);
+        fault.reason = bad.reason;
+        return fault;
+    }
+
+    void add_fault(VerifyFault fault) {
+        switch (fault.kind) {
+        case Kind::intersection: ++report_.intersecting_pairs; break;
+        case Kind::crossing: ++report_.crossing_pairs; break;
+        case Kind::unproved: ++report_.unproved_pairs; break;
+        case Kind::bad_pose:
+        case Kind::bad_path: ++report_.bad_poses; break;
+        }
+        if (report_.faults.size() < options_.max_faults) report_.faults.push_back(std::move(fault));
+    }
+
+    std::vector<io::RunBody> bodies_;
+    audit::Scene scene_;
+    audit::Motion motion_;
+    const VerifyOptions& options_;
+    int threads_;
+    std::optional<Placed> last_;
+    bool gap_ = false; ///< the frame before could not be read
+    VerifyReport report_;
+};
+
+class Stopwatch {
+  public:
+    [[nodiscard]] double seconds() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void tell(const VerifyOptions& options, double part) {
+    if (options.progress) options.progress(std::clamp(part, 0.0, 1.0));
+}
+
+audit::Motion motion_of(Trajectory trajectory) {
+    return trajectory == Trajectory::rigid ? audit::Motion::rigid : audit::Motion::linear;
+}
+
+} // namespace
+
+std::string to_string(const VerifyFault& fault) {
+    const auto body = [](std::int32_t index, const std::string& name) {
+        return in_quotes(name) + " (body " + std::to_string(index) + ")";
+    };
+    const std::string pair = body(fault.body_a, fault.name_a) + " and " + body(fault.body_b, fault.name_b);
+    const std::string triangles =
+        "triangles " + std::to_string(fault.triangle_a) + " and " + std::to_string(fault.triangle_b);
+    const std::string place =
+        "near (" + to_text(fault.place.x) + ", " + to_text(fault.place.y) + ", " + to_text(fault.place.z) + ")";
+    const std::string after = "after frame " + std::to_string(fault.frame) + ", t = " + to_text(fault.time) + " s: ";
+    switch (fault.kind) {
+    case Kind::intersection:
+        return "frame " + std::to_string(fault.frame) + ": " + pair + " intersect, " +
+               std::to_string(fault.triangle_pairs) + " triangle pairs, first " + triangles + ", " + place;
+    case Kind::crossing: return after + pair + " pass through each other, " + triangles + ", " + place;
+    case Kind::unproved: return after + pair + " not proved apart, " + triangles + ", " + place;
+    case Kind::bad_pose:
+        return "frame " + std::to_string(fault.frame) + ": " + body(fault.body_a, fault.name_a) + ": " + fault.reason;
+    case Kind::bad_path: return after + body(fault.body_a, fault.name_a) + ": " + fault.reason;
+    }
+    return "";
+}
+
+VerifyReport verify_run(const std::filesystem::path& folder, const VerifyOptions& options) {
+    const Stopwatch watch;
+    io::RunReader reader(folder);
+    Verifier verifier(reader.scene(), motion_of(reader.info().trajectory), options);
+    std::optional<std::int64_t> last_step;
+    for (std::int64_t k = 0; k < reader.frames(); ++k) {
+        try {
+            io::Frame frame = reader.frame(k);
+            const std::int64_t step = frame.step;
+            verifier.add(std::move(frame), last_step && step == *last_step + 1);
+            last_step = step;
+        } catch (const IoError& error) {
+            verifier.skip(error.what());
+        }
+        tell(options, static_cast<double>(k + 1) / static_cast<double>(reader.frames()));
+    }
+    return verifier.finish(watch.seconds());
+}
+
+VerifyReport verify_poses(const std::filesystem::path& scene_file, const std::filesystem::path& poses,
+                          const VerifyOptions& options) {
+    const Stopwatch watch;
+    const Scene scene = build_scene(read_scene(scene_file), scene_file.string());
+    const io::RunScene bodies = io::make_run_scene(scene);
+    std::vector<std::string> names;
+    for (const auto& body : bodies.bodies) names.push_back(body.name);
+    io::PosesCsvReader reader(poses, names);
+    Verifier verifier(bodies, motion_of(scene.settings.trajectory), options);
+    std::optional<double> last_time;
+    for (io::Frame frame; reader.next(frame);) {
+        const double time = frame.time;
+        // Times in a file are rounded; half a step tells one step from two.
+        verifier.add(std::move(frame), last_time && std::abs(time - *last_time) < 1.5 * scene.settings.time_step);
+        last_time = time;
+        tell(options,
+             static_cast<double>(reader.position()) / static_cast<double>(std::max<std::uintmax_t>(reader.size(), 1)));
+    }
+    return verifier.finish(watch.seconds());
+}
+
+} // namespace flotilla

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+// flotilla verify, export and info on run folders written here: exit codes, verdicts and messages.
+#include <gtest/gtest.h>
+
+#include "io/run_folder.hpp"
+#include "io/sample_run.hpp"
+#include "support/command.hpp"
+
+namespace flotilla::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A fixed plate at z = 0 and a free one that comes down to it, 0.1 per step.
+struct PlateRun {
+    TemporaryFolder folder;
+    std::vector<io::Frame> frames;
+
+    explicit PlateRun(std::int64_t count = 6) {
+        for (std::int64_t k = 0; k < count; ++k) {
+            io::Frame frame;
+            frame.index = frame.step = k;
+            frame.time = 0.04 * static_cast<double>(k);
+            frame.position = {{0, 0, 0}, {0.1, 0.1, 1 - 0.1 * static_cast<double>(k)}};
+            frame.rotation = {Quat{}, Quat{}};
+            frame.velocity = {Vec3{}, {0, 0, -2.5}};
+            frame.angular_velocity = {Vec3{}, Vec3{}};
+            frames.push_back(frame);
+        }
+    }
+
+    /// Writes the frames, numbers `every` steps apart.
+    std::string write(int every = 1) const {
+        io::RunInfo info = sample_info();
+        info.trajectory = Trajectory::linear;
+        info.frame_every = every;
+        io::RunWriter writer(folder.path() / "run", info, sample_scene(2), io::OpenRun::overwrite);
+        for (const auto& f : frames)
+            writer.add_frame({f.step * every, f.time, f.position, f.rotation, f.velocity, f.angular_velocity, {}});
+        writer.close("complete");
+        return (folder.path() / "run").string();
+    }
+};
+
+TEST(VerifyCommand, PassesACleanRunAndSumsUp) {
+    const PlateRun run;
+    const CommandOutput r = run_flotilla("verify " + run.write());
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE(r.out.find("frames checked:       6 (2 bodies)"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("motions checked:      5\n"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("intersecting pairs:   0\n"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("smallest distance:    0.5 m (frame 5"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("free of intersections\n"), std::string::npos) << r.out;
+    EXPECT_NE(r.err.find("verifying: 100 %"), std::string::npos) << r.err;
+    EXPECT_EQ(run_flotilla("verify --quiet " + run.write()).err, "");
+}
+
+TEST(VerifyCommand, FailsOnAPlantedIntersectionAndNamesIt) {
+    PlateRun run;
+    run.frames[3].position[1].z = 0; // into the other plate
+    const CommandOutput r = run_flotilla("verify " + run.write());
+    EXPECT_EQ(r.exit_code, 3);
+    EXPECT_NE(r.out.find("frame 3: \"body \\\"0\\\", plate\" (body 0) and"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("triangles 0 and 0"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("FAILED"), std::string::npos) << r.out;
+}
+
+TEST(VerifyCommand, FailsOnAPassThroughBetweenCleanFrames) {
+    PlateRun run;
+    for (std::size_t k = 4; k < run.frames.size(); ++k) run.frames[k].position[1].z -= 2;
+    const CommandOutput r = run_flotilla("verify " + run.write());
+    EXPECT_EQ(r.exit_code, 3);
+    EXPECT_NE(r.out.find("intersecting pairs:   0\n"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("after frame 3, "), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("pass through each other"), std::string::npos) << r.out;
+    EXPECT_EQ(run_flotilla("verify --motion never " + run.write()).exit_code, 0);
+}
+
+TEST(VerifyCommand, FailsOnANanPose) {
+    PlateRun run;
+    run.frames[2].position[1].x = std::nan("");
+    const CommandOutput r = run_flotilla("verify " + run.write());
+    EXPECT_EQ(r.exit_code, 3);
+    EXPECT_NE(r.out.find("the position is not finite"), std::string::npos) << r.out;
+}
+
+TEST(VerifyCommand, SaysThatFramesStepsApartAreCheckedAsStates) {
+    PlateRun run;
+    for (std::size_t k = 4; k < run.frames.size(); ++k) run.frames[k].position[1].z -= 2;
+    const std::string folder = run.write(10);
+    const CommandOutput r = run_flotilla("verify " + folder);
+    EXPECT_EQ(r.exit_code, 0) << r.out;
+    EXPECT_NE(r.out.find("checked as states"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("free of intersections in every frame\n"), std::string::npos) << r.out;
+    EXPECT_EQ(run_flotilla("verify --motion always " + folder).exit_code, 3);
+}
+
+TEST(VerifyCommand, ChecksWhatADamagedRunStillHasAndFailsWithFive) {
+    PlateRun run(130);
+    for (auto& frame : run.frames) frame.position[1].z = 1;
+    const std::string folder = run.write();
+    fs::resize_file(folder + "/frames-00000120-00000129.h5", 1000);
+    const CommandOutput r = run_flotilla("verify " + folder);
+    EXPECT_EQ(r.exit_code, 5);
+    EXPECT_NE(r.out.find("frames checked:       120"), std::string::npos) << r.out;
+    EXPECT_NE(r.err.find("frames 120 to 129 are lost"), std::string::npos) << r.err;
+    EXPECT_EQ(run_flotilla("verify " + run.folder.path().string()).exit_code, 5) << "no run folder";
+    EXPECT_EQ(run_flotilla("verify").exit_code, 2);
+}
+
+TEST(VerifyCommand, JudgesATrajectoryFromAFile) {
+    PlateRun run;
+    const std::string folder = run.write();
+    const std::string shape =
+        R"({"name": "plate", "vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]], "mass": 1})";
+    const std::string scene =
+        run.folder.write("scene.json", R"({"flotilla_scene": 1, "settings": {"time_step": 0.04}, "shapes": [)" + shape +
+                                           R"(], "bodies": [
+            {"name": "body \"0\", plate", "shape": "plate", "type": "static"},
+            {"name": "body \"1\", plate", "shape": "plate", "position": [0.1, 0.1, 1]}]})");
+    const CommandOutput csv = run_flotilla("export " + folder + " --format csv");
+    ASSERT_EQ(csv.exit_code, 0) << csv.err;
+    const std::string poses = run.folder.write("poses.csv", csv.out);
+    const CommandOutput clean = run_flotilla("verify " + scene + " --poses " + poses);
+    EXPECT_EQ(clean.exit_code, 0) << clean.err << clean.out;
+    EXPECT_NE(clean.out.find("motions checked:      5\n"), std::string::npos) << clean.out;
+
+    for (std::size_t k = 4; k < run.frames.size(); ++k) run.frames[k].position[1].z -= 2;
+    const std::string jump = run.folder.write("jump.csv", run_flotilla("export " + run.write()).out);
+    EXPECT_EQ(run_flotilla("verify " + scene + " --poses " + jump).exit_code, 3);
+    const std::string wrong = run.folder.write("wrong.csv", "frame,time\n");
+    EXPECT_EQ(run_flotilla("verify " + scene + " --poses " + wrong).exit_code, 2);
+    EXPECT_EQ(run_flotilla("verify " + scene + " --poses none.csv").exit_code, 5);
+}
+
+TEST(ExportCommand, WritesEveryFormat) {
+    const PlateRun run;
+    const std::string folder = run.write();
+    const std::string csv = run_flotilla("export " + folder).out;
+    EXPECT_TRUE(csv.starts_with("frame,time,body,name,px,py,pz,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n0,0,0,"));
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 6 * 2);
+    const std::string file = folder + "/poses.csv";
+    EXPECT_EQ(run_flotilla("export " + folder + " --format csv --output " + file).exit_code, 0);
+    EXPECT_EQ(fs::file_size(file), csv.size());
+    for (const char* format : {"vtp", "obj", "glb"})
+        EXPECT_EQ(run_flotilla("export " + folder + " --format " + format).exit_code, 0) << format;
+    EXPECT_TRUE(fs::exists(folder + "/vtp/bodies.pvd"));
+    EXPECT_TRUE(fs::exists(folder + "/obj/frame-00000005.obj"));
+    EXPECT_TRUE(fs::exists(folder + "/run.glb"));
+    EXPECT_EQ(run_flotilla("export " + folder + " --format xyz").exit_code, 2);
+    EXPECT_EQ(run_flotilla("export " + folder + " --output /proc/none/poses.csv").exit_code, 5);
+    EXPECT_EQ(run_flotilla("export " + run.folder.path().string()).exit_code, 5) << "no run folder";
+}
+
+TEST(InfoCommand, DescribesARun) {
+    const PlateRun run;
+    const std::string folder = run.write();
+    const CommandOutput r = run_flotilla("info " + folder);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE(r.out.find("status:       complete"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("command:      flotilla run scene.json"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("bodies:       2 (1 dynamic), 1 shapes, 2 triangles"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("frames:       6, the last at step 5, t = 0.2 s"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("checkpoint:   none"), std::string::npos) << r.out;
+    fs::resize_file(folder + "/frames-00000000-00000005.h5", 1000);
+    const CommandOutput damaged = run_flotilla("info " + folder);
+    EXPECT_EQ(damaged.exit_code, 5);
+    EXPECT_NE(damaged.err.find("frames 0 to 5 are lost"), std::string::npos) << damaged.err;
+}
+
+} // namespace
+} // namespace flotilla::test
