@@ -63,8 +63,6 @@ class World {
     /// The rotation vector of a body's motion in the last step, with whole turns, radians, world axes.
     [[nodiscard]] Vec3 turn(std::size_t index) const;
     [[nodiscard]] std::vector<ContactState> contacts() const;
-    /// Centre of mass of a body in mesh coordinates, m; for a body without mass the point that its path is described by.
-    [[nodiscard]] Vec3 local_center_of_mass(std::size_t index) const;
     [[nodiscard]] std::uint64_t state_hash() const;
 
   private:

@@ -7,18 +7,11 @@
 #include <flotilla/world.hpp>
 
 #include "io/run_folder.hpp"
+#include "scene/scene.hpp"
 #include "scene/settings_table.hpp"
 
 namespace flotilla {
 namespace {
-
-/// One element per shape of the scene as described; shapes that no body has are given the origin.
-std::vector<Vec3> centers_of_mass(const SceneDescription& scene, const World& world) {
-    std::vector<Vec3> centers(scene.shapes.size());
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-        centers[static_cast<std::size_t>(scene.bodies[i].shape)] = world.local_center_of_mass(i);
-    return centers;
-}
 
 /// Collects the state of all bodies and hands it to the writer.
 class FrameRecorder {
@@ -84,8 +77,7 @@ std::unique_ptr<io::RunWriter> open_writer(const SceneDescription& scene, const 
     info.trajectory = scene.settings.trajectory;
     info.time_step = scene.settings.time_step;
     info.frame_every = options.frame_every;
-    return std::make_unique<io::RunWriter>(options.output, info,
-                                           io::make_run_scene(scene, centers_of_mass(scene, world)),
+    return std::make_unique<io::RunWriter>(options.output, info, io::make_run_scene(build_scene(scene)),
                                            options.overwrite ? io::OpenRun::overwrite : io::OpenRun::create);
 }
 

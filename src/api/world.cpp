@@ -70,7 +70,6 @@ std::vector<ContactState> World::contacts() const {
     return out;
 }
 
-Vec3 World::local_center_of_mass(std::size_t index) const { return impl_->model.shape_of(index).center_of_mass; }
 std::uint64_t World::state_hash() const { return flotilla::state_hash(impl_->stepper.state()); }
 
 } // namespace flotilla
