@@ -26,7 +26,7 @@ struct RunOptions {
 };
 
 /// Sums over a run.
-struct RunSummary {
+struct RunTotals {
     std::int64_t steps = 0;
     std::int64_t bodies = 0;
     double total_ms = 0, worst_ms = 0; ///< wall time in steps; of the slowest
@@ -38,6 +38,6 @@ struct RunSummary {
 
 /// Simulates `scene`; `source` names it in messages. Throws InputError, OverlapError, BrokenPromise or IoError; what was written
 /// before stays readable.
-[[nodiscard]] RunSummary run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options);
+[[nodiscard]] RunTotals run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options);
 
 } // namespace flotilla

@@ -40,7 +40,7 @@ class FrameRecorder {
     std::vector<Quat> rotation_;
 };
 
-void add(RunSummary& summary, const StepReport& r) {
+void add(RunTotals& summary, const StepReport& r) {
     ++summary.steps;
     summary.total_ms += r.total_ms;
     summary.worst_ms = std::max(summary.worst_ms, r.total_ms);
@@ -83,9 +83,9 @@ std::unique_ptr<io::RunWriter> open_writer(const SceneDescription& scene, const 
 
 } // namespace
 
-RunSummary run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options) {
+RunTotals run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options) {
     World world(scene, source);
-    RunSummary summary;
+    RunTotals summary;
     summary.bodies = static_cast<std::int64_t>(world.size());
     const auto writer = open_writer(scene, world, options);
     std::unique_ptr<FrameRecorder> frames;

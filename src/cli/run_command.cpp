@@ -53,7 +53,7 @@ std::string note(const StepReport& r) {
     return text;
 }
 
-void print_summary(const RunSummary& s) {
+void print_summary(const RunTotals& s) {
     const double n = s.steps > 0 ? static_cast<double>(s.steps) : 1;
     std::printf("%ld bodies, %ld steps, %.3f s simulated\n", static_cast<long>(s.bodies), static_cast<long>(s.steps),
                 s.last.time);
@@ -92,7 +92,7 @@ int run_run(const RunArguments& arguments) {
     run.frame_every = arguments.frame_every;
     run.command_line = arguments.command_line;
     run.scene_json = file_text(arguments.scene);
-    RunSummary summary;
+    RunTotals summary;
     {
         Progress progress("step", run.steps, arguments.quiet);
         run.after_step = [&](const StepReport& r) {
