@@ -3,6 +3,7 @@
 // that say where.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
