@@ -2,11 +2,10 @@
 #include <flotilla/scene_check.hpp>
 
 #include <algorithm>
-#include <fstream>
-
-#include <flotilla/error.hpp>
+#include <sstream>
 
 #include "base/text.hpp"
+#include "io/file.hpp"
 #include "scene/initial_overlap.hpp"
 
 namespace flotilla {
@@ -86,7 +85,7 @@ SceneCheck check_scene(const SceneDescription& scene, const std::string& source)
 }
 
 void write_intersections(const std::filesystem::path& file, std::span<const InitialIntersection> intersections) {
-    std::ofstream out(file, std::ios::binary);
+    std::ostringstream out;
     out << "# triangles that intersect at t = 0\n";
     std::size_t vertices = 0;
     for (std::size_t i = 0; i < intersections.size(); ++i) {
@@ -95,7 +94,7 @@ void write_intersections(const std::filesystem::path& file, std::span<const Init
         write_group(out, prefix + group_name(pair.body_a), pair.triangles_a, vertices);
         write_group(out, prefix + group_name(pair.body_b), pair.triangles_b, vertices);
     }
-    if (!out.flush()) throw IoError(file.string() + ": cannot be written");
+    io::write_file(file, std::string_view(out.view()));
 }
 
 } // namespace flotilla

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Reading of scene files. A value of the wrong type is reported and replaced by its default, so that reading goes on and all
 // problems of a file are seen at once; what the values mean is checked afterwards, in scene/description_checks.
+#include <algorithm>
 #include <array>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include <flotilla/error.hpp>
 #include <flotilla/scene_file.hpp>
 
 #include "base/text.hpp"
 #include "base/vec3.hpp"
+#include "io/file.hpp"
 #include "io/json_document.hpp"
 #include "io/scene_keys.hpp"
 #include "mesh/mesh_file.hpp"
@@ -353,15 +353,6 @@ void SceneReader::read(const Json& document, const SceneFileOptions& options, Sc
     }
 }
 
-std::string read_text(const std::filesystem::path& file) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(file, ignored)) throw IoError(file.string() + ": is a folder, not a scene file");
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    if (!in || !(text << in.rdbuf())) throw IoError(file.string() + ": cannot be read");
-    return std::move(text).str();
-}
-
 } // namespace
 
 SceneDescription parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder,
@@ -379,7 +370,7 @@ SceneDescription parse_scene(std::string_view text, const std::string& source, c
 }
 
 SceneDescription read_scene(const std::filesystem::path& file, const SceneFileOptions& options) {
-    return parse_scene(read_text(file), file.string(), file.parent_path(), options);
+    return parse_scene(io::read_text(file), file.string(), file.parent_path(), options);
 }
 
 } // namespace flotilla

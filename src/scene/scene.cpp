@@ -9,7 +9,6 @@
 #include "base/random.hpp"
 #include "base/rotation.hpp"
 #include "base/text.hpp"
-#include "geometry/ccd.hpp"
 #include "scene/description_checks.hpp"
 
 namespace flotilla {
@@ -89,18 +88,18 @@ void warn_of_unused_shapes(const SceneDescription& description, std::vector<std:
         if (!used[i]) warnings.push_back("no body has the shape " + in_quotes(description.shapes[i].name));
 }
 
-// Rounding grows with the distance from the origin. Where its bound reaches the separation that the body's size asks for,
-// contacts can no longer be told from intersections and the body will be held in place.
+// World coordinates become coarser with the distance from the origin. Where a thousand roundings of them reach the
+// separation that the body's size asks for, resting contacts can no longer be kept apart by it.
 void warn_of_far_bodies(const Scene& scene, std::vector<std::string>& warnings) {
-    constexpr double kFloorPerError = 16; // gaps below 16 times the rounding bound count as intersecting
-    constexpr double kRestPerSeparation = 50;
+    constexpr double kRoundings = 1024, kRestPerSeparation = 50;
+    constexpr double kUnitRoundoff = 0x1p-53;
     for (const BodyDescription& body : scene.bodies) {
         if (body.type != BodyType::dynamic) continue;
         const Shape& shape = scene.shapes[static_cast<std::size_t>(body.shape)];
         const double separation = 2 * shape.sphere.radius / kSizePerRestDistance / kRestPerSeparation;
         const Vec3 c = world_center(scene, body);
         const double reach = max_component(abs(c)) + shape.radius;
-        if (kFloorPerError * ccd_error(reach) > separation)
+        if (kRoundings * kUnitRoundoff * reach > separation)
             warnings.push_back("body " + in_quotes(body.name) + " is too far from the origin for its size: at " +
                                to_text(reach) + " m coordinates are too coarse for a body of " +
                                to_text(2 * shape.sphere.radius) + " m");
