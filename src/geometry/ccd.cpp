@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/ccd.hpp"
 
+#include <cstddef>
+
 #include "base/assert.hpp"
 #include "geometry/ccd_wide.hpp"
 #include "geometry/pack_scalar.hpp"
@@ -10,6 +12,8 @@
 namespace flotilla {
 
 static_assert(sizeof(CcdQuery) == 24 * sizeof(double), "the kernels read a query as 24 doubles");
+static_assert(offsetof(CcdResult, direction) == 0 && offsetof(CcdResult, toi) == 3 * sizeof(double),
+              "the kernels write direction and toi as four doubles");
 
 CcdResult ccd(CcdKind kind, const CcdQuery& query, const CcdOptions& options) {
     CcdResult result;
@@ -18,9 +22,9 @@ CcdResult ccd(CcdKind kind, const CcdQuery& query, const CcdOptions& options) {
     Progress<ScalarPack> state{{0.0}, {options.separation}};
     const bool relaxed = options.start == CcdStart::relaxed;
     if (kind == CcdKind::vertex_face)
-        advance<CcdKind::vertex_face>(lanes, relaxed, 0, kMaxIterations, state, 1u, results);
+        run<CcdKind::vertex_face>(lanes, relaxed, state, 1u, results);
     else
-        advance<CcdKind::edge_edge>(lanes, relaxed, 0, kMaxIterations, state, 1u, results);
+        run<CcdKind::edge_edge>(lanes, relaxed, state, 1u, results);
     return result;
 }
 

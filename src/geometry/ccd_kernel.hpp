@@ -249,25 +249,22 @@ struct Progress {
     P t, separation;
 };
 
+/// Writes the results of the lanes whose bits are in `done`.
 template <class P, std::size_t kCount>
 inline void finish_lanes(unsigned done, unsigned missed, unsigned proved, const Advance<P, kCount>& a, P at,
                          int iterations, CcdResult* const* results) {
-    alignas(64) double x[P::kWidth], y[P::kWidth], z[P::kWidth], t[P::kWidth];
-    const P inv = P::all(1) / a.length;
-    (a.direction.x * inv).store(x);
-    (a.direction.y * inv).store(y);
-    (a.direction.z * inv).store(z);
-    at.store(t);
+    const P zero = P::all(0), one = P::all(1);
+    const P inv = one / a.length;
+    const auto known = P::lanes(proved);
+    const P rows[4] = {select(known, a.direction.x * inv, zero), select(known, a.direction.y * inv, zero),
+                       select(known, a.direction.z * inv, zero), select(P::lanes(missed), one, at)};
+    double* out[P::kWidth];
+    for (unsigned i = 0; i < static_cast<unsigned>(P::kWidth); ++i) out[i] = &results[i]->direction.x;
+    store_transposed(rows, done, out);
     for (unsigned i = 0; i < static_cast<unsigned>(P::kWidth); ++i) {
         if (((done >> i) & 1u) == 0) continue;
-        CcdResult& r = *results[i];
-        const bool known = ((proved >> i) & 1u) != 0;
-        r.hit = ((missed >> i) & 1u) == 0;
-        r.toi = r.hit ? t[i] : 1.0;
-        r.direction.x = known ? x[i] : 0.0;
-        r.direction.y = known ? y[i] : 0.0;
-        r.direction.z = known ? z[i] : 0.0;
-        r.iterations = static_cast<std::uint16_t>(iterations);
+        results[i]->hit = ((missed >> i) & 1u) == 0;
+        results[i]->iterations = static_cast<std::uint16_t>(iterations);
     }
 }
 
@@ -318,67 +315,116 @@ inline unsigned certify_along(const double* const* lanes, const PackVec<P>& d, P
     return mask_bits(mask_and(valid, (separation + err) * sqrt(square) <= least));
 }
 
-/// Runs the active lanes for at most `limit` iterations, counted from the start of the query. Writes the results of the lanes
-/// that finish and returns the bits of those that do not.
+template <class P, CcdKind kKind>
+struct Loaded {
+    Differences<P, kKind> differences;
+    P err;
+    unsigned in_range;
+};
 template <CcdKind kKind, class P>
-inline unsigned advance(const double* const* lanes, bool relaxed, int iterations, int limit, Progress<P>& state,
-                        unsigned active, CcdResult* const* results) {
-    const auto x = load_differences<kKind, P>(lanes);
-    const P largest = largest_difference(x);
-    const P err = P::all(kErrFactor) * ceil_power_of_two(largest) + P::all(kTiny);
-    const unsigned in_range = mask_bits(largest < P::all(kLargest));
-    if (iterations == 0) active = iterate<true>(x, err, in_range, relaxed, iterations++, state, active, results);
-    for (; active != 0 && iterations < limit; ++iterations)
-        active = iterate<false>(x, err, in_range, relaxed, iterations, state, active, results);
-    return active;
+inline Loaded<P, kKind> load(const double* const* lanes) {
+    Loaded<P, kKind> out;
+    out.differences = load_differences<kKind, P>(lanes);
+    const P largest = largest_difference(out.differences);
+    out.err = P::all(kErrFactor) * ceil_power_of_two(largest) + P::all(kTiny);
+    out.in_range = mask_bits(largest < P::all(kLargest));
+    return out;
 }
 
-constexpr int kBlock = 256;         // queries whose survivors are compacted together
-constexpr int kFirstIterations = 1; // iterations before compaction
-
-/// All queries, P::kWidth at a time: one iteration for everybody (that settles nearly all misses), then the survivors packed
-/// together until they are done. A lane's arithmetic never depends on its neighbours.
+/// The first iteration of the active lanes. Writes the results of the lanes that finish and returns the bits of those that do
+/// not.
 template <CcdKind kKind, class P>
-inline void run_batch(const CcdQuery* queries, long count, double separation, bool relaxed, CcdResult* results) {
-    struct Survivor {
-        long index;
-        double t, separation;
-    };
-    for (long begin = 0; begin < count; begin += kBlock) {
-        const long end = begin + kBlock < count ? begin + kBlock : count;
-        Survivor left[kBlock];
-        int num_left = 0;
-        const auto run = [&](const Survivor* items, int n, int iterations, int limit, auto&& keep) {
-            const double* lanes[P::kWidth];
-            CcdResult* out[P::kWidth];
-            alignas(64) double t[P::kWidth], s[P::kWidth];
-            for (int i = 0; i < P::kWidth; ++i) {
-                const Survivor& item = items[i < n ? i : 0];
-                lanes[i] = reinterpret_cast<const double*>(queries + item.index);
-                out[i] = results + item.index;
-                t[i] = item.t;
-                s[i] = item.separation;
-            }
-            Progress<P> state{P::load(t), P::load(s)};
-            const unsigned active = n >= P::kWidth ? (1u << P::kWidth) - 1u : (1u << n) - 1u;
-            const unsigned rest = advance<kKind, P>(lanes, relaxed, iterations, limit, state, active, out);
-            if (rest == 0) return;
-            state.t.store(t);
-            state.separation.store(s);
-            for (int i = 0; i < n; ++i)
-                if (((rest >> i) & 1u) != 0) keep(Survivor{items[i].index, t[i], s[i]});
-        };
-        for (long i = begin; i < end; i += P::kWidth) {
-            Survivor items[P::kWidth];
-            int n = 0;
-            for (; n < P::kWidth && i + n < end; ++n) items[n] = {i + n, 0.0, separation};
-            run(items, n, 0, kFirstIterations, [&](const Survivor& s) { left[num_left++] = s; });
-        }
-        for (int i = 0; i < num_left; i += P::kWidth) {
-            const int n = num_left - i < P::kWidth ? num_left - i : P::kWidth;
-            run(left + i, n, kFirstIterations, kMaxIterations, [](const Survivor&) {});
+inline unsigned begin(const Loaded<P, kKind>& x, bool relaxed, Progress<P>& state, unsigned active,
+                      CcdResult* const* results) {
+    return iterate<true>(x.differences, x.err, x.in_range, relaxed, 0, state, active, results);
+}
+/// The other iterations, to the end.
+template <CcdKind kKind, class P>
+inline void go_on(const Loaded<P, kKind>& x, Progress<P>& state, unsigned active, CcdResult* const* results) {
+    for (int i = 1; active != 0; ++i)
+        active = iterate<false>(x.differences, x.err, x.in_range, false, i, state, active, results);
+}
+template <CcdKind kKind, class P>
+inline void run(const double* const* lanes, bool relaxed, Progress<P>& state, unsigned active,
+                CcdResult* const* results) {
+    const auto x = load<kKind, P>(lanes);
+    active = begin(x, relaxed, state, active, results);
+    go_on(x, state, active, results);
+}
+
+constexpr int kBlock = 256; // queries whose survivors are compacted together
+
+/// What is left of a block of queries after the first iteration.
+struct Survivors {
+    int count = 0;
+    int query[kBlock];
+    double t[kBlock], separation[kBlock];
+};
+
+/// Where the queries and results of a pack are; the idle lanes of an incomplete pack repeat its first query.
+template <class P>
+struct Lanes {
+    const double* query[P::kWidth];
+    CcdResult* result[P::kWidth];
+    unsigned active = 0;
+
+    template <class Index>
+    Lanes(const CcdQuery* queries, CcdResult* results, int n, Index&& index) {
+        for (int i = 0; i < P::kWidth; ++i) {
+            const long k = index(i < n ? i : 0);
+            query[i] = reinterpret_cast<const double*>(queries + k);
+            result[i] = results + k;
+            active |= i < n ? 1u << i : 0u;
         }
     }
+};
+
+template <CcdKind kKind, class P>
+inline void begin_pack(const Lanes<P>& lanes, bool relaxed, double separation, int first, Survivors& left) {
+    Progress<P> state{P::all(0), P::all(separation)};
+    const unsigned rest = begin(load<kKind, P>(lanes.query), relaxed, state, lanes.active, lanes.result);
+    if (rest == 0) return;
+    double t[P::kWidth], s[P::kWidth];
+    state.t.store(t);
+    state.separation.store(s);
+    for (int i = 0; i < P::kWidth; ++i) {
+        if (((rest >> i) & 1u) == 0) continue;
+        left.query[left.count] = first + i;
+        left.t[left.count] = t[i];
+        left.separation[left.count++] = s[i];
+    }
+}
+
+/// At most kBlock queries, P::kWidth at a time: one iteration for everybody (that settles nearly all misses), then the survivors
+/// packed together until they are done. A lane's arithmetic never depends on its neighbours.
+template <CcdKind kKind, class P>
+inline void run_block(const CcdQuery* queries, int count, double separation, bool relaxed, CcdResult* results) {
+    Survivors left;
+    int first = 0;
+    for (; first + P::kWidth <= count; first += P::kWidth)
+        begin_pack<kKind, P>({queries + first, results + first, P::kWidth, [](int i) { return i; }}, relaxed,
+                             separation, first, left);
+    if (first < count)
+        begin_pack<kKind, P>({queries + first, results + first, count - first, [](int i) { return i; }}, relaxed,
+                             separation, first, left);
+    for (int i = 0; i < left.count; i += P::kWidth) {
+        const int n = left.count - i < P::kWidth ? left.count - i : P::kWidth;
+        double t[P::kWidth], s[P::kWidth];
+        for (int lane = 0; lane < P::kWidth; ++lane) {
+            t[lane] = left.t[i + (lane < n ? lane : 0)];
+            s[lane] = left.separation[i + (lane < n ? lane : 0)];
+        }
+        Progress<P> state{P::load(t), P::load(s)};
+        const Lanes<P> lanes(queries, results, n, [&](int lane) { return left.query[i + lane]; });
+        go_on(load<kKind, P>(lanes.query), state, lanes.active, lanes.result);
+    }
+}
+
+template <CcdKind kKind, class P>
+inline void run_batch(const CcdQuery* queries, long count, double separation, bool relaxed, CcdResult* results) {
+    for (long first = 0; first < count; first += kBlock)
+        run_block<kKind, P>(queries + first, static_cast<int>(count - first < kBlock ? count - first : kBlock),
+                            separation, relaxed, results + first);
 }
 
 template <class P>

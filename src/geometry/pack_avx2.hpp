@@ -8,6 +8,10 @@
 namespace flotilla {
 namespace {
 
+struct Avx2Mask {
+    __m256d m;
+};
+
 struct Avx2Pack {
     static constexpr int kWidth = 4;
     __m256d v;
@@ -15,15 +19,16 @@ struct Avx2Pack {
     static Avx2Pack all(double x) { return {_mm256_set1_pd(x)}; }
     static Avx2Pack load(const double* p) { return {_mm256_loadu_pd(p)}; }
     void store(double* p) const { _mm256_storeu_pd(p, v); }
+    static Avx2Mask lanes(unsigned bits) {
+        const __m256i lane = _mm256_set_epi64x(8, 4, 2, 1);
+        const __m256i set = _mm256_and_si256(_mm256_set1_epi64x(static_cast<long long>(bits)), lane);
+        return {_mm256_castsi256_pd(_mm256_cmpeq_epi64(set, lane))};
+    }
 
     friend Avx2Pack operator+(Avx2Pack a, Avx2Pack b) { return {_mm256_add_pd(a.v, b.v)}; }
     friend Avx2Pack operator-(Avx2Pack a, Avx2Pack b) { return {_mm256_sub_pd(a.v, b.v)}; }
     friend Avx2Pack operator*(Avx2Pack a, Avx2Pack b) { return {_mm256_mul_pd(a.v, b.v)}; }
     friend Avx2Pack operator/(Avx2Pack a, Avx2Pack b) { return {_mm256_div_pd(a.v, b.v)}; }
-};
-
-struct Avx2Mask {
-    __m256d m;
 };
 
 inline Avx2Mask operator<(Avx2Pack a, Avx2Pack b) { return {_mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ)}; }
@@ -45,15 +50,23 @@ inline Avx2Mask mask_or(Avx2Mask a, Avx2Mask b) { return {_mm256_or_pd(a.m, b.m)
 inline Avx2Mask mask_not(Avx2Mask a) { return {_mm256_xor_pd(a.m, _mm256_castsi256_pd(_mm256_set1_epi64x(-1)))}; }
 inline unsigned mask_bits(Avx2Mask a) { return static_cast<unsigned>(_mm256_movemask_pd(a.m)); }
 
-inline void load_transposed(const double* const* lanes, int first, Avx2Pack (&out)[4]) {
-    const __m256d r0 = _mm256_loadu_pd(lanes[0] + first), r1 = _mm256_loadu_pd(lanes[1] + first);
-    const __m256d r2 = _mm256_loadu_pd(lanes[2] + first), r3 = _mm256_loadu_pd(lanes[3] + first);
-    const __m256d lo01 = _mm256_unpacklo_pd(r0, r1), hi01 = _mm256_unpackhi_pd(r0, r1);
-    const __m256d lo23 = _mm256_unpacklo_pd(r2, r3), hi23 = _mm256_unpackhi_pd(r2, r3);
+inline void transpose(Avx2Pack r0, Avx2Pack r1, Avx2Pack r2, Avx2Pack r3, Avx2Pack (&out)[4]) {
+    const __m256d lo01 = _mm256_unpacklo_pd(r0.v, r1.v), hi01 = _mm256_unpackhi_pd(r0.v, r1.v);
+    const __m256d lo23 = _mm256_unpacklo_pd(r2.v, r3.v), hi23 = _mm256_unpackhi_pd(r2.v, r3.v);
     out[0] = {_mm256_permute2f128_pd(lo01, lo23, 0x20)};
     out[1] = {_mm256_permute2f128_pd(hi01, hi23, 0x20)};
     out[2] = {_mm256_permute2f128_pd(lo01, lo23, 0x31)};
     out[3] = {_mm256_permute2f128_pd(hi01, hi23, 0x31)};
+}
+inline void load_transposed(const double* const* lanes, int first, Avx2Pack (&out)[4]) {
+    transpose(Avx2Pack::load(lanes[0] + first), Avx2Pack::load(lanes[1] + first), Avx2Pack::load(lanes[2] + first),
+              Avx2Pack::load(lanes[3] + first), out);
+}
+inline void store_transposed(const Avx2Pack (&in)[4], unsigned which, double* const* out) {
+    Avx2Pack rows[4];
+    transpose(in[0], in[1], in[2], in[3], rows);
+    for (unsigned lane = 0; lane < 4; ++lane)
+        if (((which >> lane) & 1u) != 0) rows[lane].store(out[lane]);
 }
 
 } // namespace

@@ -7,6 +7,10 @@
 namespace flotilla {
 namespace {
 
+struct Avx512Mask {
+    __mmask8 m;
+};
+
 struct Avx512Pack {
     static constexpr int kWidth = 8;
     __m512d v;
@@ -14,15 +18,12 @@ struct Avx512Pack {
     static Avx512Pack all(double x) { return {_mm512_set1_pd(x)}; }
     static Avx512Pack load(const double* p) { return {_mm512_loadu_pd(p)}; }
     void store(double* p) const { _mm512_storeu_pd(p, v); }
+    static Avx512Mask lanes(unsigned bits) { return {static_cast<__mmask8>(bits)}; }
 
     friend Avx512Pack operator+(Avx512Pack a, Avx512Pack b) { return {_mm512_add_pd(a.v, b.v)}; }
     friend Avx512Pack operator-(Avx512Pack a, Avx512Pack b) { return {_mm512_sub_pd(a.v, b.v)}; }
     friend Avx512Pack operator*(Avx512Pack a, Avx512Pack b) { return {_mm512_mul_pd(a.v, b.v)}; }
     friend Avx512Pack operator/(Avx512Pack a, Avx512Pack b) { return {_mm512_div_pd(a.v, b.v)}; }
-};
-
-struct Avx512Mask {
-    __mmask8 m;
 };
 
 inline Avx512Mask operator<(Avx512Pack a, Avx512Pack b) { return {_mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ)}; }
@@ -49,6 +50,14 @@ inline void load_transposed(const double* const* lanes, int first, Avx512Pack (&
     for (int lane = 0; lane < 8; ++lane)
         for (int i = 0; i < 4; ++i) rows[i][lane] = lanes[lane][first + i];
     for (int i = 0; i < 4; ++i) out[i] = {_mm512_load_pd(rows[i])};
+}
+
+inline void store_transposed(const Avx512Pack (&in)[4], unsigned which, double* const* out) {
+    alignas(64) double rows[4][8];
+    for (int i = 0; i < 4; ++i) in[i].store(rows[i]);
+    for (int lane = 0; lane < 8; ++lane)
+        if (((which >> lane) & 1u) != 0)
+            for (int i = 0; i < 4; ++i) out[lane][i] = rows[i][lane];
 }
 
 } // namespace

@@ -19,6 +19,8 @@ struct ScalarPack {
     static ScalarPack all(double x) { return {x}; }
     static ScalarPack load(const double* p) { return {*p}; }
     void store(double* p) const { *p = v; }
+    /// The mask of the lanes whose bits are set.
+    static bool lanes(unsigned bits) { return (bits & 1u) != 0; }
 
     friend ScalarPack operator+(ScalarPack a, ScalarPack b) { return {a.v + b.v}; }
     friend ScalarPack operator-(ScalarPack a, ScalarPack b) { return {a.v - b.v}; }
@@ -50,6 +52,11 @@ inline unsigned mask_bits(bool a) { return a ? 1u : 0u; }
 /// Component c of point p of each lane's query: lanes[i][3 * p + c].
 inline void load_transposed(const double* const* lanes, int first, ScalarPack (&out)[4]) {
     for (int i = 0; i < 4; ++i) out[i] = {lanes[0][first + i]};
+}
+/// The reverse, for the lanes whose bits are in `which`: out[lane][i] = in[i].
+inline void store_transposed(const ScalarPack (&in)[4], unsigned which, double* const* out) {
+    if ((which & 1u) == 0) return;
+    for (int i = 0; i < 4; ++i) out[0][i] = in[i].v;
 }
 
 } // namespace
