@@ -323,8 +323,7 @@ struct Loaded {
 };
 template <CcdKind kKind, class P>
 inline Loaded<P, kKind> load(const double* const* lanes) {
-    Loaded<P, kKind> out;
-    out.differences = load_differences<kKind, P>(lanes);
+    Loaded<P, kKind> out{load_differences<kKind, P>(lanes), P::all(0), 0}; // in place: a copy is dear
     const P largest = largest_difference(out.differences);
     out.err = P::all(kErrFactor) * ceil_power_of_two(largest) + P::all(kTiny);
     out.in_range = mask_bits(largest < P::all(kLargest));
