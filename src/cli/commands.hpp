@@ -3,6 +3,7 @@
 // which runs once the whole command line is parsed; main.cpp turns exceptions into exit codes, in one place.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 
 namespace CLI {
@@ -34,5 +35,8 @@ void register_plan(CLI::App& app, Action& action);
 void register_run(CLI::App& app, Action& action);
 void register_scene(CLI::App& app, Action& action);
 void register_verify(CLI::App& app, Action& action);
+
+/// What verify does with a run folder, for run --audit: prints the report and returns the exit code.
+int audit_run(const std::filesystem::path& folder, int threads, bool quiet);
 
 } // namespace flotilla::cli

@@ -28,7 +28,8 @@ struct RunArguments {
     double duration = -1; ///< s
     double dt = 0;        ///< s; 0: the scene's
     int frame_every = 1;
-    bool overwrite = false, quiet = false;
+    int threads = 0; ///< 0: as many as the process may use
+    bool overwrite = false, quiet = false, audit = false;
     std::vector<std::string> command_line;
 };
 
@@ -82,6 +83,8 @@ std::string file_text(const std::string& path) {
 }
 
 int run_run(const RunArguments& arguments) {
+    if (arguments.audit && arguments.output.empty())
+        throw InputError("run: --audit needs --output, the frames to audit");
     SceneFileOptions options = arguments.options.resolve();
     if (arguments.dt > 0) options.overrides.emplace_back("time_step", exact_text(arguments.dt));
     const SceneDescription scene = read_scene(arguments.scene, options);
@@ -102,7 +105,7 @@ int run_run(const RunArguments& arguments) {
         summary = run_scene(scene, arguments.scene, run);
     }
     print_summary(summary);
-    return kOk;
+    return arguments.audit ? audit_run(arguments.output, arguments.threads, arguments.quiet) : kOk;
 }
 
 } // namespace
@@ -121,6 +124,9 @@ void register_run(CLI::App& app, Action& action) {
     command->add_option("--dt", arguments->dt, "time step, s; replaces the scene's")->check(CLI::PositiveNumber);
     command->add_option("--frame-every", arguments->frame_every, "steps per written frame")->check(CLI::PositiveNumber);
     command->add_flag("--overwrite", arguments->overwrite, "replace an earlier run in the folder");
+    command->add_option("--threads", arguments->threads, "threads of the audit; the step itself runs on one")
+        ->check(CLI::PositiveNumber);
+    command->add_flag("--audit", arguments->audit, "prove the written frames free of intersections afterwards");
     command->add_flag("--quiet", arguments->quiet, "no progress");
     command->callback([arguments, &action] { action = [arguments] { return run_run(*arguments); }; });
 }

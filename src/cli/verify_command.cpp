@@ -79,11 +79,7 @@ int verdict(const VerifyReport& r) {
     return kOk;
 }
 
-int run_verify(VerifyArguments& arguments) {
-    if (!arguments.quiet) arguments.options.progress = make_progress();
-    const VerifyReport report = arguments.poses.empty()
-                                    ? verify_run(arguments.subject, arguments.options)
-                                    : verify_poses(arguments.subject, arguments.poses, arguments.options);
+int print_report(const VerifyReport& report) {
     for (const auto& message : report.unreadable) std::cerr << "flotilla: " << message << '\n';
     const std::size_t shown = std::min(report.faults.size(), kFaultsShown);
     for (std::size_t i = 0; i < shown; ++i) std::cout << to_string(report.faults[i]) << '\n';
@@ -95,7 +91,20 @@ int run_verify(VerifyArguments& arguments) {
     return verdict(report);
 }
 
+int run_verify(VerifyArguments& arguments) {
+    if (!arguments.quiet) arguments.options.progress = make_progress();
+    return print_report(arguments.poses.empty() ? verify_run(arguments.subject, arguments.options)
+                                                : verify_poses(arguments.subject, arguments.poses, arguments.options));
+}
+
 } // namespace
+
+int audit_run(const std::filesystem::path& folder, int threads, bool quiet) {
+    VerifyOptions options;
+    options.threads = threads;
+    if (!quiet) options.progress = make_progress();
+    return print_report(verify_run(folder, options));
+}
 
 void register_verify(CLI::App& app, Action& action) {
     const auto arguments = std::make_shared<VerifyArguments>();
