@@ -5,7 +5,7 @@
 //   near     5 mm apart, sliding by 10 mm, approaching to 1 mm; separation 0.2 mm      certified miss at a small gap
 //   resting  10 mm apart (the rest distance), moving by 10 um; separation 0.2 mm       certified miss
 //   hitting  from 0.1 m on one side to 0.1 m on the other                              hit
-// Counters: per_query, CPU time; iterations, of the mean query; flops per query, counted by running the kernel on a
+// Counters: per_query, CPU time; advances, the mean number of iterations of a query; flops per query, counted by running the kernel on a
 // pack that counts (counting_pack.hpp); of_peak, the share of this core's arithmetic limit (arithmetic_peak.hpp) that these
 // operations reach. The limit takes a division for as cheap as an addition, and knows no selections or loads.
 // Before anything is timed every query must end as its class says and with the bits of the scalar code.
@@ -153,7 +153,7 @@ void BM_Ccd(benchmark::State& state, CcdKind kind, const Situation& situation, I
         benchmark::ClobberMemory();
     }
     report(state, isa, flops);
-    state.counters["iterations"] = static_cast<double>(iterations) / static_cast<double>(kQueries);
+    state.counters["advances"] = static_cast<double>(iterations) / static_cast<double>(kQueries);
 }
 
 /// The witnesses are the directions of the answers, as they are kept from step to step.
