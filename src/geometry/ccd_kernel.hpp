@@ -111,12 +111,6 @@ inline P largest_difference(const Differences<P, kKind>& d) {
     return m;
 }
 
-template <class P>
-inline P inverse_or_zero(P a) {
-    const P zero = P::all(0);
-    return select(zero < a, P::all(1) / a, zero);
-}
-
 /// A vector v and its square.
 template <class P>
 struct Candidate {
@@ -124,36 +118,38 @@ struct Candidate {
     P square;
 };
 
-/// Keeps in `best` the shorter of it and the shortest vector of the segment from w along e.
+/// The shortest vector of the segment from w along e. A zero e has an infinite inv_ee, whose product with the zero beside it is
+/// NaN, which max() turns into t = 0.
 template <class P>
-inline void offer_segment(Candidate<P>& best, const PackVec<P>& w, const PackVec<P>& e, P inv_ee) {
+inline Candidate<P> shortest_of_segment(const PackVec<P>& w, const PackVec<P>& e, P inv_ee) {
     const P zero = P::all(0);
     const P t = min(max((zero - dot(w, e)) * inv_ee, zero), P::all(1));
     const PackVec<P> c = add_scaled(w, t, e);
-    const P cc = dot(c, c);
-    const auto shorter = cc < best.square;
-    best = {select(shorter, c, best.v), select(shorter, cc, best.square)};
+    return {c, dot(c, c)};
+}
+
+template <class P>
+inline Candidate<P> shorter_of(const Candidate<P>& a, const Candidate<P>& b) {
+    const auto first = a.square < b.square;
+    return {select(first, a.v, b.v), select(first, a.square, b.square)};
 }
 
 /// The shortest vector to the boundary of the convex hull of the w_k, and the normal of its plane.
 template <class P>
 inline void hull_candidates(const PackVec<P> (&w)[3], Candidate<P>& edge, PackVec<P>& normal) {
     const PackVec<P> e01 = w[1] - w[0], e12 = w[2] - w[1], e20 = w[0] - w[2];
-    edge = {w[0], dot(w[0], w[0])};
-    offer_segment(edge, w[0], e01, inverse_or_zero(dot(e01, e01)));
-    offer_segment(edge, w[1], e12, inverse_or_zero(dot(e12, e12)));
-    offer_segment(edge, w[2], e20, inverse_or_zero(dot(e20, e20)));
+    const P one = P::all(1);
+    edge = shorter_of(shorter_of(shortest_of_segment(w[0], e01, one / dot(e01, e01)),
+                                 shortest_of_segment(w[1], e12, one / dot(e12, e12))),
+                      shortest_of_segment(w[2], e20, one / dot(e20, e20)));
     normal = cross(e01, e20);
 }
 template <class P>
 inline void hull_candidates(const PackVec<P> (&w)[4], Candidate<P>& edge, PackVec<P>& normal) {
     const PackVec<P> ea = w[2] - w[0], eb = w[1] - w[0];
-    const P inv_aa = inverse_or_zero(dot(ea, ea)), inv_bb = inverse_or_zero(dot(eb, eb));
-    edge = {w[0], dot(w[0], w[0])};
-    offer_segment(edge, w[0], ea, inv_aa);
-    offer_segment(edge, w[1], ea, inv_aa);
-    offer_segment(edge, w[0], eb, inv_bb);
-    offer_segment(edge, w[2], eb, inv_bb);
+    const P inv_aa = P::all(1) / dot(ea, ea), inv_bb = P::all(1) / dot(eb, eb);
+    edge = shorter_of(shorter_of(shortest_of_segment(w[0], ea, inv_aa), shortest_of_segment(w[1], ea, inv_aa)),
+                      shorter_of(shortest_of_segment(w[0], eb, inv_bb), shortest_of_segment(w[2], eb, inv_bb)));
     normal = cross(ea, eb);
 }
 
@@ -198,8 +194,7 @@ struct Advance {
     P square, length;
     P g0[kCount], g1[kCount]; ///< d.w_k at t = 0 and t = 1
     P least;                  ///< min_k g_k(t)
-    P least_rise;             ///< min_k (g_k1 - g_k0)
-    P sum;                    ///< sum_k g_k(t); NaN where any coordinate is, which minima would lose
+    P sum;                    ///< sum_k (g_k(t) + g_k1); NaN where any coordinate is, which minima would lose
 };
 
 /// kAtStart: t = 0, where w_k(t) and its products are those of the start.
@@ -221,11 +216,9 @@ inline auto look(const Differences<P, kKind>& x, P t) {
     out.length = sqrt(d.square);
     products(d.v, x.w1, out.g1);
     for (std::size_t k = 0; k < kCount; ++k) {
-        const P rise = out.g1[k] - out.g0[k];
-        const P g = kAtStart ? out.g0[k] : out.g0[k] + t * rise;
-        out.sum = k == 0 ? g + rise : (out.sum + g) + rise;
+        const P g = kAtStart ? out.g0[k] : out.g0[k] + t * (out.g1[k] - out.g0[k]);
+        out.sum = k == 0 ? g + out.g1[k] : (out.sum + g) + out.g1[k];
         out.least = k == 0 ? g : min(g, out.least);
-        out.least_rise = k == 0 ? rise : min(rise, out.least_rise);
     }
     return out;
 }
@@ -236,6 +229,14 @@ inline P first_fall(const Advance<P, kCount>& a, P h) {
     P t = P::all(1);
     for (std::size_t k = 0; k < kCount; ++k) t = select(a.g1[k] < h, min((a.g0[k] - h) / (a.g0[k] - a.g1[k]), t), t);
     return t;
+}
+
+/// min_k (g_k1 - g_k0).
+template <class P, std::size_t kCount>
+inline P least_rise(const Advance<P, kCount>& a) {
+    P least = a.g1[0] - a.g0[0];
+    for (std::size_t k = 1; k < kCount; ++k) least = min(a.g1[k] - a.g0[k], least);
+    return least;
 }
 
 /// The separation that the start allows: unchanged, or 0.95 of the start distance (relaxed start).
@@ -277,7 +278,7 @@ inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range
     const unsigned valid = in_range & mask_bits(P::all(kLeastSquare) < a.square) & mask_bits(a.sum <= P::all(kHuge));
     unsigned opening = 0;
     if (kAtStart && relaxed) {
-        opening = valid & mask_bits(mask_and(err * a.length <= a.least, err * a.length <= a.least_rise));
+        opening = valid & mask_bits(mask_and(err * a.length <= a.least, err * a.length <= least_rise(a)));
         state.separation = start_separation(a.least / a.length - err, err, state.separation);
     }
     const P h = (state.separation + err) * a.length;
