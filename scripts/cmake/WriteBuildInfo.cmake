@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Run by every build with -D source, input, output, version, compiler, flags: writes `output`, and touches it only when
+# Run at build time with -D source, input, output, version, compiler, flags: writes `output`, and touches it only when
 # something changed, so that a build without a new commit recompiles nothing.
 find_package(Git QUIET)
 set(commit "")
