@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "collision/collisions.hpp"
 
+#include <algorithm>
+
 namespace flotilla {
 namespace {
 
@@ -18,8 +20,10 @@ std::optional<Vec3> elastic_impulse(const StepData& data, const CandidatePair& p
     return share * *impulse;
 }
 
-/// The nearest contact point at the end of the step that is closer than the rest distance and approaches faster than the
-/// threshold, with rigid velocities and arms at the end (section 3.2).
+/// The nearest contact point at the end of the step that approaches too fast to be left to static contact, with rigid
+/// velocities and arms at the end (section 3.2). Closer than the rest distance that is faster than the threshold. Farther away,
+/// up to the proximity distance, it is also fast enough to come below the rest distance within one more step: stage 7 would cut
+/// exactly these approaches to (d_rest - d)/dt, and a fast body that happens to end a step there would lose its rebound.
 std::optional<ContactPoint> end_proximity(StepData& data, const CandidatePair& pair, PairRecord& record,
                                           StageCounters& counters) {
     const Stopwatch watch(counters.detection_ms);
@@ -30,13 +34,14 @@ std::optional<ContactPoint> end_proximity(StepData& data, const CandidatePair& p
     record.processed = record.processed || result.near;
     const Impulsive body_a = data.clusters.impulsive(a), body_b = data.clusters.impulsive(b);
     std::optional<ContactPoint> best;
-    double best_distance = record.lengths.rest;
+    double best_distance = record.lengths.proximity;
     for (const ProximityPoint& p : data.points) {
         if (!(p.distance < best_distance)) continue;
         const Vec3 arm_a = p.a - data.trajectories.end_pose(at(a)).com,
                    arm_b = p.b - data.trajectories.end_pose(at(b)).com;
         const Vec3 relative = point_velocity(body_b, arm_b) - point_velocity(body_a, arm_a);
-        if (!(dot(relative, p.normal) < -data.approach)) continue;
+        const double allowed = std::max(data.approach, (p.distance - record.lengths.rest) / data.dt);
+        if (!(dot(relative, p.normal) < -allowed)) continue;
         best = ContactPoint{p.normal, arm_a, arm_b, relative, pair_friction(data.model, a, b)};
         best_distance = p.distance;
     }
