@@ -182,7 +182,9 @@ void Stepper::record_failsafe(const DynamicContactStats& dynamic, const Failsafe
     failsafe_bodies_.assign(model_.size(), 0);
     for (std::size_t i = 0; i < model_.size(); ++i) {
         const Cluster& c = clusters_[static_cast<std::int32_t>(i)];
-        if (c.members.empty() || (c.members.size() == 1 && c.rung == Rung::free)) continue;
+        if (c.members.empty()) continue;
+        // A body that the failsafe kept from passing a body of infinite mass stays free, yet its planned velocity would push on.
+        if (c.members.size() == 1 && c.rung == Rung::free && c.resolved_against.empty()) continue;
         const auto size = static_cast<std::int64_t>(c.members.size());
         report.largest_cluster = std::max(report.largest_cluster, size);
         if (c.rung == Rung::kinematic) report.kinematic_bodies += size;
