@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// Bounces and inclines against their closed forms.
+#include "base/rotation.hpp"
+#include "step/scenario.hpp"
+
+namespace flotilla::scenario {
+namespace {
+
+/// Aligned tangents and a tight tolerance.
+Settings accurate_friction() {
+    Settings s = preset("accurate");
+    s.trajectory = Trajectory::linear;
+    return s;
+}
+
+struct Bounces {
+    std::vector<double> heights; ///< m, largest rise after each bounce, of the lowest point above the plate
+    double lowest = 1e300;       ///< m, of that point
+    std::int64_t collisions = 0;
+};
+
+/// Corners at 0.5 m: the derived rest distance is 1/330 m. `rest_distance` 0: derived.
+Bounces bounce(double height, double restitution, double dt, double rest_distance = 0) {
+    constexpr std::size_t kWanted = 3;
+    SceneDescription scene = empty_scene();
+    scene.settings.time_step = dt;
+    scene.settings.rest_distance = rest_distance;
+    const auto ball = add_shape(scene, make_octahedron(0.5), 2);
+    const auto plate = add_shape(scene, make_plate(10, 10));
+    add_body(scene, ball, BodyType::dynamic, {0.1, 0.23, 0.5 + height}, 0, restitution);
+    add_body(scene, plate, BodyType::fixed, {}, 0, restitution);
+    World world(scene);
+    Bounces out;
+    double peak = 0;
+    bool falling = true;
+    while (out.heights.size() < kWanted && world.time() < 60) {
+        out.collisions += world.step().collisions;
+        const BodyState s = world.body(0);
+        const double gap = s.position.z - 0.5;
+        out.lowest = std::min(out.lowest, gap);
+        if (s.velocity.z > 0) {
+            falling = false;
+            peak = std::max(peak, gap + 0.5 * s.velocity.z * s.velocity.z / kGravity);
+        } else if (!falling) {
+            out.heights.push_back(peak);
+            falling = true;
+            peak = 0;
+        }
+    }
+    return out;
+}
+
+constexpr double kHeight = 5;
+constexpr int kPhases = 8; // start heights, because where in a step the impact falls is an accident
+double start_height(int phase) { return kHeight + 0.031 * phase; }
+
+// Stage 1 reflects the velocity that the body has at the start of the step of the impact, at the height y it has then. The energy
+// of that height is not reduced by e^2, so one bounce rises (1 - e^2) y too high, y at most the fall v dt within the step plus the
+// proximity distance of 2/330 m, within which a fast approach is a collision. A share e^2 of the error is handed on.
+TEST(Contact, BounceHeightsFollowRestitution) {
+    for (const double e : {0.5, 0.8})
+        for (const double dt : {1.0 / 48, 1.0 / 96, 1.0 / 192, 1.0 / 384})
+            for (int phase = 0; phase < kPhases; ++phase) {
+                double exact = start_height(phase), bound = 0;
+                const Bounces b = bounce(exact, e, dt);
+                ASSERT_EQ(b.heights.size(), 3u);
+                EXPECT_GE(b.collisions, 3);
+                EXPECT_GT(b.lowest, 0);
+                for (double height : b.heights) {
+                    const double v = std::sqrt(2 * kGravity * (exact + bound));
+                    bound = e * e * bound + (1 - e * e) * (v * dt + 2.0 / 330) + kGravity * dt * dt;
+                    exact *= e * e;
+                    EXPECT_NEAR(height, exact, bound) << "e " << e << ", dt " << dt;
+                }
+            }
+}
+
+// With contact distances far below the fall within a step the error is that of the time step alone.
+TEST(Contact, BounceHeightsAreOfFirstOrder) {
+    for (const double e : {0.5, 0.8}) {
+        const auto mean_error = [&](double dt) {
+            double sum = 0;
+            for (int phase = 0; phase < kPhases; ++phase) {
+                const double h = start_height(phase);
+                const Bounces b = bounce(h, e, dt, 1e-5);
+                EXPECT_GE(b.collisions, 3);
+                EXPECT_GT(b.lowest, 0);
+                sum += std::abs(b.heights.at(0) - h * e * e) / kPhases;
+            }
+            return sum;
+        };
+        const double coarse = mean_error(1.0 / 48), fine = mean_error(1.0 / 768);
+        const double order = std::log2(coarse / fine) / 4;
+        std::printf("bounce e = %g: mean error of the first height %.4f m at 1/48 s, %.4f m at 1/768 s, order %.2f\n",
+                    e, coarse, fine, order);
+        EXPECT_GT(order, 0.8);
+    }
+}
+
+constexpr double kSlope = 20 * kPi / 180;
+
+/// A flat block at its rest distance on an incline; the slope falls towards +x.
+World block_on_incline(double friction, double dt) {
+    SceneDescription scene = empty_scene(accurate_friction());
+    scene.settings.time_step = dt;
+    const auto block = add_shape(scene, make_box(1, 1, 0.4), 5);
+    const auto plane = add_shape(scene, make_plate(60, 60));
+    const Quat tilt = rotation_from_vector({0, kSlope, 0});
+    const double rest = std::sqrt(1 + 1 + 0.16) / 330;
+    add_body(scene, block, BodyType::dynamic, rotate(tilt, {-10, 0.13, 0.2 + 1.0001 * rest}), friction, 0).rotation =
+        tilt;
+    add_body(scene, plane, BodyType::fixed, {}, friction, 0).rotation = tilt;
+    return World(scene);
+}
+
+TEST(Contact, BlockSticksJustAboveTheThreshold) {
+    World world = block_on_incline(1.01 * std::tan(kSlope), 1.0 / 24);
+    double fastest = 0;
+    std::int64_t contacts = 1000;
+    for (int n = 0; n < 240; ++n) {
+        const StepReport r = world.step();
+        if (n < 24) continue;
+        contacts = std::min(contacts, r.contacts);
+        fastest = std::max(fastest, length(world.body(0).velocity));
+    }
+    std::printf("incline, stick at 1.01: fastest %.3g m/s after 1 s, at least %lld contacts\n", fastest,
+                static_cast<long long>(contacts));
+    EXPECT_GE(contacts, 3);
+    EXPECT_LT(fastest, 1e-6);
+}
+
+TEST(Contact, BlockSlipsWithTheRightAcceleration) {
+    for (const double share : {0.0, 0.5, 0.9}) {
+        const double friction = share * std::tan(kSlope);
+        World world = block_on_incline(friction, 1.0 / 24);
+        std::int64_t contacts = 1000;
+        for (int n = 0; n < 24; ++n) (void)world.step();
+        const Vec3 before = world.body(0).velocity;
+        for (int n = 0; n < 24; ++n) contacts = std::min(contacts, world.step().contacts);
+        const Vec3 down{std::cos(kSlope), 0, -std::sin(kSlope)};
+        const double a = dot(world.body(0).velocity - before, down);
+        const double exact = kGravity * (std::sin(kSlope) - friction * std::cos(kSlope));
+        std::printf("incline, slip at %.1f: acceleration %.5f, exact %.5f m/s^2 (%.3f %%)\n", share, a, exact,
+                    100 * (a / exact - 1));
+        EXPECT_GE(contacts, 3);
+        EXPECT_NEAR(a / exact, 1, 0.01);
+    }
+}
+
+} // namespace
+} // namespace flotilla::scenario
