@@ -254,11 +254,16 @@ struct Progress {
 template <class P, std::size_t kCount>
 inline void finish_lanes(unsigned done, unsigned missed, unsigned proved, const Advance<P, kCount>& a, P at,
                          int iterations, CcdResult* const* results) {
+    constexpr unsigned kAll = (1u << P::kWidth) - 1;
     const P zero = P::all(0), one = P::all(1);
     const P inv = one / a.length;
-    const auto known = P::lanes(proved);
-    const P rows[4] = {select(known, a.direction.x * inv, zero), select(known, a.direction.y * inv, zero),
-                       select(known, a.direction.z * inv, zero), select(P::lanes(missed), one, at)};
+    P rows[4] = {a.direction.x * inv, a.direction.y * inv, a.direction.z * inv, one};
+    // Nearly always all lanes are certified misses: nothing to mask.
+    if ((missed & proved) != kAll) {
+        const auto known = P::lanes(proved);
+        for (int i = 0; i < 3; ++i) rows[i] = select(known, rows[i], zero);
+        rows[3] = select(P::lanes(missed), one, at);
+    }
     double* out[P::kWidth];
     for (unsigned i = 0; i < static_cast<unsigned>(P::kWidth); ++i) out[i] = &results[i]->direction.x;
     store_transposed(rows, done, out);
@@ -396,9 +401,11 @@ inline void begin_pack(const Lanes<P>& lanes, bool relaxed, double separation, i
 }
 
 /// At most kBlock queries, P::kWidth at a time: one iteration for everybody (that settles nearly all misses), then the survivors
-/// packed together until they are done. A lane's arithmetic never depends on its neighbours.
+/// packed together until they are done. A lane's arithmetic never depends on its neighbours. Flattened: a pack handed to a
+/// function travels through memory (a sixth of the time).
 template <CcdKind kKind, class P>
-inline void run_block(const CcdQuery* queries, int count, double separation, bool relaxed, CcdResult* results) {
+[[gnu::flatten]] inline void run_block(const CcdQuery* queries, int count, double separation, bool relaxed,
+                                       CcdResult* results) {
     Survivors left;
     int first = 0;
     for (; first + P::kWidth <= count; first += P::kWidth)
