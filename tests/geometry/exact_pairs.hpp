@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Random pairs of triangles, class by class: each class aims at one way in which an intersection test goes wrong.
-// The generators use raw bits of mt19937_64 only, so that every machine tests the same pairs.
+// The generators use raw bits of mt19937_64 only, and never draw twice in one unsequenced expression, so that every machine
+// and compiler tests the same pairs. Draws on both sides of an assignment are avoided too: C++17 orders them, but g++ 12
+// evaluates them the other way round under -fsanitize=undefined.
 #pragma once
 
 #include <array>
@@ -25,6 +27,8 @@ class Random {
     explicit Random(std::uint64_t seed) : bits_(seed) {}
     /// 0 .. n-1
     int below(int n) { return static_cast<int>(bits_() % static_cast<std::uint64_t>(n)); }
+    /// The index of a corner.
+    std::size_t corner() { return static_cast<std::size_t>(below(3)); }
     /// [-1, 1)
     double real() { return static_cast<double>(static_cast<std::int64_t>(bits_()) >> 11) * 0x1p-52; }
     Vec3 point() {
@@ -71,7 +75,10 @@ TrianglePair lattice_pair(Random& r) {
 /// Both triangles in one lattice plane in general direction; integer combinations are exact in doubles.
 inline TrianglePair coplanar_pair(Random& r) {
     const Vec3 o = r.lattice(50), u = r.lattice(20), v = r.lattice(20);
-    const auto point = [&] { return o + double(r.below(13) - 6) * u + double(r.below(13) - 6) * v; };
+    const auto point = [&] {
+        const int i = r.below(13) - 6, j = r.below(13) - 6;
+        return o + double(i) * u + double(j) * v;
+    };
     const Corners a = corners(point);
     return {a, corners(point)};
 }
@@ -79,7 +86,8 @@ inline TrianglePair coplanar_pair(Random& r) {
 /// A needle along pq, a millionth to a trillionth as wide as long.
 inline Corners sliver(Random& r, const Vec3& p, const Vec3& q) {
     const double width = std::ldexp(1.0, -20 - r.below(20));
-    return {p, q, p + 0.5 * (r.real() + 1) * (q - p) + width * r.point()};
+    const double share = 0.5 * (r.real() + 1);
+    return {p, q, p + share * (q - p) + width * r.point()};
 }
 
 /// Two needles, half of them laid across each other to within rounding, or a needle and a triangle.
@@ -106,20 +114,27 @@ inline TrianglePair degenerate_pair(Random& r) {
 /// One corner or one edge in common by position; half of them with that corner moved off along a lattice direction.
 inline TrianglePair shared_pair(Random& r) {
     TrianglePair t{corners([&] { return r.point(); }), corners([&] { return r.point(); })};
-    t.b[static_cast<std::size_t>(r.below(3))] = t.a[static_cast<std::size_t>(r.below(3))];
-    if (r.below(2) == 0) t.b[0] = t.a[static_cast<std::size_t>(r.below(3))];
-    if (r.below(2) == 0)
-        for (Vec3& p : t.b) p = p + std::ldexp(1.0, -10 - r.below(40)) * r.lattice(1);
+    const Vec3 shared = t.a[r.corner()];
+    t.b[r.corner()] = shared;
+    if (r.below(2) == 0) t.b[0] = t.a[r.corner()];
+    if (r.below(2) == 0) {
+        for (Vec3& p : t.b) {
+            const double step = std::ldexp(1.0, -10 - r.below(40));
+            p = p + step * r.lattice(1);
+        }
+    }
     return t;
 }
 
-/// A corner of b lies exactly in the plane, on an edge or on a corner of a: even lattice and halves of it.
+/// A corner of b lies exactly in the plane, on an edge or on a corner of a, or, half the time, one lattice step beside that
+/// place.
 inline TrianglePair touching_pair(Random& r) {
     const Corners a = corners([&] { return 8.0 * r.lattice(6); });
     const int i = r.below(9), j = r.below(9 - i);
-    const Vec3 p = 0.125 * (double(i) * a[0] + double(j) * a[1] + double(8 - i - j) * a[2]);
+    Vec3 p = 0.125 * (double(i) * a[0] + double(j) * a[1] + double(8 - i - j) * a[2]);
+    if (r.below(2) == 0) p = p + r.lattice(1);
     Corners b = corners([&] { return 8.0 * r.lattice(6); });
-    b[static_cast<std::size_t>(r.below(3))] = r.below(4) == 0 ? p + r.lattice(1) : p;
+    b[r.corner()] = p;
     return {a, b};
 }
 
