@@ -375,7 +375,10 @@ TEST(MeshReaders, EveryTruncationAndEveryFlippedByteIsReadOrRefusedCleanly) {
         for (std::size_t n = 0; n < content.size(); ++n) attempt(reader, content.substr(0, n));
         for (int i = 0; i < 3000; ++i) {
             std::string s = content;
-            for (std::uint64_t k = 1 + rng() % 3; k > 0; --k) s[rng() % s.size()] = static_cast<char>(rng());
+            for (std::uint64_t k = 1 + rng() % 3; k > 0; --k) {
+                const std::uint64_t place = rng() % s.size();
+                s[place] = static_cast<char>(rng());
+            }
             attempt(reader, s);
         }
     }

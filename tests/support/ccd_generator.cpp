@@ -9,7 +9,8 @@ namespace {
 
 using Corners = std::array<Vec3, 4>;
 
-/// Counter-based generator (splitmix64): its stream is a function of the key alone.
+/// Counter-based generator (splitmix64): its stream is a function of the key alone. Below no unsequenced expression draws
+/// twice, so that every compiler makes the same queries.
 class Random {
   public:
     explicit Random(std::uint64_t key) : state_(key) {}
@@ -26,7 +27,15 @@ class Random {
     int between(int low, int high) { return low + below(high - low + 1); }
     bool chance(double p) { return unit() < p; }
     double magnitude(double low, double high) { return low * std::exp2(unit() * std::log2(high / low)); }
+    double signed_magnitude(double low, double high) {
+        const double m = magnitude(low, high);
+        return symmetric() * m;
+    }
     Vec3 point() { return {symmetric(), symmetric(), symmetric()}; }
+    Vec3 point_of_size(double low, double high) {
+        const double m = magnitude(low, high);
+        return m * point();
+    }
     Vec3 integer_point(int n) {
         return {static_cast<double>(between(-n, n)), static_cast<double>(between(-n, n)),
                 static_cast<double>(between(-n, n))};
@@ -69,6 +78,11 @@ Corners meeting(CcdKind kind, const Vec3& p, const Vec3& q, const Vec3& s, Rando
     return {p, q, s, r.chance(0.25) ? on : on + r.unit() * (on - s)};
 }
 
+Corners meeting(CcdKind kind, Random& r) {
+    const Vec3 p = r.point(), q = r.point(), s = r.point();
+    return meeting(kind, p, q, s, r);
+}
+
 /// The motion with velocities v (per step) that passes through x at time t.
 CcdQuery passing(const Corners& x, const Corners& v, double t) {
     CcdQuery q;
@@ -86,7 +100,10 @@ Corners shifted_first(Corners x, CcdKind kind, const Vec3& d) {
     return x;
 }
 
-double miss_by(Random& r) { return r.chance(0.5) ? 0.0 : r.symmetric() * r.magnitude(1e-16, 1e-1); }
+Vec3 miss_by(Random& r) {
+    const double miss = r.chance(0.5) ? 0.0 : r.signed_magnitude(1e-16, 1e-1);
+    return miss * r.point();
+}
 
 CcdQuery uniform_query(CcdKind, Random& r) {
     CcdQuery q;
@@ -96,16 +113,18 @@ CcdQuery uniform_query(CcdKind, Random& r) {
 }
 
 CcdQuery aimed_query(CcdKind kind, Random& r) {
-    const Corners x = meeting(kind, r.point(), r.point(), r.point(), r);
+    const Corners x = meeting(kind, r);
     const Corners v{r.point(), r.point(), r.point(), r.point()};
-    return passing(shifted_first(x, kind, miss_by(r) * r.point()), v, r.unit());
+    const Corners missing = shifted_first(x, kind, miss_by(r));
+    return passing(missing, v, r.unit());
 }
 
 CcdQuery resting_query(CcdKind kind, Random& r) {
-    const Corners x = meeting(kind, r.point(), r.point(), r.point(), r);
-    const Vec3 common = 10 * r.point(), slow = r.magnitude(1e-6, 1e-2) * r.point();
+    const Corners x = meeting(kind, r);
+    const Vec3 common = 10 * r.point(), slow = r.point_of_size(1e-6, 1e-2);
     const Corners v = shifted_first({common, common, common, common}, kind, slow);
-    return passing(shifted_first(x, kind, r.magnitude(1e-6, 1e-1) * r.point()), v, r.unit());
+    const Corners apart = shifted_first(x, kind, r.point_of_size(1e-6, 1e-1));
+    return passing(apart, v, r.unit());
 }
 
 CcdQuery sliver_query(CcdKind kind, Random& r) {
@@ -113,15 +132,17 @@ CcdQuery sliver_query(CcdKind kind, Random& r) {
     const Vec3 p = r.point(), q = r.point();
     Corners x;
     if (kind == CcdKind::vertex_face) {
-        x = meeting(kind, p, q, mix(p, q, 3 * r.symmetric()) + width * r.point(), r);
+        const Vec3 on_line = mix(p, q, 3 * r.symmetric());
+        x = meeting(kind, p, q, on_line + width * r.point(), r);
     } else {
-        const Vec3 on = mix(p, q, r.share()), along = r.symmetric() * (q - p) + width * r.point();
+        const Vec3 on = mix(p, q, r.share()), parallel = r.symmetric() * (q - p), along = parallel + width * r.point();
         x = {p, q, on - r.share() * along, on + r.share() * along};
     }
     const Vec3 common = r.point();
     const double spread = r.chance(0.5) ? 0 : 1;
     const Corners v{r.point(), common + spread * r.point(), common + spread * r.point(), common + spread * r.point()};
-    return passing(shifted_first(x, kind, miss_by(r) * r.point()), v, r.unit());
+    const Corners missing = shifted_first(x, kind, miss_by(r));
+    return passing(missing, v, r.unit());
 }
 
 /// Coordinates are multiples of 1/8, so that collinear stays collinear.
@@ -190,7 +211,7 @@ CcdQuery parallel_query(CcdKind kind, Random& r) {
 }
 
 CcdQuery one_ulp_query(CcdKind kind, Random& r) {
-    const double height = r.chance(0.5) ? r.symmetric() : r.symmetric() * r.magnitude(1, 1e6);
+    const double height = r.chance(0.5) ? r.symmetric() : r.signed_magnitude(1, 1e6);
     const double start = height + r.magnitude(1e-6, 10), end = next_to(height, r.between(-1, 1));
     const double lift = r.chance(0.5) ? 0 : r.symmetric(); // of the far corner: tilted or level
     CcdQuery q;
@@ -208,7 +229,7 @@ CcdQuery one_ulp_query(CcdKind kind, Random& r) {
 }
 
 CcdQuery grazing_query(CcdKind kind, Random& r) {
-    const double lift = r.chance(0.4) ? 0 : r.symmetric() * r.magnitude(1e-16, 1e-3);
+    const double lift = r.chance(0.4) ? 0 : r.signed_magnitude(1e-16, 1e-3);
     CcdQuery q;
     if (kind == CcdKind::vertex_face) {
         // Signed volume (n t - 1)^2 + lift: the plane of the triangle tilts while the vertex falls.
@@ -243,13 +264,13 @@ CcdQuery contact_at(CcdKind kind, Corners CcdQuery::*contact, Corners CcdQuery::
     CcdQuery q;
     q.*contact = x;
     if (r.chance(0.5)) {
-        q.*other = shifted_first(x, kind, r.magnitude(1e-3, 2) * r.point());
+        q.*other = shifted_first(x, kind, r.point_of_size(1e-3, 2));
     } else {
-        for (std::size_t i = 0; i < 4; ++i) (q.*other)[i] = x[i] + r.magnitude(1e-3, 2) * r.point();
+        for (std::size_t i = 0; i < 4; ++i) (q.*other)[i] = x[i] + r.point_of_size(1e-3, 2);
     }
     if (r.chance(0.3)) {
         // A miss, barely or by rounding: the first feature is moved away by little.
-        const Vec3 d = r.magnitude(1e-17, 1e-2) * r.point();
+        const Vec3 d = r.point_of_size(1e-17, 1e-2);
         for (std::size_t i = 0; i < first_size(kind); ++i) (q.*contact)[i] += d;
     }
     return q;
@@ -257,12 +278,15 @@ CcdQuery contact_at(CcdKind kind, Corners CcdQuery::*contact, Corners CcdQuery::
 
 CcdQuery fast_query(CcdKind kind, Random& r) {
     const double speed = r.magnitude(1e2, 1e8);
-    const Corners x = meeting(kind, r.point(), r.point(), r.point(), r);
+    const Corners x = meeting(kind, r);
     const Vec3 common = speed * r.point();
     Corners v = shifted_first({}, kind, common);
     if (r.chance(0.5))
-        for (Vec3& each : v) each += (r.chance(0.5) ? speed : 1.0) * r.point();
-    const Vec3 miss = r.chance(0.5) ? miss_by(r) * r.point() : 2 * r.point();
+        for (Vec3& each : v) {
+            const double own = r.chance(0.5) ? speed : 1.0;
+            each += own * r.point();
+        }
+    const Vec3 miss = r.chance(0.5) ? miss_by(r) : 2 * r.point();
     return passing(shifted_first(x, kind, miss), v, r.unit());
 }
 
@@ -298,7 +322,8 @@ CcdQuery still_query(CcdKind kind, Random& r) {
     if (r.chance(0.5)) {
         x = lattice_query(kind, r).x0;
     } else {
-        x = shifted_first(meeting(kind, r.point(), r.point(), r.point(), r), kind, miss_by(r) * r.point());
+        x = meeting(kind, r);
+        x = shifted_first(x, kind, miss_by(r));
     }
     return {x, x};
 }
@@ -306,7 +331,8 @@ CcdQuery still_query(CcdKind kind, Random& r) {
 CcdQuery far_away_query(CcdKind kind, Random& r, std::uint64_t index) {
     const auto base = static_cast<QueryClass>(r.below(static_cast<int>(QueryClass::far_away)));
     CcdQuery q = make_query(base, index);
-    const Vec3 offset = r.magnitude(1, 1e6) * (kind == CcdKind::vertex_face ? r.point() : r.integer_point(1));
+    const double distance = r.magnitude(1, 1e6);
+    const Vec3 offset = distance * (kind == CcdKind::vertex_face ? r.point() : r.integer_point(1));
     for (Corners* x : {&q.x0, &q.x1})
         for (Vec3& p : *x) p += offset;
     return q;
