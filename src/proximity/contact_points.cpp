@@ -42,20 +42,6 @@ void walk(const BodyMotion& body, Enter&& enter, Leaf&& leaf) {
     }
 }
 
-/// The point of the body nearest to p, given one of its points.
-Vec3 nearest_point(const BodyMotion& body, const Vec3& p, const Vec3& known) {
-    Vec3 best = known;
-    double best_sq = length_sq(known - p);
-    walk(
-        body, [&](const Box& box) { return box_distance_sq(box, p) < best_sq; },
-        [&](std::int32_t t) {
-            const auto f = corners(body, t);
-            const auto c = closest_vertex_triangle(p, f[0], f[1], f[2]);
-            if (c.distance_sq < best_sq) best = c.point, best_sq = c.distance_sq;
-        });
-    return best;
-}
-
 bool crosses(const BodyMotion& body, const Vec3& p, const Vec3& q) {
     const Box ray{min(p, q), max(p, q)};
     bool found = false;
@@ -69,10 +55,24 @@ bool crosses(const BodyMotion& body, const Vec3& p, const Vec3& q) {
     return found;
 }
 
-/// Whether p, on `body`, is what the body shows towards q: its point nearest to q lies within theta of p as seen from q.
+/// Whether p, on `body`, is the nearest point to q of the body around it: no triangle that reaches within |pq| tan(theta) of p
+/// comes nearer to q than p in a direction more than theta away.
 bool faces(const BodyMotion& body, const Vec3& p, const Vec3& q, double angle_cos) {
-    const Vec3 to_p = p - q, to_nearest = nearest_point(body, q, p) - q;
-    return dot(to_p, to_nearest) >= angle_cos * length(to_p) * length(to_nearest);
+    const Vec3 to_p = p - q;
+    const double distance_sq = length_sq(to_p);
+    const double reach_sq = distance_sq * (1 - angle_cos * angle_cos) / (angle_cos * angle_cos);
+    bool nearest = true;
+    walk(
+        body, [&](const Box& box) { return nearest && box_distance_sq(box, p) <= reach_sq; },
+        [&](std::int32_t t) {
+            const auto f = corners(body, t);
+            if (closest_vertex_triangle(p, f[0], f[1], f[2]).distance_sq > reach_sq) return;
+            const auto c = closest_vertex_triangle(q, f[0], f[1], f[2]);
+            if (!(c.distance_sq < distance_sq)) return;
+            const Vec3 to_c = c.point - q;
+            nearest = nearest && dot(to_p, to_c) >= angle_cos * std::sqrt(distance_sq * c.distance_sq);
+        });
+    return nearest;
 }
 
 class Finder {
@@ -87,7 +87,7 @@ class Finder {
                                            for (std::int32_t i : ta)
                                                for (std::int32_t j : tb) add_triangles(i, j);
                                        });
-        sort_and_keep_nearest_faces();
+        sort_and_keep_distinct_faces();
         for (const ProximityPoint& p : scratch_.found)
             if (keep(p)) out.push_back(p);
         return result_;
@@ -134,8 +134,8 @@ class Finder {
         if (normal != Vec3{}) scratch_.found.push_back({f, p.a, p.b, normal, distance});
     }
 
-    /// Of the faces near one vertex the nearest stays (the lowest number, at equal distance).
-    void sort_and_keep_nearest_faces() {
+    /// Of the faces near one vertex in one direction, to within theta, the nearest stays (the lowest number, at equal distance).
+    void sort_and_keep_distinct_faces() {
         const auto vertex = [](const ProximityPoint& p) {
             return p.features.kind == FeatureKind::vertex_face ? p.features.a : p.features.b;
         };
@@ -148,12 +148,14 @@ class Finder {
             }
             return feature_key(p.features) < feature_key(q.features);
         });
-        const auto repeats = [&](const ProximityPoint& p, const ProximityPoint& q) {
-            return p.features.kind != FeatureKind::edge_edge && p.features.kind == q.features.kind &&
-                   vertex(p) == vertex(q);
-        };
-        const auto end = std::unique(found.begin(), found.end(), repeats);
-        scratch_.counters.not_nearest += found.end() - end;
+        auto end = found.begin();   // of those kept
+        auto first = found.begin(); // kept, of the same vertex
+        for (const ProximityPoint& p : found) {
+            if (first != end && (first->features.kind != p.features.kind || vertex(*first) != vertex(p))) first = end;
+            const auto repeats = [&](const ProximityPoint& kept) { return dot(kept.normal, p.normal) >= angle_cos_; };
+            if (p.features.kind == FeatureKind::edge_edge || std::none_of(first, end, repeats)) *end++ = p;
+        }
+        scratch_.counters.same_direction += found.end() - end;
         found.erase(end, found.end());
         std::sort(found.begin(), found.end(), [](const ProximityPoint& p, const ProximityPoint& q) {
             return feature_key(p.features) < feature_key(q.features);
@@ -161,9 +163,7 @@ class Finder {
     }
 
     bool keep(const ProximityPoint& p) {
-        const FeatureKind kind = p.features.kind;
-        const bool admissible = (kind == FeatureKind::face_vertex || faces(a_, p.a, p.b, angle_cos_)) &&
-                                (kind == FeatureKind::vertex_face || faces(b_, p.b, p.a, angle_cos_));
+        const bool admissible = faces(a_, p.a, p.b, angle_cos_) && faces(b_, p.b, p.a, angle_cos_);
         if (!admissible) {
             ++scratch_.counters.angle;
             return false;

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Contact points of two bodies at rest: feature pairs nearer than d_proximity, pruned (paper, section 4.3.1).
 //
-// A vertex-face proximity is kept for the face nearest to the vertex only. Its foot point is projected back onto the vertex's
-// body; if the nearest point there is seen at more than theta from the vertex, the vertex is not what touches (figure 11).
-// Edge-edge proximities are tried in the same way from both sides; those whose closest point is an end of an edge repeat a
-// vertex-face proximity and are left out. Last, a ray between the points must not cross either body.
+// A proximity is kept if each of its two points is, seen from the other to within theta, the nearest of its own body nearby:
+// otherwise it is not what touches there (figure 11). Of several faces near a vertex in one direction the nearest counts.
+// Edge-edge proximities whose closest point is an end of an edge repeat a vertex-face proximity and are left out. Last, a ray
+// between the points must not cross either body.
+//
+// Deviation: section 4.3.1 compares with the nearest point of the WHOLE body and keeps one face per vertex. Where a body lies in a
+// groove or corner of another, both walls are at the rest distance and only one of them would be a contact. The other is then
+// held by dynamic contact alone: the body neither falls nor comes to rest, with a velocity near |g| dt/2 for ever.
 #pragma once
 
 #include <vector>
@@ -22,7 +26,7 @@ struct ProximityPoint {
 
 struct PruneCounters {
     std::int64_t proximities = 0; ///< feature pairs within d_proximity
-    std::int64_t not_nearest = 0, angle = 0, occluded = 0, end_points = 0;
+    std::int64_t same_direction = 0, angle = 0, occluded = 0, end_points = 0;
 };
 
 /// Buffers of a proximity query; one per thread, reused.

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "proximity/contact_points.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/rotation.hpp"
+#include "mesh/primitives.hpp"
+#include "scene/scene.hpp"
+#include "state/build_model.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr double kProximity = 0.02; // m
+const double kAngleCos = std::cos(3 * std::numbers::pi / 180);
+
+struct Placed {
+    TriangleMesh mesh;
+    Vec3 position;
+    Quat rotation{};
+};
+
+std::vector<ProximityPoint> contact_points(const Placed& a, const Placed& b) {
+    SceneDescription scene;
+    for (const Placed* p : {&a, &b}) {
+        ShapeDescription shape;
+        shape.name = std::to_string(scene.shapes.size());
+        shape.vertices = p->mesh.vertices;
+        shape.triangles = p->mesh.triangles;
+        shape.mass_kind = MassKind::mass;
+        shape.mass_value = 1;
+        BodyDescription body;
+        body.name = shape.name;
+        body.shape = static_cast<std::int32_t>(scene.shapes.size());
+        body.position = p->position;
+        body.rotation = p->rotation;
+        scene.shapes.push_back(shape);
+        scene.bodies.push_back(body);
+    }
+    const Scene checked = build_scene(scene);
+    const Model model = make_model(checked);
+    const State state = initial_state(checked, model);
+    Trajectories trajectories;
+    trajectories.start(model, state.pose);
+    ProximityScratch scratch;
+    std::vector<ProximityPoint> points;
+    (void)find_contact_points(trajectories.at_start(0), trajectories.at_start(1), kProximity, kAngleCos, scratch,
+                              points);
+    for (const ProximityPoint& p : points) {
+        EXPECT_NEAR(p.distance, length(p.b - p.a), 1e-15);
+        EXPECT_NEAR(length(p.normal - normalized(p.b - p.a)), 0, 1e-12);
+        EXPECT_LT(p.distance, kProximity);
+    }
+    return points;
+}
+
+int count_along(const std::vector<ProximityPoint>& points, const Vec3& direction) {
+    int n = 0;
+    for (const ProximityPoint& p : points) n += dot(p.normal, direction) > kAngleCos ? 1 : 0;
+    return n;
+}
+
+TEST(ContactPoints, ABoxOnTheGroundHasItsCorners) {
+    const auto points = contact_points({make_box(1, 1, 1), {2, -2, 0.51}}, {make_plate(10, 10), {}});
+    ASSERT_EQ(points.size(), 4u);
+    EXPECT_EQ(count_along(points, {0, 0, -1}), 4);
+    for (const ProximityPoint& p : points) EXPECT_NEAR(p.distance, 0.01, 1e-12);
+}
+
+TEST(ContactPoints, ASlidingBoxDoesNotCatchOnSideFaces) {
+    // Figure 11: the lower corner of the upper box hangs over, 5 mm from the side of the lower box and 10 mm above its top.
+    const auto points = contact_points({make_box(1, 1, 1), {0.005, 0.1, 1.01}}, {make_box(1, 1, 1), {}});
+    EXPECT_GE(points.size(), 4u);
+    EXPECT_EQ(count_along(points, {0, 0, -1}), static_cast<int>(points.size()));
+}
+
+/// Two plates that meet at a right angle, open upwards; along y.
+TriangleMesh groove() {
+    return {{{0, -1, 0}, {0, 1, 0}, {-1, -1, 1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, 1}},
+            {{0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1}}};
+}
+
+TEST(ContactPoints, AVertexInAGrooveHasBothWalls) {
+    // A corner 8 mm from one wall and 9 mm from the other.
+    const Vec3 left = normalized(Vec3{1, 0, 1}), right = normalized(Vec3{-1, 0, 1});
+    const TriangleMesh spike{{{0, 0, 0}, {0.1, 0.1, 1}, {-0.1, 0.1, 1}, {0, -0.1, 1}},
+                             {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}};
+    const Vec3 place = 0.008 * left + 0.009 * right + Vec3{0, 0.3, 0};
+    for (const bool first : {true, false}) {
+        const auto points =
+            first ? contact_points({spike, place}, {groove(), {}}) : contact_points({groove(), {}}, {spike, place});
+        ASSERT_EQ(points.size(), 2u);
+        const double sign = first ? -1 : 1;
+        EXPECT_EQ(count_along(points, sign * left), 1);
+        EXPECT_EQ(count_along(points, sign * right), 1);
+    }
+}
+
+TEST(ContactPoints, AnEdgeInANotchHasBothSides) {
+    // The blade's lower edge crosses the two edges of a notch in a plate, 8 mm from the one and 9 mm from the other.
+    const Vec3 left = normalized(Vec3{1, 0, 1}), right = normalized(Vec3{-1, 0, 1});
+    const TriangleMesh notch{{{0, 0, 0}, {-1, 0, 1}, {1, 0, 1}, {-1, 0, -1}, {1, 0, -1}},
+                             {{0, 1, 3}, {0, 3, 4}, {0, 4, 2}}};
+    const TriangleMesh blade{{{0, -1, 0}, {0, 1, 0}, {0, -1, 0.5}, {0, 1, 0.5}}, {{0, 1, 3}, {0, 3, 2}}};
+    const auto points = contact_points({blade, 0.008 * left + 0.009 * right}, {notch, {}});
+    EXPECT_EQ(count_along(points, -1.0 * left), 1);
+    EXPECT_EQ(count_along(points, -1.0 * right), 1);
+    EXPECT_EQ(points.size(), 2u);
+}
+
+} // namespace
+} // namespace flotilla
