@@ -80,7 +80,7 @@ struct State {
     std::vector<Motion> motion;
     std::vector<double> script_delay;         ///< s by which a body's script clock lags behind the time
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
-    std::vector<WarmImpulse> warm_impulses;   ///< sorted by (a, b, feature_key)
+    std::vector<WarmImpulse> warm_impulses;   ///< sorted by (a, b, feature pair without a face, feature_key)
 };
 
 /// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its movable

@@ -48,7 +48,7 @@ void copy_level(std::span<const std::int32_t> level_blocks, ContactScratch& s) {
 }
 
 // Returns the number of visits.
-std::int64_t solve_level(const ContactSolveOptions& options, ContactScratch& s) {
+std::int64_t solve_level(const ContactSolveOptions& options, double tolerance, ContactScratch& s) {
     s.shock_packed.clear();
     pack(s.shock_blocks, s.shock_rows, s.shock_packed);
     const SweepView view{.packets = s.shock_packed.packets.data(),
@@ -56,7 +56,7 @@ std::int64_t solve_level(const ContactSolveOptions& options, ContactScratch& s) 
                          .rows = s.shock_packed.rows.data(),
                          .bodies = s.velocity.data()};
     int sweeps = 0;
-    while (sweeps++ < options.shock_iterations && sweep(Cone::frozen, view, options.isa) > options.tolerance) continue;
+    while (sweeps++ < options.shock_iterations && sweep(Cone::frozen, view, options.isa) > tolerance) continue;
     sweeps = std::min(sweeps, options.shock_iterations);
     return static_cast<std::int64_t>(sweeps) * static_cast<std::int64_t>(s.shock_rows.size());
 }
@@ -108,8 +108,8 @@ std::int32_t block_level(const ContactBlock& block, const ContactScratch& s) {
     return std::max(s.level[index(block.a)], s.level[index(block.b)]);
 }
 
-// Fills level_order with the island's blocks by level; inside a level they stay in colour order.
-void order_by_level(const ContactScratch::Island& island, ContactScratch& s) {
+// Fills level_order with the island's blocks by level; inside a level they stay in colour order. Returns the number of levels.
+std::int32_t order_by_level(const ContactScratch::Island& island, ContactScratch& s) {
     s.level_order.resize(index(island.end - island.first));
     std::iota(s.level_order.begin(), s.level_order.end(), island.first);
     s.level_of_block.resize(s.blocks.size());
@@ -119,15 +119,17 @@ void order_by_level(const ContactScratch::Island& island, ContactScratch& s) {
         top = std::max(top, s.level_of_block[index(k)]);
     }
     stable_sort_by_key(s.level_of_block, top + 1, s.level_order, s.counts, s.sorted);
+    return top + 1;
 }
 
 void run_levels(ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
-    order_by_level(island, s);
+    // Bodies move with what is left in the levels below them: the sum may reach the tolerance, not each term.
+    const double tolerance = options.tolerance / order_by_level(island, s);
     for (std::size_t first = 0, end = 0; first < s.level_order.size(); first = end) {
         const std::int32_t level = s.level_of_block[index(s.level_order[first])];
         while (end < s.level_order.size() && s.level_of_block[index(s.level_order[end])] == level) ++end;
         copy_level(std::span(s.level_order).subspan(first, end - first), s);
-        island.visits += solve_level(options, s);
+        island.visits += solve_level(options, tolerance, s);
     }
 }
 

@@ -36,7 +36,8 @@ struct ContactSolveOptions {
     double tolerance = 1e-6; ///< m/s, L-infinity violation at which an island stops
     bool warm_start = true;  ///< start from the impulses handed in
     bool shock = true;       ///< propagate a shock where the limit was reached
-    /// Sweeps per level of the shock pass. Every contact belongs to one level, so the pass costs at most as much as this
+    /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
+    /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
     int shock_iterations = 100;
     /// random: the paper's pyramid with keyed tangents. aligned: first tangent along the slip at the start, friction
@@ -58,7 +59,7 @@ struct ContactSolveStats {
 /// Memory of the solver, owned by the caller and reused, so that a steady scene allocates nothing. What a test or a
 /// report may look at afterwards is `shocked`; the rest is between one call's functions.
 struct ContactScratch {
-    std::vector<std::uint8_t> shocked; ///< per body id: a shock pass touched it; its warm impulses must be dropped
+    std::vector<std::uint8_t> shocked; ///< per body id: its velocity comes from a shock pass
 
     struct Island {
         std::int32_t first = 0, end = 0; ///< blocks

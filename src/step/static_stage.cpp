@@ -25,26 +25,52 @@ void append_pair(StepData& data, const CandidatePair& pair, ContactSet& out) {
     }
 }
 
-auto warm_key(const WarmImpulse& w) { return std::tuple(w.a, w.b, w.feature_key); }
-auto contact_key(const Contact& c) { return std::tuple(c.a, c.b, c.feature_key); }
-
-void load_warm(const std::vector<Contact>& contacts, const std::vector<WarmImpulse>& warm, double factor,
-               std::vector<Vec3>& impulses) {
-    impulses.assign(contacts.size(), {});
-    std::size_t k = 0;
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-        while (k < warm.size() && warm_key(warm[k]) < contact_key(contacts[i])) ++k;
-        if (k < warm.size() && warm_key(warm[k]) == contact_key(contacts[i])) impulses[i] = factor * warm[k].impulse;
+/// A feature pair without its face. The face nearest to a vertex changes as the vertex slides, and between faces of equal distance
+/// by rounding; what presses on the vertex stays.
+std::uint64_t without_face(std::uint64_t feature_key) {
+    constexpr std::uint64_t kIndex = (std::uint64_t{1} << 31) - 1;
+    switch (static_cast<FeatureKind>(feature_key >> 62)) {
+    case FeatureKind::vertex_face: return feature_key & ~kIndex;
+    case FeatureKind::face_vertex: return feature_key & ~(kIndex << 31);
+    case FeatureKind::edge_edge: break;
     }
+    return feature_key;
 }
 
+/// Of a Contact or a WarmImpulse.
+template <class Item>
+auto group_key(const Item& x) {
+    return std::tuple(x.a, x.b, without_face(x.feature_key));
+}
+constexpr auto kByGroup = [](const auto& x, const auto& y) { return group_key(x) < group_key(y); };
+
+/// The impulse of the same feature pair; failing that, the only one of the same vertex.
+const WarmImpulse* find_warm(std::span<const WarmImpulse> warm, const Contact& contact) {
+    const auto first = std::lower_bound(warm.begin(), warm.end(), contact, kByGroup);
+    auto w = first;
+    for (; w != warm.end() && group_key(*w) == group_key(contact); ++w)
+        if (w->feature_key == contact.feature_key) return &*w;
+    return w - first == 1 ? &*first : nullptr;
+}
+
+void load_warm(const std::vector<Contact>& contacts, std::span<const WarmImpulse> warm, double factor,
+               std::vector<Vec3>& impulses) {
+    impulses.assign(contacts.size(), {});
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+        if (const WarmImpulse* w = find_warm(warm, contacts[i])) impulses[i] = factor * w->impulse;
+}
+
+/// Also where a shock pass went over the velocities: these are still the impulses of projected Gauss-Seidel, and with them the
+/// next solve goes on where this one had to stop.
 void store_warm(const StaticStageScratch& scratch, std::vector<WarmImpulse>& warm) {
     warm.clear();
     for (std::size_t i = 0; i < scratch.selected.size(); ++i) {
         const Contact& c = scratch.selected[i];
-        if (scratch.solver.shocked[at(c.a)] != 0 || scratch.solver.shocked[at(c.b)] != 0) continue;
         if (scratch.impulses[i] != Vec3{}) warm.push_back({c.a, c.b, c.feature_key, scratch.impulses[i]});
     }
+    std::sort(warm.begin(), warm.end(), [](const WarmImpulse& x, const WarmImpulse& y) {
+        return std::tuple(group_key(x), x.feature_key) < std::tuple(group_key(y), y.feature_key);
+    });
 }
 
 } // namespace

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Bodies that lie on others come to rest, sleeping off.
+#include "step/scenario.hpp"
+
+namespace flotilla::scenario {
+namespace {
+
+struct Rest {
+    double drift = 0;             ///< m, farthest from the place at the start of the last second
+    double from_start = 0;        ///< m, farthest from the first place, at the end
+    double fastest = 0;           ///< m/s in the last second
+    std::int64_t contacts = 1e15; ///< fewest of a step
+    std::int64_t hits = 0;        ///< collisions of the last second
+};
+
+/// 10 s.
+Rest watch(const SceneDescription& scene) {
+    constexpr int kSteps = 240, kLast = 24;
+    World world(scene);
+    std::vector<Vec3> first, place;
+    for (std::size_t i = 0; i < world.size(); ++i) first.push_back(world.body(i).center_of_mass);
+    Rest rest;
+    for (int n = 0; n < kSteps; ++n) {
+        if (n == kSteps - kLast)
+            for (std::size_t i = 0; i < world.size(); ++i) place.push_back(world.body(i).center_of_mass);
+        const StepReport r = world.step();
+        EXPECT_EQ(r.merges + r.rung_changes, 0) << "step " << r.step;
+        rest.contacts = std::min(rest.contacts, r.contacts);
+        if (n < kSteps - kLast) continue;
+        rest.hits += r.collisions;
+        for (std::size_t i = 0; i < world.size(); ++i) {
+            rest.drift = std::max(rest.drift, length(world.body(i).center_of_mass - place[i]));
+            rest.fastest = std::max(rest.fastest, length(world.body(i).velocity));
+        }
+    }
+    for (std::size_t i = 0; i < world.size(); ++i)
+        rest.from_start = std::max(rest.from_start, length(world.body(i).center_of_mass - first[i]));
+    EXPECT_EQ(count_intersections(scene, world), 0);
+    std::printf("drift %.3g m and fastest %.3g m/s in the last second, %.3g m from the start, at least %lld contacts\n",
+                rest.drift, rest.fastest, rest.from_start, static_cast<long long>(rest.contacts));
+    return rest;
+}
+
+SceneDescription stack_of_twenty(double tolerance) {
+    SceneDescription scene = make_scene("stack", 21);
+    scene.settings.sleeping = false;
+    scene.settings.static_tolerance = tolerance;
+    return scene;
+}
+
+// What is left of the approach at a contact moves all blocks above it: the top is as fast as tens of tolerances.
+TEST(Rest, AStackOfTwentyBlocksStandsStill) {
+    for (const double tolerance : {Settings{}.static_tolerance, 2e-5}) {
+        std::printf("stack of 20, tolerance %g m/s: ", tolerance);
+        const Rest rest = watch(stack_of_twenty(tolerance));
+        EXPECT_GE(rest.contacts, 4 * 20);
+        EXPECT_LT(rest.fastest, 100 * tolerance);
+        constexpr double kSecond = 1;
+        EXPECT_LT(rest.drift, 10 * tolerance * kSecond);
+        EXPECT_LT(rest.from_start, 20 * tolerance * kSecond);
+    }
+}
+
+/// A thin roof with a right angle hangs over the upper edge of a fixed blade. Every contact is a corner of the blade between two
+/// walls at the same distance; with one of them only, the roof slides down the other until dynamic contact stops it, every step.
+SceneDescription roof_on_blade() {
+    SceneDescription scene = empty_scene();
+    const auto roof = add_shape(
+        scene,
+        {{{0, -0.5, 0}, {0, 0.5, 0}, {-0.5, -0.5, -0.5}, {-0.5, 0.5, -0.5}, {0.5, -0.5, -0.5}, {0.5, 0.5, -0.5}},
+         {{0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1}}},
+        14);
+    const auto blade =
+        add_shape(scene, {{{0, -0.3, 0}, {0, 0.3, 0}, {0, -0.3, -2}, {0, 0.3, -2}}, {{0, 1, 3}, {0, 3, 2}}});
+    add_body(scene, roof, BodyType::dynamic, {0.001, 0.013, 0.0072});
+    add_body(scene, blade, BodyType::fixed, {});
+    return scene;
+}
+
+TEST(Rest, ARoofHangsStillOnABlade) {
+    const Rest rest = watch(roof_on_blade());
+    EXPECT_GE(rest.contacts, 2);
+    EXPECT_EQ(rest.hits, 0);
+    EXPECT_LT(rest.fastest, 1e-3);
+    EXPECT_LT(rest.drift, 5e-4);
+    EXPECT_LT(rest.from_start, 0.01);
+}
+
+} // namespace
+} // namespace flotilla::scenario
