@@ -22,7 +22,7 @@ MODULES = {
     "state": ["scene"],
     "broadphase": ["state"],
     "ccd": ["state"],
-    "proximity": ["state", "ccd/feature_candidates"],
+    "proximity": ["state", "ccd/feature_candidates", "ccd/candidate_list", "ccd/leaf_features"],
     "islands": ["state"],
     "response": ["state"],
     "pair": ["ccd", "proximity", "response"],

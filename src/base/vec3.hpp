@@ -70,6 +70,11 @@ constexpr Mat3 operator+(const Mat3& a, const Mat3& b) {
     for (std::size_t i = 0; i < 9; ++i) c.m[i] = a.m[i] + b.m[i];
     return c;
 }
+constexpr Mat3 operator-(const Mat3& a, const Mat3& b) {
+    Mat3 c;
+    for (std::size_t i = 0; i < 9; ++i) c.m[i] = a.m[i] - b.m[i];
+    return c;
+}
 constexpr Mat3 operator*(double s, const Mat3& a) {
     Mat3 c;
     for (std::size_t i = 0; i < 9; ++i) c.m[i] = s * a.m[i];

@@ -65,8 +65,8 @@ CcdQuery ccd_query(const BodyMotion& a, const BodyMotion& b, const FeaturePair& 
     CcdQuery q;
     for (std::size_t i = 0; i < 4; ++i) {
         const BodyMotion& body = static_cast<int>(i) < c.split ? *c.first : *c.second;
-        q.x0[i] = body.x0[at(c.v[i])];
-        q.x1[i] = body.x1[at(c.v[i])];
+        q.x0[i] = body.at0.x[at(c.v[i])];
+        q.x1[i] = body.at1.x[at(c.v[i])];
     }
     return q;
 }

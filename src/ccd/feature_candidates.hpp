@@ -44,18 +44,23 @@ struct FeaturePoints {
 };
 [[nodiscard]] FeaturePoints closest_points(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f, double t);
 
-/// Box of a vertex, triangle or edge at one time.
-[[nodiscard]] inline Box vertex_box(std::span<const Vec3> x, std::int32_t v) {
-    const Vec3& p = x[static_cast<std::size_t>(v)];
-    return {p, p};
+/// Coarse boxes of a vertex, an edge and a triangle along the motion.
+[[nodiscard]] inline MovingCoarseBox coarse_vertex(const BodyMotion& body, std::int32_t v) {
+    const auto i = static_cast<std::size_t>(v);
+    return {body.at0.points[i], body.at1.points[i]};
 }
-[[nodiscard]] inline Box edge_box(std::span<const Vec3> x, const Edge& e) {
-    const Vec3 &p = x[static_cast<std::size_t>(e[0])], &q = x[static_cast<std::size_t>(e[1])];
-    return {min(p, q), max(p, q)};
+[[nodiscard]] inline MovingCoarseBox coarse_edge(const BodyMotion& body, const Edge& e) {
+    const MovingCoarseBox p = coarse_vertex(body, e[0]), q = coarse_vertex(body, e[1]);
+    return {merged(p.at0, q.at0), merged(p.at1, q.at1)};
 }
-[[nodiscard]] inline Box triangle_box(std::span<const Vec3> x, const Triangle& t) {
-    return box_of(x[static_cast<std::size_t>(t[0])], x[static_cast<std::size_t>(t[1])],
-                  x[static_cast<std::size_t>(t[2])]);
+[[nodiscard]] inline MovingCoarseBox coarse_triangle(const BodyMotion& body, const Triangle& t) {
+    const MovingCoarseBox e = coarse_edge(body, {t[0], t[1]}), p = coarse_vertex(body, t[2]);
+    return {merged(e.at0, p.at0), merged(e.at1, p.at1)};
+}
+/// Of a node of the body's hierarchy.
+[[nodiscard]] inline MovingCoarseBox coarse_node(const BodyMotion& body, std::int32_t node) {
+    const auto i = static_cast<std::size_t>(node);
+    return {body.at0.nodes[i], body.at1.nodes[i]};
 }
 
 } // namespace flotilla

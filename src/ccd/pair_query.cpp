@@ -1,35 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "ccd/pair_query.hpp"
 
+#include "ccd/leaf_features.hpp"
+
 namespace flotilla {
 namespace {
 
-constexpr std::size_t kBatch = 32;        // queries between two looks at the earliest hit so far
-constexpr double kBoxMargin = 1 + 0x1p-6; // boxes are tried with a little more than the separation
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-/// A triangle of one body with the boxes of its features at both times.
-struct TriangleFeatures {
-    std::uint8_t owned;
-    Triangle corners;
-    std::array<std::int32_t, 3> edges;
-    Box box0, box1;
-    std::array<Box, 3> edge0, edge1;
-
-    TriangleFeatures(const BodyMotion& body, std::int32_t t)
-        : owned(body.shape->topology.owned[at(t)]),
-          corners(body.shape->mesh.triangles[at(t)]),
-          edges(body.shape->topology.triangle_edges[at(t)]) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Edge e{corners[k], corners[(k + 1) % 3]};
-            edge0[k] = edge_box(body.x0, e);
-            edge1[k] = edge_box(body.x1, e);
-        }
-        box0 = merged(edge0[0], edge0[1]);
-        box1 = merged(edge1[0], edge1[1]);
-    }
-};
+constexpr std::size_t kBatch = 32; // queries between two looks at the earliest hit so far
+// A feature pair counts where its own coarse boxes come within kFeatureMargin times the separation. Boxes around features are
+// tried with more, far beyond rounding: so a feature pair that counts is never lost on the way to it, whatever the way.
+constexpr double kFeatureMargin = 1 + 0x1p-6;
+constexpr double kNodeMargin = 1 + 0x1p-5;
+constexpr double kNodeRoom = 0x1p-19; // of the largest coordinate
+constexpr float kNodeTimeSlack = 0x1p-19f;
 
 } // namespace
 
@@ -39,58 +22,72 @@ class EarliestHit {
         : a_(a),
           b_(b),
           separation_(separation),
-          inflation_(separation * kBoxMargin,
-                     std::max(bvh_detail::max_abs_coordinate(a.view()), bvh_detail::max_abs_coordinate(b.view()))),
+          feature_reach_(separation * kFeatureMargin, std::max(a.max_abs(), b.max_abs())),
+          node_reach_(swept_reach(separation, a, b), std::max(a.max_abs(), b.max_abs())),
           scratch_(scratch) {}
 
-    PairHit run() {
+    PairHit run(const CandidateList* list) {
         ++scratch_.counters.pair_queries;
-        for_each_leaf_pair_until(a_.view(), b_.view(), inflation_.value(), 1.0,
-                                 [&](std::span<const std::int32_t> ta, std::span<const std::int32_t> tb, double) {
-                                     for (std::int32_t i : ta)
-                                         for (std::int32_t j : tb) add_triangles(i, j);
-                                     return best_.toi;
-                                 });
+        if (list != nullptr)
+            scan(*list);
+        else
+            traverse();
         flush(CcdKind::vertex_face);
         flush(CcdKind::edge_edge);
         return best_;
     }
 
   private:
-    void add_triangles(std::int32_t i, std::int32_t j) {
-        const TriangleFeatures a(a_, i), b(b_, j);
-        double entry = 0;
-        ++scratch_.counters.box_tests;
-        if (!moving_boxes_overlap(a.box0, a.box1, b.box0, b.box1, inflation_, entry, best_.toi)) return;
-        for (int k = 0; k < 3; ++k) {
-            const auto v = a.corners[static_cast<std::size_t>(k)], w = b.corners[static_cast<std::size_t>(k)];
-            if (owns_corner(a.owned, k))
-                add({FeatureKind::vertex_face, v, j}, vertex_box(a_.x0, v), vertex_box(a_.x1, v), b.box0, b.box1);
-            if (owns_corner(b.owned, k))
-                add({FeatureKind::face_vertex, i, w}, a.box0, a.box1, vertex_box(b_.x0, w), vertex_box(b_.x1, w));
-        }
-        for (int k = 0; k < 3; ++k) {
-            if (!owns_edge(a.owned, k)) continue;
-            const auto ek = static_cast<std::size_t>(k);
-            for (int l = 0; l < 3; ++l) {
-                const auto el = static_cast<std::size_t>(l);
-                if (owns_edge(b.owned, l))
-                    add({FeatureKind::edge_edge, a.edges[ek], b.edges[el]}, a.edge0[ek], a.edge1[ek], b.edge0[el],
-                        b.edge1[el]);
-            }
-        }
+    void scan(const CandidateList& list) {
+        scratch_.counters.box_tests += static_cast<std::int64_t>(list.size());
+        list.find_swept(a_, b_, node_reach_, scratch_.features_);
+        for (const FeaturePair& f : scratch_.features_) add(f);
     }
 
-    void add(const FeaturePair& f, const Box& a0, const Box& a1, const Box& b0, const Box& b1) {
-        double entry = 0;
-        ++scratch_.counters.box_tests;
-        if (!moving_boxes_overlap(a0, a1, b0, b1, inflation_, entry, best_.toi)) return;
+    void traverse() {
+        float entry = 0;
+        const auto meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
+            return coarse_overlap(p, q, node_reach_, node_reach_, entry, static_cast<float>(best_.toi) + kNodeTimeSlack,
+                                  kNodeTimeSlack);
+        };
+        bvh_detail::traverse(
+            a_.shape->bvh, b_.shape->bvh, a_.at1.nodes, b_.at1.nodes,
+            [&](std::int32_t i, std::int32_t j, double& entry_time) {
+                const bool live = meet(coarse_node(a_, i), coarse_node(b_, j));
+                entry_time = entry;
+                return live;
+            },
+            [&](double entry_time) { return !(entry_time > best_.toi + double{kNodeTimeSlack}); },
+            [&](std::int32_t i, std::int32_t j, double) {
+                for_each_leaf_feature_pair(a_, b_, i, j, meet, [&](const FeaturePair& f) { add(f); });
+            });
+    }
+
+    /// Takes a feature pair whose moving boxes meet, with the time from which on they do.
+    void add(const FeaturePair& f) {
+        float entry = 0;
+        if (!meet(f, entry)) return;
         const CcdKind kind = ccd_kind(f.kind);
         auto& batch = scratch_.batch_[static_cast<std::size_t>(kind)];
         batch.queries.push_back(ccd_query(a_, b_, f));
         batch.features.push_back(f);
         batch.entry.push_back(entry);
         if (batch.queries.size() == kBatch) flush(kind);
+    }
+
+    [[nodiscard]] bool meet(const FeaturePair& f, float& entry) const {
+        const auto overlap = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
+            return coarse_overlap(p, q, feature_reach_, feature_reach_, entry, static_cast<float>(best_.toi));
+        };
+        const Topology &ta = a_.shape->topology, &tb = b_.shape->topology;
+        const auto i = static_cast<std::size_t>(f.a), j = static_cast<std::size_t>(f.b);
+        switch (f.kind) {
+        case FeatureKind::vertex_face:
+            return overlap(coarse_vertex(a_, f.a), coarse_triangle(b_, b_.shape->mesh.triangles[j]));
+        case FeatureKind::face_vertex:
+            return overlap(coarse_triangle(a_, a_.shape->mesh.triangles[i]), coarse_vertex(b_, f.b));
+        default: return overlap(coarse_edge(a_, ta.edges[i]), coarse_edge(b_, tb.edges[j]));
+        }
     }
 
     void flush(CcdKind kind) {
@@ -114,14 +111,19 @@ class EarliestHit {
 
     const BodyMotion &a_, &b_;
     double separation_;
-    OutwardInflation inflation_;
+    CoarseReach feature_reach_, node_reach_;
     CcdScratch& scratch_;
     Isa isa_ = best_isa();
     PairHit best_;
 };
 
-PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, double separation, CcdScratch& scratch) {
-    PairHit best = EarliestHit(a, b, separation, scratch).run();
+double swept_reach(double separation, const BodyMotion& a, const BodyMotion& b) {
+    return separation * kNodeMargin + kNodeRoom * std::max(a.max_abs(), b.max_abs());
+}
+
+PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, double separation, const CandidateList* list,
+                     CcdScratch& scratch) {
+    PairHit best = EarliestHit(a, b, separation, scratch).run(list);
     if (!best.hit) return best;
     // The direction at the time of impact, from the closest points themselves where they are distinct: the certifying
     // direction of an early stop may be a poor normal.

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "ccd/candidate_list.hpp"
 #include "ccd/feature_candidates.hpp"
 
 namespace flotilla {
@@ -35,11 +36,17 @@ class CcdScratch {
         std::vector<double> entry;
     };
     std::array<Batch, 2> batch_; ///< by CcdKind
+    FeatureBuffer features_;
 };
 
-/// A pure function of the two motions and the separation (m). A feature pair whose own moving boxes stay farther apart than
-/// the separation cannot hit; among the others the least (time, feature key) wins, where the time is not before the entry
-/// of their boxes: so the answer does not depend on how candidates were found or in which order they were tried.
-[[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, double separation, CcdScratch& scratch);
+/// A pure function of the two motions and the separation (m). A feature pair whose own moving (coarse) boxes stay farther
+/// apart than the separation cannot hit; among the others the least (time, feature key) wins, where the time is not before the
+/// entry of their boxes: so the answer does not depend on how candidates were found or in which order they were tried.
+/// `list`, where given, must cover the motions and have been built to reach swept_reach(separation).
+[[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, double separation,
+                                   const CandidateList* list, CcdScratch& scratch);
+
+/// What a list must reach at any time of the step for queries with a separation, m.
+[[nodiscard]] double swept_reach(double separation, const BodyMotion& a, const BodyMotion& b);
 
 } // namespace flotilla

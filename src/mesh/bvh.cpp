@@ -169,4 +169,19 @@ void refit(const Bvh& bvh, std::span<const Vec3> vertices, std::vector<Box>& box
     }
 }
 
+void refit(const Bvh& bvh, std::span<const CoarseBox> vertices, std::vector<CoarseBox>& boxes) {
+    boxes.resize(bvh.nodes.size());
+    for (std::size_t i = bvh.nodes.size(); i-- > 0;) {
+        const BvhNode node = bvh.nodes[i];
+        if (node.count == 0) {
+            boxes[i] = merged(boxes[i + 1], boxes[at(node.first)]);
+            continue;
+        }
+        CoarseBox box = vertices[at(bvh.corners[at(node.first)][0])];
+        for (std::int32_t k = node.first; k < node.first + node.count; ++k)
+            for (std::int32_t v : bvh.corners[at(k)]) box = merged(box, vertices[at(v)]);
+        boxes[i] = box;
+    }
+}
+
 } // namespace flotilla

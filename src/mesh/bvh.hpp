@@ -15,6 +15,7 @@
 #include "base/assert.hpp"
 #include "base/vec3.hpp"
 #include "geometry/box.hpp"
+#include "geometry/coarse_box.hpp"
 #include "geometry/moving_box.hpp"
 #include "mesh/triangle_mesh.hpp"
 
@@ -42,6 +43,9 @@ struct Bvh {
     [[nodiscard]] std::span<const std::int32_t> leaf_triangles(const BvhNode& leaf) const {
         return {triangles.data() + leaf.first, static_cast<std::size_t>(leaf.count)};
     }
+    [[nodiscard]] std::span<const std::int32_t> leaf_triangles(std::int32_t leaf) const {
+        return leaf_triangles(nodes[static_cast<std::size_t>(leaf)]);
+    }
 };
 
 struct BvhOptions {
@@ -55,6 +59,9 @@ struct BvhOptions {
 /// Boxes of all nodes for one set of world vertices: exact minima and maxima. No allocation once `boxes` has its size.
 /// Vertices must be finite.
 void refit(const Bvh& bvh, std::span<const Vec3> vertices, std::vector<Box>& boxes);
+
+/// Coarse boxes of all nodes from those of the vertices.
+void refit(const Bvh& bvh, std::span<const CoarseBox> vertices, std::vector<CoarseBox>& boxes);
 
 /// Boxes of all nodes at t = 0 and t = 1.
 struct MovingBoxes {
@@ -96,13 +103,15 @@ class NodePairStack {
     std::size_t size_ = 0;
 };
 
+using flotilla::extent_sum;
 inline double extent_sum(const Box& box) {
     const Vec3 e = extent(box);
     return (e.x + e.y) + e.z;
 }
 
 /// Whether to open node a rather than b: the larger one, an inner one in any case. At least one must be inner.
-inline bool open_first(const BvhNode& a, const BvhNode& b, const Box& box_a, const Box& box_b) {
+template <class AnyBox>
+bool open_first(const BvhNode& a, const BvhNode& b, const AnyBox& box_a, const AnyBox& box_b) {
     if (a.count > 0) return false;
     return b.count > 0 || extent_sum(box_a) >= extent_sum(box_b);
 }
@@ -119,9 +128,9 @@ inline double max_abs_coordinate(const BvhView& v) {
 
 /// Depth first through all node pairs that `test(node_a, node_b, entry_time)` does not rule out, the child that enters
 /// first before the other. A pair may have become pointless while it waited: `wanted(entry_time)` is asked when its
-/// turn comes. `boxes_a` and `boxes_b` only decide which node to open.
-template <class Test, class Wanted, class Leaf>
-void traverse(const Bvh& a, const Bvh& b, std::span<const Box> boxes_a, std::span<const Box> boxes_b, Test&& test,
+/// turn comes. `boxes_a` and `boxes_b` only decide which node to open. Calls leaf(node_a, node_b, entry_time).
+template <class AnyBox, class Test, class Wanted, class Leaf>
+void traverse(const Bvh& a, const Bvh& b, std::span<const AnyBox> boxes_a, std::span<const AnyBox> boxes_b, Test&& test,
               Wanted&& wanted, Leaf&& leaf) {
     const auto at = [](std::int32_t i) { return static_cast<std::size_t>(i); };
     NodePairStack stack;
@@ -135,7 +144,7 @@ void traverse(const Bvh& a, const Bvh& b, std::span<const Box> boxes_a, std::spa
         }
         const BvhNode na = a.nodes[at(p.a)], nb = b.nodes[at(p.b)];
         if (na.count > 0 && nb.count > 0) {
-            leaf(na, nb, p.entry_time);
+            leaf(p.a, p.b, p.entry_time);
             live = false;
             continue;
         }
@@ -168,7 +177,7 @@ void for_each_overlapping_leaf_pair(const BvhView& a, const BvhView& b, double i
             return moving_boxes_overlap(a.t0[k], a.t1[k], b.t0[l], b.t1[l], outward, entry_time);
         },
         [](double) { return true; },
-        [&](const BvhNode& la, const BvhNode& lb, double entry_time) {
+        [&](std::int32_t la, std::int32_t lb, double entry_time) {
             callback(a.bvh.leaf_triangles(la), b.bvh.leaf_triangles(lb), entry_time);
         });
 }
@@ -194,7 +203,7 @@ void for_each_leaf_pair_until(const BvhView& a, const BvhView& b, double inflati
             return moving_boxes_overlap(a.t0[k], a.t1[k], b.t0[l], b.t1[l], outward, entry_time, earliest);
         },
         [&](double entry_time) { return !(entry_time > earliest); },
-        [&](const BvhNode& la, const BvhNode& lb, double entry_time) {
+        [&](std::int32_t la, std::int32_t lb, double entry_time) {
             earliest = callback(a.bvh.leaf_triangles(la), b.bvh.leaf_triangles(lb), entry_time);
         });
 }
@@ -210,7 +219,7 @@ void for_each_overlapping_leaf_pair(const Bvh& bvh_a, std::span<const Box> boxes
             return boxes_overlap(boxes_a[static_cast<std::size_t>(i)], boxes_b[static_cast<std::size_t>(j)], inflation);
         },
         [](double) { return true; },
-        [&](const BvhNode& la, const BvhNode& lb, double) {
+        [&](std::int32_t la, std::int32_t lb, double) {
             callback(bvh_a.leaf_triangles(la), bvh_b.leaf_triangles(lb));
         });
 }

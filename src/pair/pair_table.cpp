@@ -17,9 +17,16 @@ std::uint64_t mixed(std::int32_t a, std::int32_t b) {
 
 } // namespace
 
+void PairTable::start_step(std::int64_t step) {
+    std::erase_if(records_, [&](const PairRecord& r) { return r.step != step_; });
+    for (PairRecord& r : records_) r.active = r.processed = false;
+    step_ = step;
+    if (!slots_.empty()) index(slots_.size());
+}
+
 void PairTable::clear() {
-    std::fill(slots_.begin(), slots_.end(), -1);
     records_.clear();
+    std::fill(slots_.begin(), slots_.end(), -1);
 }
 
 std::size_t PairTable::slot(std::int32_t a, std::int32_t b) const {
@@ -40,7 +47,7 @@ const PairRecord* PairTable::find(std::int32_t a, std::int32_t b) const {
 }
 
 PairRecord& PairTable::get(const Model& model, const State& state, std::int32_t a, std::int32_t b) {
-    if (2 * (records_.size() + 1) > slots_.size()) grow();
+    if (2 * (records_.size() + 1) > slots_.size()) index(std::max(kFirstSlots, 2 * slots_.size()));
     const std::size_t i = slot(a, b);
     if (slots_[i] < 0) {
         slots_[i] = static_cast<std::int32_t>(records_.size());
@@ -48,13 +55,15 @@ PairRecord& PairTable::get(const Model& model, const State& state, std::int32_t 
         r.a = a;
         r.b = b;
         r.lengths = pair_lengths(model, state, a, b);
-        records_.push_back(r);
+        records_.push_back(std::move(r));
     }
-    return records_[static_cast<std::size_t>(slots_[i])];
+    PairRecord& record = records_[static_cast<std::size_t>(slots_[i])];
+    record.step = step_;
+    return record;
 }
 
-void PairTable::grow() {
-    slots_.assign(std::max(kFirstSlots, 2 * slots_.size()), -1);
+void PairTable::index(std::size_t slots) {
+    slots_.assign(slots, -1);
     for (std::size_t k = 0; k < records_.size(); ++k)
         slots_[slot(records_[k].a, records_[k].b)] = static_cast<std::int32_t>(k);
 }

@@ -1,25 +1,42 @@
 // SPDX-License-Identifier: MIT
-// What a step knows of body pairs: proofs, by the versions they are about.
+// What is known of body pairs: proofs, by the versions they are about, and the leaves that may meet.
 #pragma once
 
 #include <vector>
 
-#include "state/model.hpp"
+#include "ccd/candidate_list.hpp"
 
 namespace flotilla {
+
+/// Where the leaves of a pair that may meet are kept, and whether it pays.
+struct PairCandidates {
+    CandidateList list;
+    std::int32_t uses = 0;    ///< queries that the list has answered
+    bool paid = true;         ///< the last list answered more queries than the one that made it
+    std::int64_t step = -1;   ///< of the last query
+    std::int32_t queries = 0; ///< in that step
+    bool busy = false;        ///< there were several in the step before
+    double last_strayed = 0;  ///< m, at the end of the step, when the last list no longer covered the motion
+};
 
 struct PairRecord {
     std::int32_t a = -1, b = -1;
     std::uint64_t proved_a = 0, proved_b = 0; ///< versions for which the CCD found no hit (way b of DESIGN 4.2)
     std::uint64_t left_a = 0, left_b = 0;     ///< versions for which an operation changed nothing: left to stage 5
+    std::int64_t step = -1;                   ///< of the last use
+    bool active = false;                      ///< stage 1 applied an impulse to it in this step
     bool processed = false;                   ///< examined by stage 1 and found hitting or near: stage 7 acts on it
     PairLengths lengths{};                    ///< m
+    PairCandidates candidates;                ///< a cache: changes cost only
 };
 
-/// Open addressing by (a, b). Nothing ever iterates over it: order comes from sorted lists of pairs.
+/// Open addressing by (a, b). Nothing ever iterates over it: order comes from sorted lists of pairs. Records live as long as each
+/// step uses them. Proofs need no clearing, because versions are never used again.
 class PairTable {
   public:
-    /// Forgets everything; keeps the memory.
+    /// Begins a step: forgets pairs that the last step did not use, and what stage 1 processed.
+    void start_step(std::int64_t step);
+    /// Forgets everything.
     void clear();
     /// The record of a pair, made on first use.
     PairRecord& get(const Model& model, const State& state, std::int32_t a, std::int32_t b);
@@ -27,10 +44,11 @@ class PairTable {
 
   private:
     [[nodiscard]] std::size_t slot(std::int32_t a, std::int32_t b) const;
-    void grow();
+    void index(std::size_t slots);
 
     std::vector<std::int32_t> slots_; ///< index into records_, or -1; a power of two of them
     std::vector<PairRecord> records_;
+    std::int64_t step_ = 0;
 };
 
 } // namespace flotilla

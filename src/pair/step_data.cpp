@@ -16,7 +16,56 @@ double largest_reach(const StepData& data, std::size_t body, bool with_proximity
     return with_proximity ? proximity : separation;
 }
 
+constexpr double kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
+
+/// How far the motion may stray from the one a new list is made for.
+CandidateMargins choose_margins(const PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
+    const double base = r.lengths.proximity;
+    const bool slow = relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape,
+                                            matrix_pose(b.at0), matrix_pose(b.at1)) < base;
+    // A fast pair starts the next step elsewhere: its list serves this step only, whose start states are fixed.
+    return {slow ? base : 0.0,
+            std::clamp(2 * r.candidates.last_strayed, kSmallestMargin * base, kLargestMargin * base)};
+}
+
+/// A list that covers the motion, made now if that seems to pay; else null.
+const CandidateList* candidates(StepData& data, PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
+    if (!data.keep_candidates) return nullptr;
+    PairCandidates& c = r.candidates;
+    const bool first = c.step != data.state.step;
+    if (first) {
+        c.busy = c.queries > 1 && c.step + 1 == data.state.step;
+        c.step = data.state.step;
+        c.queries = 0;
+    }
+    ++c.queries;
+    const CandidateMargins strayed = c.list.strayed(a, b);
+    if (c.list.covers(strayed)) {
+        ++c.uses;
+        return &c.list;
+    }
+    const bool live = !c.list.empty();
+    if (live) c.paid = c.uses > 0;
+    c.last_strayed = live && !first ? strayed.end : 0;
+    c.uses = 0;
+    const CandidateMargins margins = choose_margins(r, a, b);
+    if ((first && !c.busy && margins.start == 0) || !c.paid) {
+        c.list.drop();
+        c.paid = true;
+        return nullptr;
+    }
+    const CandidateReach reach{swept_reach(r.lengths.separation, a, b), r.lengths.proximity};
+    c.list.build(a, b, reach, margins);
+    return &c.list;
+}
+
 } // namespace
+
+const CandidateList* end_candidates(const StepData& data, const PairRecord& record) {
+    const CandidateList& list = record.candidates.list;
+    const BodyMotion a = data.trajectories.motion(at(record.a)), b = data.trajectories.motion(at(record.b));
+    return data.keep_candidates && list.covers({0, list.strayed(a, b).end}) ? &list : nullptr;
+}
 
 const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity) {
     const std::size_t n = data.model.size();
@@ -41,7 +90,7 @@ const std::vector<CandidatePair>& end_pairs(StepData& data) {
     data.swept.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
         const bool movable = data.model.bodies[i].movable();
-        data.swept[i] = {data.trajectories.at_end(i).boxes0[0], movable ? largest_reach(data, i, true) : 0.0, movable};
+        data.swept[i] = {data.trajectories.at_end(i).swept(), movable ? largest_reach(data, i, true) : 0.0, movable};
     }
     return data.broadphase.find(data.swept);
 }
@@ -63,9 +112,10 @@ PairHit query(StepData& data, std::int32_t a, std::int32_t b, StageCounters& cou
     PairRecord& r = data.pairs.get(data.model, data.state, a, b);
     PairHit hit;
     // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
-    if (!data.trajectories.still(at(a)) || !data.trajectories.still(at(b)))
-        hit = earliest_hit(data.trajectories.motion(at(a)), data.trajectories.motion(at(b)), r.lengths.separation,
-                           data.ccd);
+    if (!data.trajectories.still(at(a)) || !data.trajectories.still(at(b))) {
+        const BodyMotion ma = data.trajectories.motion(at(a)), mb = data.trajectories.motion(at(b));
+        hit = earliest_hit(ma, mb, r.lengths.separation, candidates(data, r, ma, mb), data.ccd);
+    }
     if (!hit.hit) {
         r.proved_a = data.trajectories.version(at(a));
         r.proved_b = data.trajectories.version(at(b));

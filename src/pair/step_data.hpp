@@ -51,6 +51,7 @@ struct StepData {
     std::vector<SweptBody> swept;
     std::vector<CandidatePair> stale;
     std::vector<ProximityPoint> points;
+    bool keep_candidates = true; ///< off: every query traverses the hierarchies; the same answers
 };
 
 /// All pairs whose swept bounds come within the separation, or within the proximity distance, sorted.
@@ -66,6 +67,10 @@ const std::vector<CandidatePair>& end_pairs(StepData& data);
 /// Whether the pair's current versions are proved by the CCD, or were left by an operation.
 [[nodiscard]] bool proved(const StepData& data, std::int32_t a, std::int32_t b);
 [[nodiscard]] bool left(const StepData& data, std::int32_t a, std::int32_t b);
+
+/// The pair's candidate list where it covers the present end poses: for queries of the proximity distance at the end of the
+/// step. Null otherwise.
+[[nodiscard]] const CandidateList* end_candidates(const StepData& data, const PairRecord& record);
 
 /// Runs the CCD on a pair of bodies and records a proof where there is one.
 PairHit query(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters);

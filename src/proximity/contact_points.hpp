@@ -13,6 +13,7 @@
 
 #include <vector>
 
+#include "ccd/candidate_list.hpp"
 #include "ccd/feature_candidates.hpp"
 
 namespace flotilla {
@@ -33,6 +34,7 @@ struct PruneCounters {
 struct ProximityScratch {
     PruneCounters counters;
     std::vector<ProximityPoint> found;
+    FeatureBuffer candidates;
 };
 
 struct ProximityResult {
@@ -40,9 +42,25 @@ struct ProximityResult {
     double distance = 0; ///< m, of the nearest feature pair; only where near
 };
 
-/// Appends the contact points to `out` in the order of their feature keys. Bodies are taken at x0. `angle_cos` is the cosine of
-/// theta_proximity.
+// Bodies are taken at x0. `list`, where given, must cover them at the end of its motion and reach `proximity`; it changes the
+// cost and nothing else.
+
+/// Fills scratch.found with the proximities in the order of their feature keys: one face per vertex and direction, no ends of
+/// edges. `angle_cos` is the cosine of theta_proximity, here and below.
+ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
+                                 const CandidateList* list, ProximityScratch& scratch);
+
+/// Whether there is a feature pair within `proximity`: the field `near` of the above, sooner.
+[[nodiscard]] bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const CandidateList* list,
+                                 ProximityScratch& scratch);
+
+/// Whether a proximity is a contact: the rules of the nearest point and of the ray.
+[[nodiscard]] bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& point, double angle_cos,
+                              ProximityScratch& scratch);
+
+/// Appends the contact points, the proximities that are admissible, to `out` in the order of their feature keys.
 ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                                    ProximityScratch& scratch, std::vector<ProximityPoint>& out);
+                                    const CandidateList* list, ProximityScratch& scratch,
+                                    std::vector<ProximityPoint>& out);
 
 } // namespace flotilla

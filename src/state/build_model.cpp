@@ -18,6 +18,7 @@ RigidShape make_shape(const Shape& shape) {
     out.mesh = shape.mesh;
     out.topology = shape.topology;
     out.bvh = shape.bvh;
+    out.box = bounding_box(shape.mesh);
     out.center_of_mass = shape.center;
     out.radius = shape.radius;
     if (shape.mass) {

@@ -11,6 +11,7 @@ struct RigidShape {
     TriangleMesh mesh; ///< vertices in the mesh's own coordinates, m
     Topology topology;
     Bvh bvh;
+    Box box;              ///< of the mesh, in its own coordinates, m
     Vec3 center_of_mass;  ///< mesh coordinates
     double mass = 0;      ///< kg; 0 where the shape has none (static and scripted bodies only)
     Mat3 inertia;         ///< about the centre of mass, mesh axes, kg m^2

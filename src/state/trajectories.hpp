@@ -8,14 +8,26 @@
 
 namespace flotilla {
 
+/// A body at one time of the step, with what culls its features.
+struct BodyPlacement {
+    std::span<const Vec3> x;           ///< world vertices, m
+    std::span<const CoarseBox> points; ///< their boxes
+    std::span<const CoarseBox> nodes;  ///< boxes of the hierarchy's nodes
+    const Box* box = nullptr;          ///< of all of them
+    const Pose* pose = nullptr;
+    const Mat3* rotation = nullptr; ///< of the pose
+};
+
 /// One body as the pair queries see it. Every vertex moves on a straight line from x0 to x1 (paper, section 3.1).
 struct BodyMotion {
     const RigidShape* shape = nullptr;
-    std::span<const Vec3> x0, x1;
-    std::span<const Box> boxes0, boxes1; ///< of the hierarchy's nodes
+    BodyPlacement at0, at1;
 
-    [[nodiscard]] BvhView view() const { return {shape->bvh, boxes0, boxes1}; }
-    [[nodiscard]] Box swept() const { return merged(boxes0[0], boxes1[0]); }
+    [[nodiscard]] Box swept() const { return merged(*at0.box, *at1.box); }
+    /// The largest magnitude of a coordinate, m.
+    [[nodiscard]] double max_abs() const {
+        return std::max(max_abs_coordinate(*at0.box), max_abs_coordinate(*at1.box));
+    }
 };
 
 /// The candidate trajectories of a step. Each committed end state has a version, never reused; a proof names the versions it is
@@ -32,8 +44,10 @@ class Trajectories {
     /// Commits the start state as the end state, bit for bit.
     void hold(std::size_t body);
 
-    [[nodiscard]] const Pose& start_pose(std::size_t body) const { return entry(body).start; }
-    [[nodiscard]] const Pose& end_pose(std::size_t body) const { return entry(body).end; }
+    [[nodiscard]] const Pose& start_pose(std::size_t body) const { return entry(body).at0.pose; }
+    [[nodiscard]] const Pose& end_pose(std::size_t body) const {
+        return still(body) ? entry(body).at0.pose : entry(body).at1.pose;
+    }
     [[nodiscard]] const Vec3& turn(std::size_t body) const { return entry(body).turn; }
     [[nodiscard]] std::uint64_t version(std::size_t body) const { return entry(body).version; }
     [[nodiscard]] bool still(std::size_t body) const { return entry(body).still; } ///< end is bitwise the start
@@ -43,14 +57,22 @@ class Trajectories {
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
   private:
+    struct Placement {
+        Pose pose;
+        Mat3 rotation;
+        Box box;
+        std::vector<Vec3> x;
+        std::vector<CoarseBox> points, nodes;
+
+        void place(const RigidShape& shape, const Pose& at);
+        [[nodiscard]] BodyPlacement view() const { return {x, points, nodes, &box, &pose, &rotation}; }
+    };
     struct Entry {
-        Pose start, end;
         Vec3 turn;
         std::uint64_t version = 0;
         bool still = true;
         const RigidShape* shape = nullptr;
-        std::vector<Vec3> x0, x1;
-        std::vector<Box> boxes0, boxes1;
+        Placement at0, at1;
     };
     [[nodiscard]] const Entry& entry(std::size_t body) const { return entries_[body]; }
 

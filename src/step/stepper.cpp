@@ -24,7 +24,8 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
 
 } // namespace
 
-Stepper::Stepper(const Model& model, State state) : model_(model), state_(std::move(state)) {
+Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
+    : model_(model), options_(options), state_(std::move(state)) {
     trajectories_.start(model_, state_.pose);
     turns_.assign(model_.size(), {});
     StepData d = data();
@@ -61,7 +62,8 @@ StepData Stepper::data() {
             approach,
             {},
             {},
-            {}};
+            {},
+            options_.keep_candidates};
 }
 
 StepReport Stepper::step() {
@@ -75,7 +77,7 @@ StepReport Stepper::step() {
     FailsafeStats failsafe;
     {
         const Stopwatch total(report.total_ms);
-        pairs_.clear();
+        pairs_.start_step(report.step);
         StepData d = data();
         { // 1) collisions: v^n becomes v^
             const Stopwatch watch(report.ms(Phase::collisions));

@@ -12,10 +12,14 @@
 
 namespace flotilla {
 
+struct StepperOptions {
+    bool keep_candidates = true; ///< of body pairs, between queries: changes cost only
+};
+
 class Stepper {
   public:
     /// The state must be free of intersections; `model` must outlive the stepper.
-    Stepper(const Model& model, State state);
+    Stepper(const Model& model, State state, const StepperOptions& options = {});
 
     /// Advances by the settings' time step. Throws CertificateError rather than leave an unproved state.
     StepReport step();
@@ -40,6 +44,7 @@ class Stepper {
     void measure(StepReport& report) const;
 
     const Model& model_;
+    StepperOptions options_;
     State state_;
     Trajectories trajectories_;
     Clusters clusters_;

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// The earliest hit and the proximities of a pair: the same from a loop over all features, a traversal and a candidate list.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/random.hpp"
+#include "base/rotation.hpp"
+#include "ccd/pair_query.hpp"
+#include "mesh/primitives.hpp"
+#include "proximity/contact_points.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr double kSeparation = 2e-4, kProximity = 0.02, kAngleCos = 0.9986;
+
+class Random {
+  public:
+    explicit Random(std::int64_t seed) : seed_(seed) {}
+    double uniform(double low, double high) { return low + (high - low) * unit_interval(random_bits(seed_, ++count_)); }
+    Vec3 vec(double size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
+    Quat rotation() { return rotation_from_vector(vec(3)); }
+
+  private:
+    std::int64_t seed_, count_ = 0;
+};
+
+TriangleMesh soup(Random& random) {
+    TriangleMesh mesh;
+    for (int t = 0; t < 20; ++t) {
+        const Vec3 c = random.vec(1);
+        for (int k = 0; k < 3; ++k) mesh.vertices.push_back(c + random.vec(0.4));
+        mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    return mesh;
+}
+
+RigidShape make_shape(TriangleMesh mesh) {
+    RigidShape shape;
+    shape.mesh = std::move(mesh);
+    shape.topology = build_topology(shape.mesh);
+    shape.bvh = build_bvh(shape.mesh);
+    shape.box = bounding_box(shape.mesh);
+    shape.radius = bounding_radius(shape.mesh, {});
+    return shape;
+}
+
+/// Two bodies of different shapes and their trajectories.
+struct Pair {
+    Model model;
+    Trajectories trajectories;
+
+    explicit Pair(Random& random) {
+        model.shapes.push_back(make_shape(soup(random)));
+        model.shapes.push_back(make_shape(make_sphere(0.7, 2)));
+        model.bodies.resize(2);
+        model.bodies[1].shape = 1;
+    }
+    void move(const std::array<Pose, 2>& start, const std::array<Pose, 2>& end) {
+        trajectories.start(model, start);
+        for (std::size_t i = 0; i < 2; ++i) trajectories.set_end(i, end[i], {});
+    }
+    [[nodiscard]] BodyMotion motion(std::size_t i) const { return trajectories.motion(i); }
+};
+
+Pose near(const RigidShape& shape, const Pose& pose, Random& random, double size) {
+    return make_pose(shape, pose.com + random.vec(size),
+                     normalized(rotation_from_vector(random.vec(size)) * pose.rotation));
+}
+
+/// The rule of pair_query.hpp by a loop over all feature pairs.
+PairHit hit_of_all_features(const BodyMotion& a, const BodyMotion& b) {
+    const CoarseReach reach(kSeparation * (1 + 0x1p-6), std::max(a.max_abs(), b.max_abs()));
+    PairHit best;
+    const auto offer = [&](const FeaturePair& f, const MovingCoarseBox& p, const MovingCoarseBox& q) {
+        float entry = 0;
+        if (!coarse_overlap(p, q, reach, reach, entry)) return;
+        const CcdResult r = ccd(ccd_kind(f.kind), ccd_query(a, b, f), {kSeparation, CcdStart::relaxed});
+        if (!r.hit) return;
+        const double toi = std::max(r.toi, double{entry});
+        if (!best.hit || std::pair(toi, feature_key(f)) < std::pair(best.toi, feature_key(best.features)))
+            best = {true, toi, f, {}};
+    };
+    const auto &ma = a.shape->mesh, &mb = b.shape->mesh;
+    const auto count = [](const auto& list) { return static_cast<std::int32_t>(list.size()); };
+    for (std::int32_t i = 0; i < count(ma.vertices); ++i)
+        for (std::int32_t j = 0; j < count(mb.triangles); ++j)
+            offer({FeatureKind::vertex_face, i, j}, coarse_vertex(a, i),
+                  coarse_triangle(b, mb.triangles[static_cast<std::size_t>(j)]));
+    for (std::int32_t i = 0; i < count(ma.triangles); ++i)
+        for (std::int32_t j = 0; j < count(mb.vertices); ++j)
+            offer({FeatureKind::face_vertex, i, j}, coarse_triangle(a, ma.triangles[static_cast<std::size_t>(i)]),
+                  coarse_vertex(b, j));
+    const auto &ea = a.shape->topology.edges, &eb = b.shape->topology.edges;
+    for (std::int32_t i = 0; i < count(ea); ++i)
+        for (std::int32_t j = 0; j < count(eb); ++j)
+            offer({FeatureKind::edge_edge, i, j}, coarse_edge(a, ea[static_cast<std::size_t>(i)]),
+                  coarse_edge(b, eb[static_cast<std::size_t>(j)]));
+    return best;
+}
+
+void expect_same(const PairHit& p, const PairHit& q) {
+    ASSERT_EQ(p.hit, q.hit);
+    if (!p.hit) return;
+    EXPECT_EQ(p.toi, q.toi);
+    EXPECT_EQ(feature_key(p.features), feature_key(q.features));
+}
+
+TEST(EarliestHit, IsTheLeastOfAllFeaturePairs) {
+    int hits = 0, misses = 0;
+    for (std::int64_t n = 0; n < 150; ++n) {
+        Random random(n);
+        Pair pair(random);
+        const double size = n % 2 == 0 ? 0.3 : 2;
+        std::array<Pose, 2> start, end;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const Vec3 at = i == 0 ? Vec3{} : Vec3{random.uniform(1.2, 2), random.uniform(-1, 1), 0};
+            start[i] = make_pose(pair.model.shapes[i], at, random.rotation());
+            end[i] = near(pair.model.shapes[i], start[i], random, size);
+        }
+        pair.move(start, end);
+        CcdScratch scratch;
+        const PairHit hit = earliest_hit(pair.motion(0), pair.motion(1), kSeparation, nullptr, scratch);
+        expect_same(hit, hit_of_all_features(pair.motion(0), pair.motion(1)));
+        ++(hit.hit ? hits : misses);
+    }
+    EXPECT_GE(hits, 30);
+    EXPECT_GE(misses, 30);
+}
+
+TEST(CandidateList, ChangesNoAnswerOfAMotionThatItCovers) {
+    int hits = 0, misses = 0, proximities = 0, uncovered = 0;
+    for (std::int64_t n = 0; n < 400; ++n) {
+        Random random(1000 + n);
+        Pair pair(random);
+        std::array<Pose, 2> start, end;
+        for (std::size_t i = 0; i < 2; ++i) {
+            start[i] = make_pose(pair.model.shapes[i], i == 0 ? Vec3{} : Vec3{random.uniform(1.1, 2.2), 0, 0},
+                                 random.rotation());
+            end[i] = near(pair.model.shapes[i], start[i], random, 0.2);
+        }
+        pair.move(start, end);
+        CandidateList list;
+        EXPECT_TRUE(list.empty());
+        list.build(pair.motion(0), pair.motion(1),
+                   {swept_reach(kSeparation, pair.motion(0), pair.motion(1)), kProximity}, {0.02, 0.06});
+        for (int k = 0; k < 10; ++k) {
+            std::array<Pose, 2> start_k, end_k;
+            for (std::size_t i = 0; i < 2; ++i) {
+                start_k[i] = near(pair.model.shapes[i], start[i], random, 0.006);
+                end_k[i] = near(pair.model.shapes[i], end[i], random, 0.018);
+            }
+            pair.move(start_k, end_k);
+            const BodyMotion a = pair.motion(0), b = pair.motion(1);
+            if (!list.covers(list.strayed(a, b))) {
+                ++uncovered;
+                continue;
+            }
+            CcdScratch scratch;
+            const PairHit with = earliest_hit(a, b, kSeparation, &list, scratch);
+            expect_same(with, earliest_hit(a, b, kSeparation, nullptr, scratch));
+            ++(with.hit ? hits : misses);
+
+            const BodyMotion at_a = pair.trajectories.at_end(0), at_b = pair.trajectories.at_end(1);
+            ProximityScratch p, q;
+            const auto near_with = find_proximities(at_a, at_b, kProximity, kAngleCos, &list, p);
+            const auto near_without = find_proximities(at_a, at_b, kProximity, kAngleCos, nullptr, q);
+            EXPECT_EQ(near_with.near, near_without.near);
+            EXPECT_EQ(near_with.distance, near_without.distance);
+            EXPECT_EQ(any_proximity(at_a, at_b, kProximity, &list, p), near_without.near);
+            ASSERT_EQ(find_proximities(at_a, at_b, kProximity, kAngleCos, &list, p).near, near_without.near);
+            ASSERT_EQ(p.found.size(), q.found.size());
+            for (std::size_t i = 0; i < p.found.size(); ++i) {
+                EXPECT_EQ(feature_key(p.found[i].features), feature_key(q.found[i].features));
+                EXPECT_EQ(p.found[i].a, q.found[i].a);
+                EXPECT_EQ(p.found[i].b, q.found[i].b);
+            }
+            proximities += static_cast<int>(p.found.size());
+        }
+    }
+    EXPECT_GE(hits, 200);
+    EXPECT_GE(misses, 200);
+    EXPECT_GE(proximities, 500);
+    EXPECT_GE(uncovered, 20);
+}
+
+TEST(RelativeDisplacement, BoundsHowFarAnyGapChanges) {
+    for (std::int64_t n = 0; n < 50; ++n) {
+        Random random(5000 + n);
+        Pair pair(random);
+        std::array<Pose, 2> from, to;
+        for (std::size_t i = 0; i < 2; ++i) {
+            from[i] = make_pose(pair.model.shapes[i], random.vec(2), random.rotation());
+            to[i] = near(pair.model.shapes[i], from[i], random, n % 2 == 0 ? 0.01 : 1);
+        }
+        pair.move(from, to);
+        const BodyMotion a = pair.motion(0), b = pair.motion(1);
+        const double bound = relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape,
+                                                   matrix_pose(b.at0), matrix_pose(b.at1));
+        double largest = 0;
+        for (std::size_t i = 0; i < a.at0.x.size(); ++i)
+            for (std::size_t j = 0; j < b.at0.x.size(); ++j)
+                largest = std::max(largest, max_component(abs((b.at1.x[j] - a.at1.x[i]) - (b.at0.x[j] - a.at0.x[i]))));
+        EXPECT_LE(largest, bound * (1 + 1e-12));
+        EXPECT_GE(largest, 0.2 * bound);
+    }
+}
+
+} // namespace
+} // namespace flotilla
