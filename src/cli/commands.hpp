@@ -5,6 +5,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -32,7 +34,8 @@ void register_export(CLI::App& app, Action& action);
 void register_info(CLI::App& app, Action& action);
 void register_picture(CLI::App& app, Action& action);
 void register_plan(CLI::App& app, Action& action);
-void register_run(CLI::App& app, Action& action);
+/// `command_line` goes into the run folder.
+void register_run(CLI::App& app, Action& action, const std::vector<std::string>& command_line);
 void register_scene(CLI::App& app, Action& action);
 void register_verify(CLI::App& app, Action& action);
 

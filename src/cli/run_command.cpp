@@ -110,8 +110,9 @@ int run_run(const RunArguments& arguments) {
 
 } // namespace
 
-void register_run(CLI::App& app, Action& action) {
+void register_run(CLI::App& app, Action& action, const std::vector<std::string>& command_line) {
     auto arguments = std::make_shared<RunArguments>();
+    arguments->command_line = command_line;
     CLI::App* command = app.add_subcommand("run", "Simulate a scene");
     command->add_option("scene", arguments->scene, "scene file")->required();
     add_scene_options(*command, arguments->options);

@@ -16,16 +16,16 @@ double largest_reach(const StepData& data, std::size_t body, bool with_proximity
     return with_proximity ? proximity : separation;
 }
 
-constexpr double kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
+constexpr double kSlowMargin = 0.5, kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
 
 /// How far the motion may stray from the one a new list is made for.
 CandidateMargins choose_margins(const PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
     const double base = r.lengths.proximity;
     const bool slow = relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape,
                                             matrix_pose(b.at0), matrix_pose(b.at1)) < base;
+    if (slow) return {kSlowMargin * base, std::clamp(2 * r.candidates.last_strayed, kSlowMargin * base, base)};
     // A fast pair starts the next step elsewhere: its list serves this step only, whose start states are fixed.
-    return {slow ? base : 0.0,
-            std::clamp(2 * r.candidates.last_strayed, kSmallestMargin * base, kLargestMargin * base)};
+    return {0, std::clamp(2 * r.candidates.last_strayed, kSmallestMargin * base, kLargestMargin * base)};
 }
 
 /// A list that covers the motion, made now if that seems to pay; else null.

@@ -19,11 +19,6 @@ constexpr double kLeastSine = 1e-5; // of directions whose cross product is a no
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-double box_distance_sq(const CoarseBox& coarse, const Vec3& p) {
-    const Box box = to_box(coarse);
-    return length_sq(p - min(max(p, box.lower), box.upper));
-}
-
 std::array<Vec3, 3> corners(const BodyMotion& body, std::int32_t t) {
     const Triangle& v = body.shape->mesh.triangles[at(t)];
     return {body.at0.x[at(v[0])], body.at0.x[at(v[1])], body.at0.x[at(v[2])]};
@@ -50,10 +45,11 @@ void walk(const BodyMotion& body, Enter&& enter, Leaf&& leaf) {
 }
 
 bool crosses(const BodyMotion& body, const Vec3& p, const Vec3& q) {
-    const Box ray{min(p, q), max(p, q)};
+    const CoarseBox ray = merged(coarse_box(p), coarse_box(q));
+    const CoarseReach reach(0, body.max_abs());
     bool found = false;
     walk(
-        body, [&](const CoarseBox& box) { return !found && boxes_overlap(to_box(box), ray, 0); },
+        body, [&](const CoarseBox& box) { return !found && coarse_overlap(box, ray, reach); },
         [&](std::int32_t t) {
             const auto f = corners(body, t);
             const auto s = segment_triangle(p, q, f[0], f[1], f[2]);
@@ -68,9 +64,11 @@ bool faces(const BodyMotion& body, const Vec3& p, const Vec3& q, double angle_co
     const Vec3 to_p = p - q;
     const double distance_sq = length_sq(to_p);
     const double reach_sq = distance_sq * (1 - angle_cos * angle_cos) / (angle_cos * angle_cos);
+    const CoarseBox around = coarse_box(p);
+    const CoarseReach reach(std::sqrt(reach_sq), body.max_abs());
     bool nearest = true;
     walk(
-        body, [&](const CoarseBox& box) { return nearest && box_distance_sq(box, p) <= reach_sq; },
+        body, [&](const CoarseBox& box) { return nearest && coarse_overlap(box, around, reach); },
         [&](std::int32_t t) {
             const auto f = corners(body, t);
             if (closest_vertex_triangle(p, f[0], f[1], f[2]).distance_sq > reach_sq) return;

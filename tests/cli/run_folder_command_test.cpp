@@ -168,5 +168,17 @@ TEST(InfoCommand, DescribesARun) {
     EXPECT_NE(damaged.err.find("frames 0 to 5 are lost"), std::string::npos) << damaged.err;
 }
 
+TEST(RunCommand, RecordsItsCommandLine) {
+    const TemporaryFolder folder;
+    const std::string scene = (folder.path() / "two.json").string(), out = (folder.path() / "run").string();
+    std::ofstream(scene) << run_flotilla("scene stack --bodies 2").out;
+    const CommandOutput r = run_flotilla("run --quiet --steps 2 --output " + out + " " + scene);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    const auto command = io::RunReader(out).info().command_line;
+    ASSERT_EQ(command.size(), 8u);
+    EXPECT_EQ((std::vector<std::string>(command.begin() + 1, command.end())),
+              (std::vector<std::string>{"run", "--quiet", "--steps", "2", "--output", out, scene}));
+}
+
 } // namespace
 } // namespace flotilla::test
