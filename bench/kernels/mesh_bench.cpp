@@ -33,16 +33,31 @@ benchmark::Counter per_item(std::size_t n) {
     return {static_cast<double>(n), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert};
 }
 
+std::vector<CoarseBox> coarse_points(const std::vector<Vec3>& vertices) {
+    std::vector<CoarseBox> points;
+    for (const Vec3& v : vertices) points.push_back(coarse_box(v));
+    return points;
+}
+
 /// Two boats, the upper one nested in the lower as in a resting pile: `gap` (m) apart at the keel, somewhat turned. The
 /// upper one moves by `move` and `spin` during the step.
 struct BoatPair {
     Bvh bvh;
     MovingBoxes a, b;
+    std::array<std::vector<CoarseBox>, 2> coarse_a, coarse_b; ///< at both times
     BoatPair(int max_leaf, double gap, const Vec3& move, const Vec3& spin) : bvh(build_bvh(boat(), {max_leaf})) {
         const Vec3 turn{0.02, -0.03, 0.4}, up{0, 0, gap};
         const auto below = placed({}, {});
         refit(bvh, below, below, a);
         refit(bvh, placed(turn, up), placed(turn + spin, up + move), b);
+        coarse_a[0] = coarse_a[1] = coarse_nodes(below);
+        coarse_b[0] = coarse_nodes(placed(turn, up));
+        coarse_b[1] = coarse_nodes(placed(turn + spin, up + move));
+    }
+    [[nodiscard]] std::vector<CoarseBox> coarse_nodes(const std::vector<Vec3>& vertices) const {
+        std::vector<CoarseBox> nodes;
+        refit(bvh, coarse_points(vertices), nodes);
+        return nodes;
     }
 };
 
@@ -65,16 +80,36 @@ std::size_t count_box_tests(const BoatPair& pair, double inflation, std::size_t&
     triangle_pairs = 0;
     const OutwardInflation outward(inflation, 10);
     bvh_detail::traverse(
-        pair.bvh, pair.bvh, pair.a.t1, pair.b.t1,
+        pair.bvh, pair.bvh, std::span<const Box>(pair.a.t1), std::span<const Box>(pair.b.t1),
         [&](std::int32_t i, std::int32_t j, double& entry) {
             ++tests;
             const auto k = static_cast<std::size_t>(i), l = static_cast<std::size_t>(j);
             return moving_boxes_overlap(pair.a.t0[k], pair.a.t1[k], pair.b.t0[l], pair.b.t1[l], outward, entry);
         },
         [](double) { return true; },
-        [&](const BvhNode& a, const BvhNode& b, double) {
-            triangle_pairs += static_cast<std::size_t>(a.count * b.count);
+        [&](std::int32_t a, std::int32_t b, double) {
+            triangle_pairs += pair.bvh.leaf_triangles(a).size() * pair.bvh.leaf_triangles(b).size();
         });
+    return tests;
+}
+
+/// Calls leaf(node_a, node_b) for the leaves whose coarse moving boxes meet; returns the number of box tests.
+template <class Leaf>
+std::size_t traverse_coarse(const BoatPair& pair, double inflation, Leaf&& leaf) {
+    std::size_t tests = 0;
+    const CoarseReach reach(inflation, 10);
+    bvh_detail::traverse(
+        pair.bvh, pair.bvh, std::span<const CoarseBox>(pair.coarse_a[1]), std::span<const CoarseBox>(pair.coarse_b[1]),
+        [&](std::int32_t i, std::int32_t j, double& entry_time) {
+            ++tests;
+            const auto k = static_cast<std::size_t>(i), l = static_cast<std::size_t>(j);
+            float entry = 0;
+            const bool meet = coarse_overlap({pair.coarse_a[0][k], pair.coarse_a[1][k]},
+                                             {pair.coarse_b[0][l], pair.coarse_b[1][l]}, reach, reach, entry);
+            entry_time = entry;
+            return meet;
+        },
+        [](double) { return true; }, [&](std::int32_t a, std::int32_t b, double) { leaf(a, b); });
     return tests;
 }
 
@@ -109,6 +144,44 @@ void BM_MeshTraverse_FastBoats(benchmark::State& state) {
     traverse_moving(state, BoatPair(static_cast<int>(state.range(0)), 0.6, {0.1, 0, -0.4}, {0.125, 0.05, 0}), 2e-4);
 }
 BENCHMARK(BM_MeshTraverse_FastBoats)->ArgName("leaf")->Arg(1)->Arg(2)->Arg(4);
+
+/// What the step does: single-precision boxes.
+void traverse_coarse_row(benchmark::State& state, const BoatPair& pair, double inflation) {
+    std::size_t expected = 0, tests = 0;
+    (void)count_box_tests(pair, inflation, expected);
+    std::size_t pairs = 0;
+    for (auto _ : state) {
+        pairs = 0;
+        tests = traverse_coarse(pair, inflation, [&](std::int32_t a, std::int32_t b) {
+            pairs += pair.bvh.leaf_triangles(a).size() * pair.bvh.leaf_triangles(b).size();
+        });
+        benchmark::DoNotOptimize(pairs);
+    }
+    if (pairs < expected) state.SkipWithError("single precision loses pairs");
+    report(state, tests, pairs);
+}
+
+void BM_MeshTraverse_RestingBoatsCoarse(benchmark::State& state) {
+    traverse_coarse_row(state, BoatPair(1, 0.25, {0, 0, -1e-3}, {1e-3, 0, 0}), 0.02);
+}
+BENCHMARK(BM_MeshTraverse_RestingBoatsCoarse);
+
+void BM_MeshTraverse_FastBoatsCoarse(benchmark::State& state) {
+    traverse_coarse_row(state, BoatPair(1, 0.6, {0.1, 0, -0.4}, {0.125, 0.05, 0}), 2e-4);
+}
+BENCHMARK(BM_MeshTraverse_FastBoatsCoarse);
+
+void BM_MeshRefit_BoatCoarse(benchmark::State& state) {
+    const Bvh bvh = build_bvh(boat());
+    const auto points = coarse_points(placed({0.1, 0.2, 0.3}, {4, 5, 6}));
+    std::vector<CoarseBox> boxes;
+    for (auto _ : state) {
+        refit(bvh, points, boxes);
+        benchmark::DoNotOptimize(boxes.data());
+    }
+    state.counters["per_node"] = per_item(bvh.nodes.size());
+}
+BENCHMARK(BM_MeshRefit_BoatCoarse);
 
 void BM_MeshTraverse_RestingBoatsStatic(benchmark::State& state) {
     const BoatPair pair(static_cast<int>(state.range(0)), 0.25, {}, {});

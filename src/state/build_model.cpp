@@ -58,6 +58,7 @@ Model make_model(const Scene& scene) {
 
 State initial_state(const Scene& scene, const Model& model) {
     State state;
+    state.sleep.resize(scene.bodies.size());
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const BodyDescription& body = scene.bodies[i];
         const RigidShape& shape = model.shape_of(i);

@@ -47,7 +47,7 @@ PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a,
     double size = std::numeric_limits<double>::infinity();
     for (std::int32_t i : {a, b}) {
         const Body& body = model.bodies[static_cast<std::size_t>(i)];
-        if (body.movable()) size = std::min(size, body.size);
+        if (body.dynamic()) size = std::min(size, body.size);
     }
     double rest = s.rest_distance > 0 ? s.rest_distance : size * kRestOfSize;
     const double proximity = s.proximity_distance > 0 ? s.proximity_distance : kProximityOfRest * rest;
@@ -70,6 +70,9 @@ std::uint64_t state_hash(const State& state) {
     h.add(state.time);
     for (const Pose& p : state.pose) h.add(p.com), h.add(p.rotation), h.add(p.origin);
     for (const Motion& m : state.motion) h.add(m.velocity), h.add(m.momentum);
+    for (const Sleep& q : state.sleep)
+        h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(q.quiet_steps)) << 32) |
+              static_cast<std::uint32_t>(q.island));
     for (double d : state.script_delay) h.add(d);
     for (const RestDistance& r : state.rest_distances) {
         h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(r.a)) << 32) | static_cast<std::uint32_t>(r.b));

@@ -21,8 +21,10 @@ struct Body {
     double friction = 0, restitution = 0;
     double size = 0; ///< m, diameter of the bounding sphere about the centre of mass
     std::vector<Keyframe> keyframes;
+    bool asleep = false; ///< stands still in the step under way, like a body of infinite mass
 
-    [[nodiscard]] bool movable() const { return type == BodyType::dynamic; }
+    [[nodiscard]] bool dynamic() const { return type == BodyType::dynamic; }
+    [[nodiscard]] bool movable() const { return dynamic() && !asleep; }
     [[nodiscard]] bool scripted() const { return type == BodyType::kinematic; }
 };
 
@@ -72,12 +74,19 @@ struct WarmImpulse {
     Vec3 impulse; ///< on b, N s
 };
 
+/// Rest of a body: how long it has been quiet, and with whom it fell asleep.
+struct Sleep {
+    std::int32_t quiet_steps = 0;
+    std::int32_t island = -1; ///< lowest body of the island that fell asleep together; -1: awake
+};
+
 /// Everything that can change a later bit. A checkpoint holds exactly this, and the state hash covers it.
 struct State {
     std::int64_t step = 0;
     double time = 0; ///< s
     std::vector<Pose> pose;
     std::vector<Motion> motion;
+    std::vector<Sleep> sleep;
     std::vector<double> script_delay;         ///< s by which a body's script clock lags behind the time
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
     std::vector<WarmImpulse> warm_impulses;   ///< sorted by (a, b, feature pair without a face, feature_key)

@@ -2,7 +2,9 @@
 #include "step/stepper.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numbers>
+#include <tuple>
 
 #include "collision/collisions.hpp"
 #include "step/scripts.hpp"
@@ -26,6 +28,8 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
 
 Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
     : model_(model), options_(options), state_(std::move(state)) {
+    state_.sleep.resize(model_.size());
+    mark_asleep();
     trajectories_.start(model_, state_.pose);
     turns_.assign(model_.size(), {});
     StepData d = data();
@@ -82,6 +86,7 @@ StepReport Stepper::step() {
         { // 1) collisions: v^n becomes v^
             const Stopwatch watch(report.ms(Phase::collisions));
             start_clusters(state_.motion);
+            wake_disturbed(d);
             const StageCounters c = handle_collisions(d);
             add_counters(c, report);
             report.collisions = c.impulses;
@@ -140,6 +145,42 @@ StepReport Stepper::step() {
     return report;
 }
 
+void Stepper::mark_asleep() {
+    for (std::size_t i = 0; i < model_.size(); ++i)
+        model_.bodies[i].asleep = model_.bodies[i].dynamic() && asleep(state_, i);
+}
+
+/// Wakes the islands that something moving may come near in this step.
+void Stepper::wake_disturbed(StepData& d) {
+    const auto sleeps = [&](std::int32_t i) { return asleep(state_, static_cast<std::size_t>(i)); };
+    bool woken = false;
+    if (std::none_of(state_.sleep.begin(), state_.sleep.end(), [](const Sleep& s) { return s.island >= 0; })) return;
+    for (std::size_t i = 0; i < model_.size();
+         ++i) // a scripted body pairs with no sleeping one unless that counts as movable
+        model_.bodies[i].asleep = false;
+    for (const CandidatePair& p : swept_pairs(d, true)) {
+        if (sleeps(p.a) == sleeps(p.b)) continue;
+        const std::int32_t sleeper = sleeps(p.a) ? p.a : p.b, other = sleeps(p.a) ? p.b : p.a;
+        if (trajectories_.still(static_cast<std::size_t>(other))) continue;
+        wake_island(static_cast<std::size_t>(sleeper), state_);
+        woken = true;
+    }
+    mark_asleep();
+    if (woken) start_clusters(state_.motion);
+}
+
+/// Lets islands fall asleep at the end of a step.
+void Stepper::put_to_sleep() {
+    if (!model_.settings.sleeping) return;
+    const SleepRule rule = sleep_rule(model_);
+    count_quiet_steps(model_, rule, failsafe_bodies_, state_);
+    touching_.clear();
+    for (const Contact& c : contacts_.contacts)
+        if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
+    fall_asleep(model_, rule, touching_, sleep_, state_);
+    mark_asleep();
+}
+
 void Stepper::start_clusters(std::span<const Motion> motion) {
     clusters_.start(model_, trajectories_, motion);
     move_scripts();
@@ -165,9 +206,24 @@ void Stepper::move_scripts() {
 void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                              StepReport& report) {
     const Stopwatch watch(report.ms(Phase::static_response));
+    // Contacts between sleeping bodies are not solved; their impulses wait for the day they wake.
+    const auto waits = [&](const WarmImpulse& w) {
+        return !model_.bodies[static_cast<std::size_t>(w.a)].movable() &&
+               !model_.bodies[static_cast<std::size_t>(w.b)].movable();
+    };
+    waiting_.clear();
+    std::copy_if(state_.warm_impulses.begin(), state_.warm_impulses.end(), std::back_inserter(waiting_), waits);
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses follow (DESIGN 4.7).
     const StaticStageStats stats = solve_static_contact(model_, contacts_, poses, motion, state_.warm_impulses,
                                                         {final_stage, final_stage ? 2.0 : 0.5, report.step}, static_);
+    if (!waiting_.empty()) {
+        const auto middle = static_cast<std::ptrdiff_t>(state_.warm_impulses.size());
+        state_.warm_impulses.insert(state_.warm_impulses.end(), waiting_.begin(), waiting_.end());
+        std::inplace_merge(state_.warm_impulses.begin(), state_.warm_impulses.begin() + middle,
+                           state_.warm_impulses.end(), [](const WarmImpulse& p, const WarmImpulse& q) {
+                               return std::tuple(p.a, p.b, p.feature_key) < std::tuple(q.a, q.b, q.feature_key);
+                           });
+    }
     report.iterations += stats.solve.iterations;
     report.residual = std::max(report.residual, stats.solve.residual);
     if (final_stage) report.contacts = stats.contacts;
@@ -237,12 +293,14 @@ void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, 
     ++state_.step;
     state_.time = static_cast<double>(state_.step) * model_.settings.time_step;
     trajectories_.advance();
+    put_to_sleep();
 }
 
 void Stepper::measure(StepReport& report) const {
     for (std::size_t i = 0; i < model_.size(); ++i) {
         const Body& body = model_.bodies[i];
-        if (!body.movable()) continue;
+        if (!body.dynamic()) continue;
+        report.sleeping += body.asleep ? 1 : 0;
         const Motion& m = state_.motion[i];
         const Vec3 p = body.mass * m.velocity;
         report.momentum += p;

@@ -7,6 +7,7 @@
 #include "broadphase/pairs.hpp"
 #include "dynamic_contact/dynamic_contact.hpp"
 #include "failsafe/failsafe.hpp"
+#include "islands/sleeping.hpp"
 #include "step/certificate.hpp"
 #include "step/static_stage.hpp"
 
@@ -18,8 +19,11 @@ struct StepperOptions {
 
 class Stepper {
   public:
-    /// The state must be free of intersections; `model` must outlive the stepper.
+    /// The state must be free of intersections.
     Stepper(const Model& model, State state, const StepperOptions& options = {});
+
+    Stepper(const Stepper&) = delete;
+    Stepper& operator=(const Stepper&) = delete;
 
     /// Advances by the settings' time step. Throws CertificateError rather than leave an unproved state.
     StepReport step();
@@ -35,6 +39,9 @@ class Stepper {
 
   private:
     StepData data();
+    void wake_disturbed(StepData& d);
+    void mark_asleep();
+    void put_to_sleep();
     void start_clusters(std::span<const Motion> motion);
     void move_scripts();
     void static_contact(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage, StepReport& report);
@@ -43,7 +50,7 @@ class Stepper {
     void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
     void measure(StepReport& report) const;
 
-    const Model& model_;
+    Model model_; ///< its own: who sleeps changes from step to step
     StepperOptions options_;
     State state_;
     Trajectories trajectories_;
@@ -54,6 +61,9 @@ class Stepper {
     ProximityScratch proximity_;
     StaticStageScratch static_;
     ContactSet contacts_;
+    SleepScratch sleep_;
+    std::vector<BodyPair> touching_;
+    std::vector<WarmImpulse> waiting_; ///< of contacts between sleeping bodies
     std::vector<Vec3> turns_;
     std::vector<std::uint8_t> failsafe_bodies_;
 };

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "islands/sleeping.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flotilla {
+namespace {
+
+constexpr double kQuietTime = 0.5;       // s
+constexpr double kQuietShare = 1.0 / 50; // of |gravity| time_step
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+} // namespace
+
+SleepRule sleep_rule(const Model& model) {
+    const double dt = model.settings.time_step;
+    return {kQuietShare * length(model.gravity) * dt,
+            static_cast<std::int32_t>(std::min(std::ceil(kQuietTime / dt), 1e9))};
+}
+
+void count_quiet_steps(const Model& model, const SleepRule& rule, std::span<const std::uint8_t> disturbed,
+                       State& state) {
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        if (!model.bodies[i].movable()) continue;
+        const Vec3 omega = angular_velocity(model.shape_of(i), state.pose[i].rotation, state.motion[i].momentum);
+        const double speed = length(state.motion[i].velocity) + length(omega) * model.shape_of(i).radius;
+        std::int32_t& steps = state.sleep[i].quiet_steps;
+        steps = speed < rule.speed && disturbed[i] == 0 ? std::min(steps + 1, rule.steps) : 0;
+    }
+}
+
+void fall_asleep(const Model& model, const SleepRule& rule, std::span<const BodyPair> pairs, SleepScratch& s,
+                 State& state) {
+    s.movable.resize(model.size());
+    for (std::size_t i = 0; i < model.size(); ++i) s.movable[i] = model.bodies[i].movable() ? 1 : 0;
+    s.island.resize(pairs.size());
+    const auto num_islands = static_cast<std::size_t>(find_islands(pairs, s.movable, s.graph, s.island));
+    s.restless.assign(num_islands, 0);
+    s.lowest.assign(num_islands, static_cast<std::int32_t>(model.size()));
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+        for (const std::int32_t body : {pairs[k].a, pairs[k].b}) {
+            const std::size_t island = at(s.island[k]);
+            if (model.bodies[at(body)].scripted()) s.restless[island] = 1;
+            if (s.movable[at(body)] == 0) continue;
+            s.lowest[island] = std::min(s.lowest[island], body);
+            if (state.sleep[at(body)].quiet_steps < rule.steps) s.restless[island] = 1;
+        }
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const std::size_t island = at(s.island[k]);
+        if (s.restless[island] != 0) continue;
+        for (const std::int32_t body : {pairs[k].a, pairs[k].b}) {
+            if (s.movable[at(body)] == 0) continue;
+            state.sleep[at(body)].island = s.lowest[island];
+            state.motion[at(body)] = {};
+        }
+    }
+}
+
+void wake_island(std::size_t body, State& state) {
+    const std::int32_t island = state.sleep[body].island;
+    for (Sleep& s : state.sleep)
+        if (s.island == island) s = {};
+}
+
+} // namespace flotilla

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// Resting islands sleep, stand still to the bit, and wake when something comes.
+#include "step/scenario.hpp"
+
+namespace flotilla::scenario {
+namespace {
+
+/// `count` blocks on each other, and a ground.
+SceneDescription tower(int count) {
+    SceneDescription scene = empty_scene();
+    scene.settings.sleeping = true;
+    const auto block = add_shape(scene, make_box(1, 1, 0.5), 100);
+    const auto ground = add_shape(scene, make_plate(20, 20));
+    add_body(scene, ground, BodyType::fixed, {0, 0, 0}, 0.5);
+    for (int i = 0; i < count; ++i) add_body(scene, block, BodyType::dynamic, {0, 0, 0.26 + 0.51 * i}, 0.5);
+    return scene;
+}
+
+std::vector<BodyState> states(const World& world) {
+    std::vector<BodyState> out;
+    for (std::size_t i = 0; i < world.size(); ++i) out.push_back(world.body(i));
+    return out;
+}
+
+/// Steps until `bodies` sleep; the number of steps, or -1 after `limit`.
+int steps_until_asleep(World& world, int bodies, int limit) {
+    for (int n = 1; n <= limit; ++n)
+        if (world.step().sleeping == bodies) return n;
+    return -1;
+}
+
+TEST(Sleeping, ATowerFallsAsleepAndStandsStill) {
+    World world(tower(4));
+    const int steps = steps_until_asleep(world, 4, 240);
+    ASSERT_GE(steps, 12);
+    const auto before = states(world);
+    const StepReport first = world.step();
+    for (int n = 0; n < 50; ++n) EXPECT_EQ(world.step().sleeping, 4);
+    const auto after = states(world);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        EXPECT_EQ(before[i].position, after[i].position);
+        EXPECT_EQ(before[i].rotation, after[i].rotation);
+        EXPECT_EQ(after[i].velocity, Vec3{});
+    }
+    EXPECT_EQ(world.step().energy, first.energy);
+}
+
+TEST(Sleeping, ChangesRestByLessThanAMillimetre) {
+    SceneDescription awake = tower(4);
+    awake.settings.sleeping = false;
+    World with(tower(4)), without(awake);
+    std::int64_t slept = 0;
+    for (int n = 0; n < 240; ++n) {
+        slept = with.step().sleeping;
+        EXPECT_EQ(without.step().sleeping, 0);
+    }
+    EXPECT_EQ(slept, 4);
+    for (std::size_t i = 0; i < with.size(); ++i)
+        EXPECT_LT(length(with.body(i).position - without.body(i).position), 1e-3);
+}
+
+TEST(Sleeping, ABodyThatFallsOnATowerWakesIt) {
+    SceneDescription scene = tower(3);
+    const auto ball = add_shape(scene, make_sphere(0.3, 2), 50);
+    add_body(scene, ball, BodyType::dynamic, {0.1, 0, 60}, 0.5);
+    World world(scene);
+    ASSERT_GE(steps_until_asleep(world, 3, 80), 12);
+    const double top = world.body(3).position.z;
+    std::int64_t collisions = 0;
+    int woken = 0;
+    double moved = 0;
+    for (int n = 0; n < 120; ++n) {
+        const StepReport r = world.step();
+        collisions += r.collisions;
+        woken += r.sleeping == 0 ? 1 : 0;
+        moved = std::max(moved, std::abs(world.body(3).position.z - top));
+        ASSERT_EQ(count_intersections(scene, world), 0) << "step " << n;
+    }
+    EXPECT_GE(collisions, 1);
+    EXPECT_GE(woken, 10);
+    EXPECT_GT(moved, 1e-4);
+}
+
+TEST(Sleeping, AScriptedBodyPushesASleepingOne) {
+    SceneDescription scene = tower(1);
+    const auto wall = add_shape(scene, make_box(0.2, 2, 1));
+    BodyDescription& pusher = add_body(scene, wall, BodyType::kinematic, {-3, 0, 0.6}, 0.5);
+    pusher.keyframes = {{0, {-3, 0, 0.6}, {}}, {3, {-3, 0, 0.6}, {}}, {6, {1, 0, 0.6}, {}}};
+    World world(scene);
+    ASSERT_GE(steps_until_asleep(world, 1, 70), 12);
+    for (int n = 0; n < 150; ++n) {
+        (void)world.step();
+        ASSERT_EQ(count_intersections(scene, world), 0) << "step " << n;
+    }
+    EXPECT_GT(world.body(1).position.x, 0.5);
+}
+
+} // namespace
+} // namespace flotilla::scenario
