@@ -27,6 +27,10 @@ struct TriangleFeatures {
 template <class Meet, class Emit>
 void for_each_feature_pair(const BodyMotion& body_a, const BodyMotion& body_b, std::int32_t i, std::int32_t j,
                            const Meet& meet, const Emit& emit) {
+    const auto box = [](const BodyMotion& body, std::int32_t t) {
+        return coarse_triangle(body, body.shape->mesh.triangles[static_cast<std::size_t>(t)]);
+    };
+    if (!meet(box(body_a, i), box(body_b, j))) return;
     const TriangleFeatures a(body_a, i), b(body_b, j);
     for (int k = 0; k < 3; ++k) {
         const std::int32_t v = a.corners[static_cast<std::size_t>(k)], w = b.corners[static_cast<std::size_t>(k)];
