@@ -47,12 +47,16 @@ void CandidateList::build(const BodyMotion& a, const BodyMotion& b, const Candid
         float entry = 0;
         return coarse_overlap(p, q, r0, r1, entry);
     };
+    // Features one axis at a time: no division, and queries decide anyway.
+    const auto may_meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
+        return coarse_overlap_by_axis(p, q, r0, r1);
+    };
     const auto emit = [&](const FeaturePair& f) { features_[static_cast<std::size_t>(f.kind)].push_back({f.a, f.b}); };
     bvh_detail::traverse(
         a.shape->bvh, b.shape->bvh, a.at1.nodes, b.at1.nodes,
         [&](std::int32_t i, std::int32_t j, double&) { return meet(coarse_node(a, i), coarse_node(b, j)); },
         [](double) { return true; },
-        [&](std::int32_t i, std::int32_t j, double) { for_each_leaf_feature_pair(a, b, i, j, meet, emit); });
+        [&](std::int32_t i, std::int32_t j, double) { for_each_leaf_feature_pair(a, b, i, j, may_meet, emit); });
 }
 
 void CandidateList::drop() {
