@@ -43,12 +43,8 @@ void CandidateList::build(const BodyMotion& a, const BodyMotion& b, const Candid
     const double max_abs = std::max(a.max_abs(), b.max_abs()), room = kRounding * max_abs;
     const CoarseReach r0(reach.swept + margins.start + room, max_abs);
     const CoarseReach r1(std::max(reach.swept, reach.end) + margins.end + room, max_abs);
+    // One axis at a time: no division, and queries decide anyway.
     const auto meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
-        float entry = 0;
-        return coarse_overlap(p, q, r0, r1, entry);
-    };
-    // Features one axis at a time: no division, and queries decide anyway.
-    const auto may_meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
         return coarse_overlap_by_axis(p, q, r0, r1);
     };
     const auto emit = [&](const FeaturePair& f) { features_[static_cast<std::size_t>(f.kind)].push_back({f.a, f.b}); };
@@ -56,7 +52,7 @@ void CandidateList::build(const BodyMotion& a, const BodyMotion& b, const Candid
         a.shape->bvh, b.shape->bvh, a.at1.nodes, b.at1.nodes,
         [&](std::int32_t i, std::int32_t j, double&) { return meet(coarse_node(a, i), coarse_node(b, j)); },
         [](double) { return true; },
-        [&](std::int32_t i, std::int32_t j, double) { for_each_leaf_feature_pair(a, b, i, j, may_meet, emit); });
+        [&](std::int32_t i, std::int32_t j, double) { for_each_leaf_feature_pair(a, b, i, j, meet, emit); });
 }
 
 void CandidateList::drop() {
