@@ -87,7 +87,7 @@ TEST(Bvh, HoldsEveryTriangleOnce) {
 TEST(Bvh, StaysShallowForTrianglesInOnePlaceAndForGeometricSizes) {
     TriangleMesh same{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}};
     same.triangles.assign(1000, {0, 1, 2});
-    const Bvh bvh = build_bvh(same);
+    const Bvh bvh = build_bvh(same, {1});
     expect_valid(bvh, same, 1);
     EXPECT_LE(bvh.depth, 11);
     // Each triangle half as far out as the one before: bins cut off one or two at a time.
@@ -97,7 +97,7 @@ TEST(Bvh, StaysShallowForTrianglesInOnePlaceAndForGeometricSizes) {
         for (const Vec3& v : {Vec3{s, 0, 0}, Vec3{s, s, 0}, Vec3{s, 0, s}}) spiral.vertices.push_back(v);
         spiral.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
-    const Bvh deep = build_bvh(spiral);
+    const Bvh deep = build_bvh(spiral, {1});
     expect_valid(deep, spiral, 1);
     EXPECT_GT(deep.depth, 11);
 }
