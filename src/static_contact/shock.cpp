@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "static_contact/assemble.hpp"
+#include "static_contact/island_energy.hpp"
 
 namespace flotilla {
 namespace {
@@ -61,43 +62,6 @@ std::int64_t solve_level(const ContactSolveOptions& options, double tolerance, C
     return static_cast<std::int64_t>(sweeps) * static_cast<std::int64_t>(s.shock_rows.size());
 }
 
-// w . I w for angular velocity w and inverse inertia J, by Cramer's rule; 0 for a body that cannot turn.
-double angular_energy_twice(const Mat3& j, const Vec3& w) {
-    const Vec3 r0 = row(j, 0), r1 = row(j, 1), r2 = row(j, 2);
-    const double det = dot(r0, cross(r1, r2));
-    if (!(det > 0)) return 0;
-    const Vec3 momentum{dot(w, cross(r1, r2)) / det, dot(w, cross(r2, r0)) / det, dot(w, cross(r0, r1)) / det};
-    return dot(w, momentum);
-}
-
-struct IslandEnergy {
-    double before = 0, pgs = 0, shocked = 0; // J, twice the kinetic energy
-    bool grounded_at_rest = true;            // no prescribed body moves
-};
-
-// Sums over the bodies of the island in the order in which its blocks first name them, each once.
-IslandEnergy island_energy(const ContactScratch::Island& island, const ContactBodies& bodies, ContactScratch& s) {
-    IslandEnergy e;
-    const auto add = [&](std::int32_t body) {
-        if (s.visited_by[index(body)] == island.first) return;
-        s.visited_by[index(body)] = island.first;
-        const std::size_t id = index(s.bodies[index(body)]);
-        const BodyVelocity &pgs = s.before_shock[index(body)], &now = s.velocity[index(body)];
-        if (!s.movable[index(body)]) {
-            e.grounded_at_rest = e.grounded_at_rest && now.linear == Vec3{} && now.angular == Vec3{};
-            return;
-        }
-        const auto twice = [&](const Vec3& v, const Vec3& w) {
-            return length_sq(v) / bodies.inv_mass[id] + angular_energy_twice(bodies.inv_inertia[id], w);
-        };
-        e.before += twice(bodies.velocity[id], bodies.angular_velocity[id]);
-        e.pgs += twice(pgs.linear, pgs.angular);
-        e.shocked += twice(now.linear, now.angular);
-    };
-    for (std::int32_t k = island.first; k < island.end; ++k) add(s.blocks[index(k)].a), add(s.blocks[index(k)].b);
-    return e;
-}
-
 void restore(const ContactScratch::Island& island, ContactScratch& s) {
     for (std::int32_t k = island.first; k < island.end; ++k)
         for (const std::int32_t body : {s.blocks[index(k)].a, s.blocks[index(k)].b})
@@ -140,8 +104,8 @@ bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies
     // Every body of an island has a path to infinite mass or none has.
     if (scratch.level[index(scratch.blocks[index(island.first)].a)] < 0) return false;
     run_levels(island, options, scratch);
-    const IslandEnergy e = island_energy(island, bodies, scratch);
-    if (e.grounded_at_rest && e.shocked > std::max(e.before, e.pgs)) {
+    if (prescribed_at_rest(island, scratch) &&
+        kinetic_energy(island, bodies, scratch) > std::max(island.energy_before, island.energy_pgs)) {
         restore(island, scratch);
         return false;
     }

@@ -16,7 +16,7 @@ namespace flotilla {
 /// mass touches the island. The pass is not a solution of the contact law, so it is undone (false as well) where every
 /// prescribed body rests and the kinetic energy came out above both that of PGS and that before the solve. Adds to the
 /// island's visits.
-/// Precondition: scratch.level holds contact_levels of all pairs, before_shock a copy of velocity, visited_by -1s.
+/// Precondition: scratch.level holds contact_levels of all pairs, before_shock a copy of velocity.
 bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
                      ContactScratch& scratch);
 

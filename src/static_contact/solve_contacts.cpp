@@ -5,6 +5,7 @@
 
 #include "base/assert.hpp"
 #include "static_contact/assemble.hpp"
+#include "static_contact/island_energy.hpp"
 #include "static_contact/shock.hpp"
 
 namespace flotilla {
@@ -26,21 +27,58 @@ SweepView view_of(const Island& island, ContactScratch& s) {
 
 // Sweeps until the tolerance holds or the limit is reached. A sweep sees every row at its own turn, which may be just
 // inside the tolerance while the end state is not; so a sweep that passes is confirmed on the state that it left.
-void solve_island(Island& island, const ContactSolveOptions& options, ContactScratch& s) {
+void sweep_island(Island& island, const ContactSolveOptions& options, ContactScratch& s) {
     const SweepView view = view_of(island, s);
     const Cone cone = cone_of(options);
-    if (options.warm_start) apply_impulses(view, options.isa);
     bool known = false;
-    while (island.iterations < options.iterations) {
+    int sweeps = 0;
+    while (sweeps < options.iterations) {
         known = sweep(cone, view, options.isa) <= options.tolerance;
-        ++island.iterations;
+        ++sweeps;
         if (!known) continue;
         island.residual = largest_violation(cone, view, options.isa);
         if (island.residual <= options.tolerance) break;
     }
     if (!known) island.residual = largest_violation(cone, view, options.isa);
+    island.iterations += sweeps;
     const std::span<const ContactBlock> blocks = blocks_of(island, s);
-    island.visits = static_cast<std::int64_t>(island.iterations) * (blocks.back().end - blocks.front().first);
+    island.visits += static_cast<std::int64_t>(sweeps) * (blocks.back().end - blocks.front().first);
+}
+
+// Puts the island back to velocities before the solve and no impulses.
+void forget_warm_start(const Island& island, const ContactBodies& bodies, ContactScratch& s) {
+    const SweepView view = view_of(island, s);
+    for (std::int64_t p = 0; p < view.num_packets; ++p)
+        for (std::int32_t r = view.packets[p].first; r < view.packets[p].end; ++r)
+            for (int c = 0; c < 3; ++c) std::fill_n(view.rows[r].field[PacketRow::kImpulse + c], kPacketLanes, 0.0);
+    for (const ContactBlock& block : blocks_of(island, s))
+        for (const std::int32_t body : {block.a, block.b}) {
+            const auto id = static_cast<std::size_t>(s.bodies[static_cast<std::size_t>(body)]);
+            BodyVelocity& v = s.velocity[static_cast<std::size_t>(body)];
+            v.linear = bodies.velocity[id] + Vec3{}; // + 0: no component of a BodyVelocity is -0
+            v.angular = bodies.angular_velocity[id] + Vec3{};
+        }
+}
+
+bool targets_let_approach(const Island& island, const ContactScratch& s) {
+    const std::span<const ContactBlock> blocks = blocks_of(island, s);
+    return std::all_of(s.rows.begin() + blocks.front().first, s.rows.begin() + blocks.back().end,
+                       [](const ContactRow& row) { return row.local.target <= 0; });
+}
+
+// A warm start pushes where impulses of the past are too large; sweeps that end at their limit do not take all of it back. Sweeps
+// from zero add no energy where no contact asks for separation and what is prescribed rests.
+void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
+    island.energy_before = kinetic_energy(island, bodies, s);
+    if (options.warm_start) apply_impulses(view_of(island, s), options.isa);
+    sweep_island(island, options, s);
+    island.energy_pgs = kinetic_energy(island, bodies, s);
+    if (!options.warm_start || !(island.energy_pgs > island.energy_before)) return;
+    if (!targets_let_approach(island, s) || !prescribed_at_rest(island, s)) return;
+    island.cold = true;
+    forget_warm_start(island, bodies, s);
+    sweep_island(island, options, s);
+    island.energy_pgs = kinetic_energy(island, bodies, s);
 }
 
 // The impulses of PGS, in world coordinates and input order.
@@ -65,7 +103,6 @@ void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& op
     s.level.resize(s.bodies.size());
     contact_levels(s.pairs, s.movable, s.graph, s.level);
     s.before_shock = s.velocity;
-    s.visited_by.assign(s.bodies.size(), -1);
     for (Island& island : s.islands) {
         if (!unfinished(island)) continue;
         island.shocked = propagate_shock(island, bodies, options, s);
@@ -85,6 +122,7 @@ ContactSolveStats summarize(const ContactScratch& s, int num_colors) {
         stats.visits += island.visits;
         stats.residual = std::max(stats.residual, island.residual);
         stats.shocked_islands += island.shocked ? 1 : 0;
+        stats.cold_islands += island.cold ? 1 : 0;
     }
     return stats;
 }
@@ -97,7 +135,9 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     FLOTILLA_ASSERT(impulses.size() == contacts.size());
     scratch.shocked.assign(bodies.velocity.size(), 0);
     const int num_colors = assemble(contacts, bodies, options, impulses, scratch);
-    for (Island& island : scratch.islands) solve_island(island, options, scratch);
+    scratch.visited.assign(scratch.bodies.size(), 0);
+    scratch.visit = 0;
+    for (Island& island : scratch.islands) solve_island(island, bodies, options, scratch);
     unpack_impulses(scratch.packed, scratch.rows);
     store_impulses(scratch, impulses);
     propagate_shocks(bodies, options, scratch);

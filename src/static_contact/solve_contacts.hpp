@@ -54,6 +54,7 @@ struct ContactSolveStats {
     std::int64_t visits = 0; ///< contact updates, shock passes included
     double residual = 0;     ///< m/s, violation of all of eqs 17-20 by the final PGS state, before a shock
     int shocked_islands = 0; ///< islands whose velocities come from a shock pass
+    int cold_islands = 0;    ///< islands whose warm start was taken back because it added energy
 };
 
 /// Memory of the solver, owned by the caller and reused, so that a steady scene allocates nothing. What a test or a
@@ -66,8 +67,10 @@ struct ContactScratch {
         std::int32_t first_packet = 0, end_packet = 0;
         int iterations = 0;
         double residual = 0;
+        double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
         bool shocked = false;
+        bool cold = false; ///< the warm start was taken back
     };
     std::vector<std::int32_t> order;         ///< contacts in (a, b, feature key) order, infinite pairs left out
     std::vector<std::int32_t> bodies;        ///< ids of the bodies in contact, ascending
@@ -90,7 +93,8 @@ struct ContactScratch {
     std::vector<ContactBlock> shock_blocks;
     std::vector<ContactRow> shock_rows;
     std::vector<BodyVelocity> before_shock;
-    std::vector<std::int32_t> visited_by; ///< per body in contact: first block of the island that last summed it
+    std::vector<std::int64_t> visited; ///< per body in contact: the sum of energies that last took it
+    std::int64_t visit = 0;            ///< number of that sum
 };
 
 /// Solves all contacts. impulses[k] of contacts[k], N s in the world, on b: in, the warm start (zero if cold; projected

@@ -261,6 +261,19 @@ TEST(SolveContacts, AWarmStartFromTheSolutionNeedsOneSweep) {
     }
 }
 
+TEST(SolveContacts, AWarmStartThatAddsEnergyIsTakenBack) {
+    ContactWorld w = make_column(12, 0.4, 3), cold = w;
+    const ContactSolveOptions options{.iterations = 3, .tolerance = 1e-9, .shock = false};
+    for (Vec3& impulse : w.impulses) impulse = {0, 0, 100};
+    const double before = w.kinetic_energy();
+    const ContactSolveStats stats = w.solve(options);
+    (void)cold.solve(options);
+    EXPECT_EQ(stats.cold_islands, 1);
+    EXPECT_LE(w.kinetic_energy(), before);
+    EXPECT_EQ(w.velocity, cold.velocity);
+    EXPECT_EQ(w.impulses, cold.impulses);
+}
+
 // --- shock propagation ---
 
 TEST(Shock, SettlesAColumnThatGaussSeidelCannot) {

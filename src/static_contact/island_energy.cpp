@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/island_energy.hpp"
+
+namespace flotilla {
+namespace {
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+// w . I w for angular velocity w and inverse inertia J, by Cramer's rule; 0 for a body that cannot turn.
+double angular_energy_twice(const Mat3& j, const Vec3& w) {
+    const Vec3 r0 = row(j, 0), r1 = row(j, 1), r2 = row(j, 2);
+    const double det = dot(r0, cross(r1, r2));
+    if (!(det > 0)) return 0;
+    const Vec3 momentum{dot(w, cross(r1, r2)) / det, dot(w, cross(r2, r0)) / det, dot(w, cross(r0, r1)) / det};
+    return dot(w, momentum);
+}
+
+} // namespace
+
+bool prescribed_at_rest(const ContactScratch::Island& island, const ContactScratch& s) {
+    for (std::int32_t k = island.first; k < island.end; ++k)
+        for (const std::int32_t body : {s.blocks[index(k)].a, s.blocks[index(k)].b}) {
+            const BodyVelocity& v = s.velocity[index(body)];
+            if (!s.movable[index(body)] && !(v.linear == Vec3{} && v.angular == Vec3{})) return false;
+        }
+    return true;
+}
+
+double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies, ContactScratch& s) {
+    double twice = 0;
+    ++s.visit;
+    for (std::int32_t k = island.first; k < island.end; ++k)
+        for (const std::int32_t body : {s.blocks[index(k)].a, s.blocks[index(k)].b}) {
+            if (!s.movable[index(body)] || s.visited[index(body)] == s.visit) continue;
+            s.visited[index(body)] = s.visit;
+            const std::size_t id = index(s.bodies[index(body)]);
+            const BodyVelocity& v = s.velocity[index(body)];
+            twice +=
+                length_sq(v.linear) / bodies.inv_mass[id] + angular_energy_twice(bodies.inv_inertia[id], v.angular);
+        }
+    return twice / 2;
+}
+
+} // namespace flotilla
