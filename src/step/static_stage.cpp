@@ -119,7 +119,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     const Settings& s = model.settings;
     scratch.selected.clear();
     for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-        if (options.final_stage && set.processed[i] == 0) continue;
+        if (options.only_processed && set.processed[i] == 0) continue;
         Contact c = set.contacts[i];
         const double full = (set.rest[i] - c.distance) / s.time_step; // equation 16
         c.target = options.final_stage ? std::min(0.0, full) : full;

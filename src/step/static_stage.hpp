@@ -31,8 +31,9 @@ struct VelocityArrays {
 };
 
 struct StaticStageOptions {
-    bool final_stage = false; ///< stage 7: only processed pairs, target min(0, (d_rest - d)/dt)
-    double warm_factor = 1;   ///< of the stored impulses
+    bool final_stage = false;    ///< stage 7: target min(0, (d_rest - d)/dt)
+    bool only_processed = false; ///< leave out the pairs that stage 1 did not process
+    double warm_factor = 1;      ///< of the stored impulses
     std::int64_t step = 0;
 };
 

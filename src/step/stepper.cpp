@@ -2,6 +2,7 @@
 #include "step/stepper.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numbers>
 #include <tuple>
@@ -128,7 +129,7 @@ StepReport Stepper::step() {
             accelerate(model_, dt, next);
             for (std::size_t i = 0; i < next.size(); ++i)
                 if (!model_.bodies[i].movable()) next[i] = clusters_.motion()[i];
-            held_velocities(next, end, report);
+            held_velocities(collided, next, end, report);
         }
         { // 7) static contact on v^{n+1}, contacts at x^{n+1}
             const Stopwatch watch(report.ms(Phase::static_contact));
@@ -213,15 +214,19 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
     };
     waiting_.clear();
     std::copy_if(state_.warm_impulses.begin(), state_.warm_impulses.end(), std::back_inserter(waiting_), waits);
+    // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1 ended by its
+    // limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up would accelerate for ever.
+    const bool only_processed = final_stage && (report.warnings & kCollisionLimit) == 0;
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses follow (DESIGN 4.7).
-    const StaticStageStats stats = solve_static_contact(model_, contacts_, poses, motion, state_.warm_impulses,
-                                                        {final_stage, final_stage ? 2.0 : 0.5, report.step}, static_);
+    const StaticStageStats stats =
+        solve_static_contact(model_, contacts_, poses, motion, state_.warm_impulses,
+                             {final_stage, only_processed, final_stage ? 2.0 : 0.5, report.step}, static_);
     if (!waiting_.empty()) {
         const auto middle = static_cast<std::ptrdiff_t>(state_.warm_impulses.size());
         state_.warm_impulses.insert(state_.warm_impulses.end(), waiting_.begin(), waiting_.end());
         std::inplace_merge(state_.warm_impulses.begin(), state_.warm_impulses.begin() + middle,
                            state_.warm_impulses.end(), [](const WarmImpulse& p, const WarmImpulse& q) {
-                               return std::tuple(p.a, p.b, p.feature_key) < std::tuple(q.a, q.b, q.feature_key);
+                               return std::tuple(p.a, p.b) < std::tuple(q.a, q.b); // a pair waits as a whole;
                            });
     }
     report.iterations += stats.solve.iterations;
@@ -253,17 +258,24 @@ void Stepper::record_failsafe(const DynamicContactStats& dynamic, const Failsafe
 }
 
 /// A body that the failsafe kept from falling must not go on accelerating: a cluster takes the velocity of the motion it really
-/// made if that holds less kinetic energy than what it would have (DESIGN 4.5).
-void Stepper::held_velocities(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
+/// made if that holds less kinetic energy than what it would have (DESIGN 4.5). Beyond that rule: the failsafe moves bodies in ways
+/// that neither velocity knows of, so the velocities taken are scaled to at most the kinetic energy of v^ plus the work of gravity
+/// on the way really made; otherwise a body that was held up would keep the energy of a fall that it did not make.
+void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
+                              StepReport& report) {
     const double dt = model_.settings.time_step;
     const auto kinetic = [&](std::size_t i, const Motion& m) {
         const Vec3 omega = angular_velocity(model_.shape_of(i), end[i].rotation, m.momentum);
         return 0.5 * model_.bodies[i].mass * length_sq(m.velocity) + 0.5 * dot(omega, m.momentum);
     };
+    const auto kinetic_at_start = [&](std::size_t i) {
+        const Vec3 omega = angular_velocity(model_.shape_of(i), state_.pose[i].rotation, collided[i].momentum);
+        return 0.5 * model_.bodies[i].mass * length_sq(collided[i].velocity) + 0.5 * dot(omega, collided[i].momentum);
+    };
     for (std::size_t id = 0; id < model_.size(); ++id) {
         const Cluster& c = clusters_[static_cast<std::int32_t>(id)];
         if (c.members.empty() || failsafe_bodies_[id] == 0) continue;
-        double planned = 0, real = 0;
+        double planned = 0, real = 0, allowed = 0;
         std::vector<Motion> made;
         for (std::int32_t m : c.members) {
             const auto i = static_cast<std::size_t>(m);
@@ -273,10 +285,20 @@ void Stepper::held_velocities(std::span<Motion> motion, std::span<const Pose> en
                 {(end[i].com - start.com) / dt + 0.5 * dt * model_.gravity, inertia * (trajectories_.turn(i) / dt)});
             planned += kinetic(i, motion[i]);
             real += kinetic(i, made.back());
+            allowed += kinetic_at_start(i) + model_.bodies[i].mass * dot(model_.gravity, end[i].com - start.com);
         }
-        if (!(real < planned)) continue;
-        for (std::size_t k = 0; k < c.members.size(); ++k) motion[static_cast<std::size_t>(c.members[k])] = made[k];
-        report.warnings |= kReboundLost;
+        const auto member = [&](std::size_t k) { return static_cast<std::size_t>(c.members[k]); };
+        if (real < planned)
+            for (std::size_t k = 0; k < c.members.size(); ++k) motion[member(k)] = made[k];
+        const double taken = std::min(real, planned);
+        if (taken > allowed) {
+            const double share = std::sqrt(std::max(0.0, allowed) / taken);
+            for (std::size_t k = 0; k < c.members.size(); ++k) {
+                motion[member(k)].velocity = share * motion[member(k)].velocity;
+                motion[member(k)].momentum = share * motion[member(k)].momentum;
+            }
+        }
+        if (real < planned || taken > allowed) report.warnings |= kReboundLost;
     }
     std::erase_if(state_.warm_impulses, [&](const WarmImpulse& w) {
         return failsafe_bodies_[static_cast<std::size_t>(w.a)] != 0 ||

@@ -46,7 +46,8 @@ class Stepper {
     void move_scripts();
     void static_contact(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage, StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
-    void held_velocities(std::span<Motion> motion, std::span<const Pose> end, StepReport& report);
+    void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
+                         StepReport& report);
     void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
     void measure(StepReport& report) const;
 

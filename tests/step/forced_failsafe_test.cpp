@@ -19,69 +19,89 @@ SceneDescription ball_and_stack(Rigidification kind, int iterations) {
 
 struct Outcome {
     RunTotals totals;
-    double spread = 0; ///< m, by how much the blocks' horizontal displacements differ
+    double broken = 0;         ///< m, at figure 9's step: largest change of the distance of two neighbours in the stack
+    double ball_speed = 0;     ///< m/s, along x, at that step
+    std::int64_t together = 0; ///< most bodies that moved as one cluster
 };
+
+constexpr std::size_t kBlocks = 8, kBall = 9; // the ground is 8
+constexpr int kFigureStep = 13;
 
 Outcome run_stack(Rigidification kind, int iterations, int steps) {
     const SceneDescription scene = ball_and_stack(kind, iterations);
     World world(scene);
+    const auto neighbours = [&](std::size_t i) {
+        return length(world.body(i + 1).center_of_mass - world.body(i).center_of_mass);
+    };
+    std::vector<double> start;
+    for (std::size_t i = 0; i + 1 < kBlocks; ++i) start.push_back(neighbours(i));
     Outcome out;
     for (int n = 0; n < steps; ++n) {
         const StepReport r = world.step();
         out.totals.add(r);
+        out.together = std::max(out.together, r.largest_cluster);
         expect_ladder_bounds(r, world.size());
         EXPECT_EQ(count_intersections(scene, world), 0) << "step " << n;
+        if (r.step != kFigureStep) continue;
+        for (std::size_t i = 0; i + 1 < kBlocks; ++i)
+            out.broken = std::max(out.broken, std::abs(neighbours(i) - start[i]));
+        out.ball_speed = world.body(kBall).velocity.x;
     }
-    double least = 1e300, most = -1e300;
-    for (std::size_t i = 0; i < 8; ++i) {
-        const double x = world.body(i).center_of_mass.x;
-        least = std::min(least, x);
-        most = std::max(most, x);
-    }
-    out.spread = most - least;
     return out;
 }
 
-TEST(ForcedFailsafe, KinematicLetsAStackBreakUpAndRigidFreezesIt) {
+// The paper's stack freezes because it becomes rigid together with the ground. Here clusters never take the ground in, and as section
+// 5 says of that case the ball's momentum goes to the whole stack, which tips over as one body.
+TEST(ForcedFailsafe, KinematicLetsAStackBreakUpAndRigidMovesItAsOne) {
     for (const int iterations : {0, 1}) {
         const Outcome kinematic = run_stack(Rigidification::kinematic, iterations, 36);
         const Outcome rigid = run_stack(Rigidification::rigid, iterations, 36);
-        std::printf(
-            "figure 9, limit %d: spread %.3f m kinematic (%lld merges, %lld rung changes), %.3f m rigid (%lld, %lld)\n",
-            iterations, kinematic.spread, static_cast<long long>(kinematic.totals.merges),
-            static_cast<long long>(kinematic.totals.rung_changes), rigid.spread,
-            static_cast<long long>(rigid.totals.merges), static_cast<long long>(rigid.totals.rung_changes));
+        for (const Outcome* o : {&kinematic, &rigid})
+            std::printf(
+                "figure 9, limit %d, %s: neighbours moved apart by %.3f m, ball %.2f m/s, at most %lld bodies in a "
+                "cluster, %lld merges, %lld rung changes\n",
+                iterations, o == &rigid ? "rigid" : "kinematic", o->broken, o->ball_speed,
+                static_cast<long long>(o->together), static_cast<long long>(o->totals.merges),
+                static_cast<long long>(o->totals.rung_changes));
         EXPECT_GE(kinematic.totals.merges, 10);
         EXPECT_GE(rigid.totals.merges, 5);
-        EXPECT_GT(kinematic.spread, 0.5);
-        EXPECT_LT(rigid.spread, 0.5 * kinematic.spread);
+        EXPECT_EQ(rigid.together, 9); // ball and stack
+        EXPECT_GT(kinematic.broken, 0.5);
+        EXPECT_LT(rigid.broken, 0.1);
+        EXPECT_LT(rigid.ball_speed, 0.6 * kinematic.ball_speed);
     }
 }
 
-TEST(ForcedFailsafe, EnergyOfFiftyBoatsDoesNotGrow) {
-    SceneDescription scene = make_scene("boats-in-bowl", 52, 1);
+void expect_no_energy_growth(std::uint64_t seed, int iterations) {
+    SceneDescription scene = make_scene("boats-in-bowl", 52, seed);
     scene.settings.sleeping = false;
-    scene.settings.collision_iterations = 0;
-    scene.settings.dynamic_iterations = 0;
+    scene.settings.collision_iterations = iterations;
+    scene.settings.dynamic_iterations = iterations;
     World world(scene);
     RunTotals totals;
-    double last = 1e300, start = 0, growth = 0, total_growth = 0;
+    double last = 1e300, start = 0, growth = 0;
     for (int n = 0; n < 100; ++n) {
         const StepReport r = world.step();
         totals.add(r);
         expect_ladder_bounds(r, world.size());
         if (n == 0) start = r.energy;
-        if (n > 0) growth = std::max(growth, r.energy - last), total_growth += std::max(0.0, r.energy - last);
+        if (n > 0) growth = std::max(growth, r.energy - last);
         last = r.energy;
         if (n % 10 == 9) {
             ASSERT_EQ(count_intersections(scene, world), 0) << "step " << n;
         }
     }
-    std::printf("50 boats, failsafe in %lld of 100 steps: energy %.6g J to %.6g J, largest growth in a step %.3g J "
-                "(sum %.3g J)\n",
-                static_cast<long long>(totals.failsafe_steps), start, last, growth, total_growth);
-    EXPECT_GE(totals.failsafe_steps, 50);
+    std::printf(
+        "50 boats, seed %d, limit %d, failsafe in %lld of 100 steps: energy %.6g J to %.6g J, largest growth in a step "
+        "%.3g J\n",
+        static_cast<int>(seed), iterations, static_cast<long long>(totals.failsafe_steps), start, last, growth);
+    EXPECT_GE(totals.failsafe_steps, iterations == 0 ? 50 : 20);
     EXPECT_LT(growth, 1e-9 * start);
+}
+
+TEST(ForcedFailsafe, EnergyOfFiftyBoatsDoesNotGrow) {
+    for (const std::uint64_t seed : {1u, 2u, 3u})
+        for (const int iterations : {0, 1}) expect_no_energy_growth(seed, iterations);
 }
 
 } // namespace
