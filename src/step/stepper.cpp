@@ -226,7 +226,7 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
         state_.warm_impulses.insert(state_.warm_impulses.end(), waiting_.begin(), waiting_.end());
         std::inplace_merge(state_.warm_impulses.begin(), state_.warm_impulses.begin() + middle,
                            state_.warm_impulses.end(), [](const WarmImpulse& p, const WarmImpulse& q) {
-                               return std::tuple(p.a, p.b) < std::tuple(q.a, q.b); // a pair waits as a whole;
+                               return std::tuple(p.a, p.b) < std::tuple(q.a, q.b); // a pair waits as a whole
                            });
     }
     report.iterations += stats.solve.iterations;
