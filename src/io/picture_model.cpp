@@ -150,7 +150,7 @@ Sphere focus_on_dynamic(std::span<const Sphere> spheres, std::vector<BodyData>& 
 
 /// Fixed bodies near the dynamic ones and not much larger belong to the picture; an endless floor does not.
 Sphere focus_on_fixed(std::span<const Sphere> spheres, std::vector<BodyData>& bodies, const Sphere& dynamic) {
-    constexpr double kLarge = 4; // times the radius of all dynamic bodies together
+    constexpr double kLarge = 2.2; // times the radius of all dynamic bodies together
     const bool any_dynamic = dynamic.radius > 0;
     Box box;
     if (any_dynamic) box.add(dynamic);
