@@ -16,7 +16,7 @@ enum class Trajectory : std::uint8_t {
 };
 enum class CcdMethod : std::uint8_t {
     conservative, ///< directional conservative advancement, no false negatives
-    cubic,        ///< roots of the coplanarity cubic with a tolerance (paper, section 3.1); a baseline, not proved
+    cubic, ///< stage 1 by the paper's cubic with a tolerance (section 3.1), a baseline; stage 5 stays conservative
 };
 enum class Tangents : std::uint8_t {
     random,  ///< friction pyramid turned by a generator keyed by (seed, step, features)

@@ -2,6 +2,7 @@
 #include "ccd/pair_query.hpp"
 
 #include "ccd/leaf_features.hpp"
+#include "geometry/ccd_cubic.hpp"
 
 namespace flotilla {
 namespace {
@@ -18,12 +19,12 @@ constexpr float kNodeTimeSlack = 0x1p-19f;
 
 class EarliestHit {
   public:
-    EarliestHit(const BodyMotion& a, const BodyMotion& b, double separation, CcdScratch& scratch)
+    EarliestHit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, CcdScratch& scratch)
         : a_(a),
           b_(b),
-          separation_(separation),
-          feature_reach_(separation * kFeatureMargin, std::max(a.max_abs(), b.max_abs())),
-          node_reach_(swept_reach(separation, a, b), std::max(a.max_abs(), b.max_abs())),
+          options_(options),
+          feature_reach_(options.separation * kFeatureMargin, std::max(a.max_abs(), b.max_abs())),
+          node_reach_(swept_reach(options.separation, a, b), std::max(a.max_abs(), b.max_abs())),
           scratch_(scratch) {}
 
     PairHit run(const CandidateList* list) {
@@ -94,7 +95,11 @@ class EarliestHit {
         auto& batch = scratch_.batch_[static_cast<std::size_t>(kind)];
         batch.results.resize(batch.queries.size());
         scratch_.counters.feature_queries += static_cast<std::int64_t>(batch.queries.size());
-        ccd_batch(kind, batch.queries, {separation_, CcdStart::relaxed}, batch.results, isa_);
+        if (options_.method == CcdMethod::conservative)
+            ccd_batch(kind, batch.queries, {options_.separation, options_.start}, batch.results, isa_);
+        else
+            for (std::size_t i = 0; i < batch.queries.size(); ++i)
+                batch.results[i] = ccd_cubic(kind, batch.queries[i], options_.separation);
         for (std::size_t i = 0; i < batch.results.size(); ++i)
             if (batch.results[i].hit) offer(batch.features[i], batch.results[i], batch.entry[i]);
         batch.queries.clear();
@@ -110,7 +115,7 @@ class EarliestHit {
     }
 
     const BodyMotion &a_, &b_;
-    double separation_;
+    HitOptions options_;
     CoarseReach feature_reach_, node_reach_;
     CcdScratch& scratch_;
     Isa isa_ = best_isa();
@@ -121,9 +126,9 @@ double swept_reach(double separation, const BodyMotion& a, const BodyMotion& b) 
     return separation * kNodeMargin + kNodeRoom * std::max(a.max_abs(), b.max_abs());
 }
 
-PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, double separation, const CandidateList* list,
+PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const CandidateList* list,
                      CcdScratch& scratch) {
-    PairHit best = EarliestHit(a, b, separation, scratch).run(list);
+    PairHit best = EarliestHit(a, b, options, scratch).run(list);
     if (!best.hit) return best;
     // The direction at the time of impact, from the closest points themselves where they are distinct: the certifying
     // direction of an early stop may be a poor normal.

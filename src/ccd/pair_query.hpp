@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: MIT
 // Earliest collision of a body pair along the linear trajectories of all its vertices (paper, section 3.1).
+//
+// The continuous collision detection of the features is the conservative one, whose "no hit" is a proof, or as a baseline the
+// paper's cubic, whose "no hit" proves nothing.
 #pragma once
 
 #include <vector>
+
+#include <flotilla/settings.hpp>
 
 #include "ccd/candidate_list.hpp"
 #include "ccd/feature_candidates.hpp"
 
 namespace flotilla {
 
-/// The earliest hit of a pair. No hit: both bodies are proved farther apart than the separation (relaxed for features that start
+/// The earliest hit of a pair. No hit of the conservative method: both bodies are proved farther apart than the separation (relaxed for features that start
 /// closer, see CcdStart) during the whole motion.
 struct PairHit {
     bool hit = false;
@@ -39,11 +44,18 @@ class CcdScratch {
     FeatureBuffer features_;
 };
 
-/// A pure function of the two motions and the separation (m). A feature pair whose own moving (coarse) boxes stay farther
+/// What is asked of a pair.
+struct HitOptions {
+    double separation = 0; ///< m; the tolerance of the cubic
+    CcdStart start = CcdStart::relaxed;
+    CcdMethod method = CcdMethod::conservative;
+};
+
+/// A pure function of the two motions and the options. A feature pair whose own moving (coarse) boxes stay farther
 /// apart than the separation cannot hit; among the others the least (time, feature key) wins, where the time is not before the
 /// entry of their boxes: so the answer does not depend on how candidates were found or in which order they were tried.
 /// `list`, where given, must cover the motions and have been built to reach swept_reach(separation).
-[[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, double separation,
+[[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
                                    const CandidateList* list, CcdScratch& scratch);
 
 /// What a list must reach at any time of the step for queries with a separation, m.

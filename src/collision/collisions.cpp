@@ -67,7 +67,7 @@ void collide(StepData& data, const CandidatePair& pair, StageCounters& counters)
     PairRecord& record = data.pairs.get(data.model, data.state, pair.a, pair.b);
     ++counters.pairs;
     for (int i = 0; i < data.model.settings.collision_pair_iterations; ++i) {
-        const PairHit hit = query(data, pair.a, pair.b, counters);
+        const PairHit hit = query_collision(data, pair.a, pair.b, counters);
         std::optional<ContactPoint> point;
         if (hit.hit) {
             record.processed = true;
@@ -100,7 +100,7 @@ void merge_active(const StepData& data, const std::vector<CandidatePair>& list, 
 std::int64_t sweep(StepData& data, const std::vector<CandidatePair>& list, StageCounters& counters) {
     std::int64_t work = 0;
     const auto run = [&](const CandidatePair& pair) {
-        if (proved(data, pair.a, pair.b) || left(data, pair.a, pair.b)) return;
+        if (proved(data, pair.a, pair.b) || missed(data, pair.a, pair.b) || left(data, pair.a, pair.b)) return;
         collide(data, pair, counters);
         ++work;
     };

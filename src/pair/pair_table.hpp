@@ -22,6 +22,7 @@ struct PairCandidates {
 struct PairRecord {
     std::int32_t a = -1, b = -1;
     std::uint64_t proved_a = 0, proved_b = 0; ///< versions for which the CCD found no hit (way b of DESIGN 4.2)
+    std::uint64_t missed_a = 0, missed_b = 0; ///< versions for which stage 1's own CCD found no hit, proved or not
     std::uint64_t left_a = 0, left_b = 0;     ///< versions for which an operation changed nothing: left to stage 5
     std::int64_t step = -1;                   ///< of the last use
     bool active = false;                      ///< stage 1 applied an impulse to it in this step

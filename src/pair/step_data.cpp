@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pair/step_data.hpp"
 
+#include "geometry/ccd_cubic.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -14,6 +16,15 @@ double largest_reach(const StepData& data, std::size_t body, bool with_proximity
     const double proximity = s.proximity_distance > 0 ? s.proximity_distance : 2 * rest;
     const double separation = s.separation > 0 ? s.separation : rest / 50;
     return with_proximity ? proximity : separation;
+}
+
+/// What the cubic compares distances with, m.
+double cubic_tolerance(const Settings& s) { return s.separation > 0 ? s.separation : kCubicTolerance; }
+
+/// The largest separation that a query with a candidate list asks for, m.
+double largest_separation(const StepData& data, const PairRecord& r) {
+    const Settings& s = data.model.settings;
+    return s.ccd == CcdMethod::cubic ? std::max(r.lengths.separation, cubic_tolerance(s)) : r.lengths.separation;
 }
 
 constexpr double kSlowMargin = 0.5, kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
@@ -54,9 +65,17 @@ const CandidateList* candidates(StepData& data, PairRecord& r, const BodyMotion&
         c.paid = true;
         return nullptr;
     }
-    const CandidateReach reach{swept_reach(r.lengths.separation, a, b), r.lengths.proximity};
+    const CandidateReach reach{swept_reach(largest_separation(data, r), a, b), r.lengths.proximity};
     c.list.build(a, b, reach, margins);
     return &c.list;
+}
+
+PairHit search(StepData& data, PairRecord& r, CcdMethod method) {
+    // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
+    if (data.trajectories.still(at(r.a)) && data.trajectories.still(at(r.b))) return {};
+    const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
+    const double separation = method == CcdMethod::cubic ? cubic_tolerance(data.model.settings) : r.lengths.separation;
+    return earliest_hit(a, b, {separation, CcdStart::relaxed, method}, candidates(data, r, a, b), data.ccd);
 }
 
 } // namespace
@@ -101,6 +120,12 @@ bool proved(const StepData& data, std::int32_t a, std::int32_t b) {
            r->proved_b == data.trajectories.version(at(b));
 }
 
+bool missed(const StepData& data, std::int32_t a, std::int32_t b) {
+    const PairRecord* r = data.pairs.find(a, b);
+    return r != nullptr && r->missed_a == data.trajectories.version(at(a)) &&
+           r->missed_b == data.trajectories.version(at(b));
+}
+
 bool left(const StepData& data, std::int32_t a, std::int32_t b) {
     const PairRecord* r = data.pairs.find(a, b);
     return r != nullptr && r->left_a == data.trajectories.version(at(a)) &&
@@ -110,15 +135,22 @@ bool left(const StepData& data, std::int32_t a, std::int32_t b) {
 PairHit query(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters) {
     const Stopwatch watch(counters.detection_ms);
     PairRecord& r = data.pairs.get(data.model, data.state, a, b);
-    PairHit hit;
-    // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
-    if (!data.trajectories.still(at(a)) || !data.trajectories.still(at(b))) {
-        const BodyMotion ma = data.trajectories.motion(at(a)), mb = data.trajectories.motion(at(b));
-        hit = earliest_hit(ma, mb, r.lengths.separation, candidates(data, r, ma, mb), data.ccd);
-    }
+    const PairHit hit = search(data, r, CcdMethod::conservative);
     if (!hit.hit) {
         r.proved_a = data.trajectories.version(at(a));
         r.proved_b = data.trajectories.version(at(b));
+    }
+    return hit;
+}
+
+PairHit query_collision(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters) {
+    if (data.model.settings.ccd == CcdMethod::conservative) return query(data, a, b, counters);
+    const Stopwatch watch(counters.detection_ms);
+    PairRecord& r = data.pairs.get(data.model, data.state, a, b);
+    const PairHit hit = search(data, r, CcdMethod::cubic);
+    if (!hit.hit) {
+        r.missed_a = data.trajectories.version(at(a));
+        r.missed_b = data.trajectories.version(at(b));
     }
     return hit;
 }

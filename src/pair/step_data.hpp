@@ -64,8 +64,9 @@ const std::vector<CandidatePair>& freeze(StepData& data, bool with_proximity);
 /// All pairs whose boxes at the end poses come within the proximity distance, sorted; uses the freeze's buffers.
 const std::vector<CandidatePair>& end_pairs(StepData& data);
 
-/// Whether the pair's current versions are proved by the CCD, or were left by an operation.
+/// Whether the pair's current versions are proved by the CCD, passed the CCD of stage 1, or were left by an operation.
 [[nodiscard]] bool proved(const StepData& data, std::int32_t a, std::int32_t b);
+[[nodiscard]] bool missed(const StepData& data, std::int32_t a, std::int32_t b);
 [[nodiscard]] bool left(const StepData& data, std::int32_t a, std::int32_t b);
 
 /// The pair's candidate list where it covers the present end poses: for queries of the proximity distance at the end of the
@@ -74,6 +75,9 @@ const std::vector<CandidatePair>& end_pairs(StepData& data);
 
 /// Runs the CCD on a pair of bodies and records a proof where there is one.
 PairHit query(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters);
+
+/// The same for stage 1, by the setting `ccd`. What only the cubic takes for a miss is not proved: stage 5 looks at it again.
+PairHit query_collision(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters);
 
 /// The earliest hit between two clusters; pairs of members with a current proof are not looked at again.
 struct ClusterHit {

@@ -174,8 +174,11 @@ const std::vector<SettingRow>& table() {
          0,
          0,
          {},
-         "continuous collision detection: proved, or the paper's cubic with a tolerance",
-         "cubic: a baseline for comparison; its certificates are not proved"},
+         "continuous collision detection of stage 1: proved, or the paper's cubic with a tolerance (separation where "
+         "given, "
+         "else 1e-4 m)",
+         "cubic: a baseline for comparison; what it overlooks, the proved one of stage 5 finds and resolves without "
+         "rebound"},
         {"contact_solver",
          choice<&Settings::contact_solver>(kContactSolvers),
          "",

@@ -121,7 +121,7 @@ TEST(EarliestHit, IsTheLeastOfAllFeaturePairs) {
         }
         pair.move(start, end);
         CcdScratch scratch;
-        const PairHit hit = earliest_hit(pair.motion(0), pair.motion(1), kSeparation, nullptr, scratch);
+        const PairHit hit = earliest_hit(pair.motion(0), pair.motion(1), {kSeparation}, nullptr, scratch);
         expect_same(hit, hit_of_all_features(pair.motion(0), pair.motion(1)));
         ++(hit.hit ? hits : misses);
     }
@@ -158,8 +158,8 @@ TEST(CandidateList, ChangesNoAnswerOfAMotionThatItCovers) {
                 continue;
             }
             CcdScratch scratch;
-            const PairHit with = earliest_hit(a, b, kSeparation, &list, scratch);
-            expect_same(with, earliest_hit(a, b, kSeparation, nullptr, scratch));
+            const PairHit with = earliest_hit(a, b, {kSeparation}, &list, scratch);
+            expect_same(with, earliest_hit(a, b, {kSeparation}, nullptr, scratch));
             ++(with.hit ? hits : misses);
 
             const BodyMotion at_a = pair.trajectories.at_end(0), at_b = pair.trajectories.at_end(1);

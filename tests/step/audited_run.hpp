@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// A run whose every step the audit looks at: the state it ends in, and the motion that led there.
+#pragma once
+
+#include <flotilla/scene_library.hpp>
+
+#include "audit/audit.hpp"
+#include "scene/scene.hpp"
+#include "state/build_model.hpp"
+#include "step/scenario.hpp"
+#include "step/stepper.hpp"
+
+namespace flotilla::scenario {
+
+class AuditedRun {
+  public:
+    explicit AuditedRun(const SceneDescription& description)
+        : scene_(build_scene(description)),
+          model_(make_model(scene_)),
+          stepper_(model_, initial_state(scene_, model_)) {
+        for (const RigidShape& s : model_.shapes)
+            audited_.shapes.push_back(audit::make_shape(s.mesh, s.center_of_mass));
+        for (const Body& b : model_.bodies) audited_.bodies.push_back({b.shape, !b.movable()});
+        last_ = place();
+    }
+
+    /// Steps and adds what the audit finds to `findings`.
+    StepReport step() {
+        const StepReport report = stepper_.step();
+        totals.add(report);
+        audit::Placement now = place();
+        const auto motion =
+            model_.settings.trajectory == Trajectory::rigid ? audit::Motion::rigid : audit::Motion::linear;
+        const auto states = audit::check_state(audited_, now, 1);
+        const auto paths = audit::check_motion(audited_, last_, now, motion, stepper_.turns(), 1);
+        findings += states.intersections.size() + paths.passages.size() + paths.bad_paths.size() + now.bad.size();
+        audited_pairs += paths.triangle_pairs;
+        for (const Vec3& turn : stepper_.turns()) largest_turn = std::max(largest_turn, length(turn));
+        last_ = std::move(now);
+        return report;
+    }
+
+    [[nodiscard]] const Stepper& stepper() const { return stepper_; }
+
+    RunTotals totals;
+    std::size_t findings = 0;
+    std::int64_t audited_pairs = 0; ///< of triangles, on the way
+    double largest_turn = 0;        ///< rad in one step
+
+  private:
+    audit::Placement place() {
+        std::vector<audit::Pose> poses;
+        for (const Pose& p : stepper_.state().pose) poses.push_back({p.origin, p.rotation});
+        return audit::place(audited_, poses, 1);
+    }
+
+    Scene scene_;
+    Model model_;
+    Stepper stepper_;
+    audit::Scene audited_;
+    audit::Placement last_;
+};
+
+} // namespace flotilla::scenario
