@@ -12,7 +12,7 @@ namespace flotilla {
 
 enum class Trajectory : std::uint8_t {
     linear, ///< one straight segment per vertex and step (paper, section 3.1)
-    rigid,  ///< segments of equal angle, so that the certificate covers the rotating motion itself
+    rigid,  ///< bodies turn on the way: segments of equal angle, whose certificate covers the turning motion
 };
 enum class CcdMethod : std::uint8_t {
     conservative, ///< directional conservative advancement, no false negatives

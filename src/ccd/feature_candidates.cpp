@@ -36,6 +36,20 @@ Corners corners(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) 
     }
 }
 
+/// Puts the corners [begin, end) of a turning body where they are at time t, and both ends where the velocity there leads.
+void follow_turn(const BodyMotion& body, double t, const Corners& c, std::size_t begin, std::size_t end, CcdQuery& q,
+                 std::array<Vec3, 4>& x) {
+    const Pose pose = body.pose(t);
+    const Mat3 rotation = matrix(pose.rotation);
+    const Vec3 velocity = body.at1.pose->com - body.at0.pose->com; // per step
+    for (std::size_t i = begin; i < end; ++i) {
+        x[i] = rotation * body.shape->mesh.vertices[at(c.v[i])] + pose.origin;
+        const Vec3 v = velocity + cross(body.turn, x[i] - pose.com);
+        q.x0[i] = x[i] - t * v;
+        q.x1[i] = q.x0[i] + v;
+    }
+}
+
 /// Closest points at the given corner positions, as weights of the corners.
 struct Weights {
     std::array<double, 4> w;
@@ -73,9 +87,11 @@ CcdQuery ccd_query(const BodyMotion& a, const BodyMotion& b, const FeaturePair& 
 
 FeaturePoints closest_points(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f, double t) {
     const Corners c = corners(a, b, f);
-    const CcdQuery q = ccd_query(a, b, f);
+    CcdQuery q = ccd_query(a, b, f);
     std::array<Vec3, 4> x;
     for (std::size_t i = 0; i < 4; ++i) x[i] = q.x0[i] + t * (q.x1[i] - q.x0[i]);
+    if (!c.first->straight()) follow_turn(*c.first, t, c, 0, static_cast<std::size_t>(c.split), q, x);
+    if (!c.second->straight()) follow_turn(*c.second, t, c, static_cast<std::size_t>(c.split), 4, q, x);
     const Weights w = closest_weights(f.kind, x);
     const auto split = static_cast<std::size_t>(c.split);
     FeaturePoints p{blend(w.w, q.x0, 0, split),

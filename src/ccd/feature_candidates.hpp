@@ -27,7 +27,7 @@ struct FeaturePair {
     return kind == FeatureKind::edge_edge ? CcdKind::edge_edge : CcdKind::vertex_face;
 }
 
-/// The query's first feature is the vertex, or the edge of body a.
+/// Corners at both ends, as if they moved straight. The query's first feature is the vertex, or the edge of body a.
 [[nodiscard]] CcdQuery ccd_query(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f);
 
 /// Turns a direction of a query (second feature to first) into one from a to b.
@@ -35,9 +35,9 @@ struct FeaturePair {
     return kind == FeatureKind::face_vertex ? direction : -direction;
 }
 
-/// The closest points of a feature pair at time t of the linear motion, and how they move.
+/// The closest points of a feature pair at time t of the motion, and how they move.
 struct FeaturePoints {
-    Vec3 a0, a1, b0, b1; ///< the material points at t = 0 and t = 1
+    Vec3 a0, a1, b0, b1; ///< the material points at t = 0 and t = 1; of a turning body by its velocity at t
     Vec3 a, b;           ///< at time t
     double distance_sq = 0;
     bool interior = true; ///< edge_edge: neither point is an end of its edge

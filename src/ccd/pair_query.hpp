@@ -25,6 +25,7 @@ struct PairHit {
 
 struct QueryCounters {
     std::int64_t box_tests = 0, feature_queries = 0, pair_queries = 0;
+    std::int64_t segments = 0; ///< of paths that were cut
 };
 
 /// Buffers of a pair query; one per thread, reused.
@@ -42,6 +43,8 @@ class CcdScratch {
     };
     std::array<Batch, 2> batch_; ///< by CcdKind
     FeatureBuffer features_;
+    friend class SegmentedPath;
+    std::array<std::array<PlacedBody, 2>, 2> placed_; ///< by body, even and odd ends of segments
 };
 
 /// What is asked of a pair.

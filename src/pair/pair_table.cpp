@@ -2,6 +2,7 @@
 #include "pair/pair_table.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace flotilla {
 namespace {
@@ -19,7 +20,10 @@ std::uint64_t mixed(std::int32_t a, std::int32_t b) {
 
 void PairTable::start_step(std::int64_t step) {
     std::erase_if(records_, [&](const PairRecord& r) { return r.step != step_; });
-    for (PairRecord& r : records_) r.active = r.processed = false;
+    for (PairRecord& r : records_) {
+        r.active = r.processed = false;
+        r.start_distance = std::exchange(r.end_distance, -1.0);
+    }
     step_ = step;
     if (!slots_.empty()) index(slots_.size());
 }

@@ -28,6 +28,8 @@ struct PairRecord {
     bool active = false;                      ///< stage 1 applied an impulse to it in this step
     bool processed = false;                   ///< examined by stage 1 and found hitting or near: stage 7 acts on it
     PairLengths lengths{};                    ///< m
+    double start_distance = -1;               ///< m, at x^n; infinite beyond the proximity distance, < 0: not known
+    double end_distance = -1;                 ///< the same at the end of the step
     PairCandidates candidates;                ///< a cache: changes cost only
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pair/step_data.hpp"
 
+#include "ccd/rigid_path.hpp"
 #include "geometry/ccd_cubic.hpp"
 
 namespace flotilla {
@@ -24,7 +25,10 @@ double cubic_tolerance(const Settings& s) { return s.separation > 0 ? s.separati
 /// The largest separation that a query with a candidate list asks for, m.
 double largest_separation(const StepData& data, const PairRecord& r) {
     const Settings& s = data.model.settings;
-    return s.ccd == CcdMethod::cubic ? std::max(r.lengths.separation, cubic_tolerance(s)) : r.lengths.separation;
+    const double arcs = s.trajectory == Trajectory::rigid ? kArcShare * r.lengths.rest : 0.0;
+    const double chord =
+        s.ccd == CcdMethod::cubic ? std::max(r.lengths.separation, cubic_tolerance(s)) : r.lengths.separation;
+    return chord + arcs;
 }
 
 constexpr double kSlowMargin = 0.5, kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
@@ -70,12 +74,26 @@ const CandidateList* candidates(StepData& data, PairRecord& r, const BodyMotion&
     return &c.list;
 }
 
+/// The distance of the bodies at x^n, from the last contact search where that looked at the pair.
+double start_distance(StepData& data, PairRecord& r) {
+    if (r.start_distance < 0) {
+        const ProximityResult result =
+            find_proximities(data.trajectories.at_start(at(r.a)), data.trajectories.at_start(at(r.b)),
+                             r.lengths.proximity, data.angle_cos, nullptr, data.proximity);
+        r.start_distance = result.near ? result.distance : std::numeric_limits<double>::infinity();
+    }
+    return r.start_distance;
+}
+
 PairHit search(StepData& data, PairRecord& r, CcdMethod method) {
     // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
     if (data.trajectories.still(at(r.a)) && data.trajectories.still(at(r.b))) return {};
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
     const double separation = method == CcdMethod::cubic ? cubic_tolerance(data.model.settings) : r.lengths.separation;
-    return earliest_hit(a, b, {separation, CcdStart::relaxed, method}, candidates(data, r, a, b), data.ccd);
+    const bool turns = !a.straight() || !b.straight();
+    const PathCut cut = turns ? cut_path(a, b, {r.lengths.rest, start_distance(data, r)}) : PathCut{};
+    return earliest_hit_on_path(a, b, {separation, CcdStart::relaxed, method}, cut,
+                                cut.segments == 1 ? candidates(data, r, a, b) : nullptr, data.ccd);
 }
 
 } // namespace

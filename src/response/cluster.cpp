@@ -6,8 +6,9 @@
 namespace flotilla {
 namespace {
 
-constexpr double kLargestRigidTurn =
-    2; // radians: below it a rigid motion keeps linear trajectories apart (DESIGN 4.2 c)
+// radians: below it a rigid motion keeps linear trajectories apart (DESIGN 4.2 c). Turning ones it does not: the centres of mass
+// go straight and the bodies turn about them.
+constexpr double kLargestRigidTurn = 2;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -97,7 +98,8 @@ void Clusters::evolve(std::int32_t id, double dt, Trajectories& trajectories) {
                        : rotation_vector_near(q * conjugate(trajectories.start_pose(at(i)).rotation), turn + r.vector);
         trajectories.set_end(at(i), make_pose(model_->shape_of(at(i)), moved, q), turn);
     }
-    const bool keeps_apart = c.rigid ? length(r.vector) < kLargestRigidTurn : !turns;
+    const bool affine = c.rigid && model_->settings.trajectory == Trajectory::linear;
+    const bool keeps_apart = affine ? length(r.vector) < kLargestRigidTurn : !turns;
     if (c.members.size() > 1 && !keeps_apart) c.internal_proved = false;
 }
 

@@ -5,8 +5,49 @@
 #include "mesh/placement.hpp"
 
 namespace flotilla {
+namespace {
 
-void Trajectories::Placement::place(const RigidShape& shape, const Pose& at) {
+// Allowance for the rounding of a turning path, in parts of its lengths. u = 2^-53, M the largest coordinate, l the largest
+// distance of a vertex from the mesh's origin or the centre of mass, w the turn. The centre's interpolation errs by 4 u M; the
+// angle t |w| is known to 2 u |w|, the quaternion of the turn, its product with q0 and the matrix to 40 u more, all times l; the
+// sums that place a vertex err by 4 u (M + l). The committed end misses R(w) q0 by the rounding of w, 16 u (1 + |w|) l, and
+// coordinates have three components. Together below 200 u (M + l (1 + |w|)).
+constexpr double kPathRounding = 0x1p-45; // 256 u
+
+} // namespace
+
+Pose BodyMotion::pose(double t) const {
+    const Vec3 com = at0.pose->com + t * (at1.pose->com - at0.pose->com);
+    const Quat& start = at0.pose->rotation;
+    return make_pose(*shape, com, straight() ? start : normalized(rotation_from_vector(t * turn) * start));
+}
+
+// A vertex at distance r from the centre has an acceleration of r |turn|^2 against the straight line, so it leaves the chord of a
+// part of length h by at most r (|turn| h)^2 / 8 (the arc's own height, r (1 - cos(|turn| h / 2)), is barely less). Nor can it be
+// farther than 2 r from a convex combination of its places, for all are within r of the centre.
+double BodyMotion::arc_gap(int segments) const {
+    if (straight()) return 0;
+    const double whole = length(turn), angle = whole / segments,
+                 reach = shape->radius + 2 * length(shape->center_of_mass);
+    const double rounding = kPathRounding * (max_abs() + reach * (1 + whole));
+    return 1.0001 * shape->radius * std::min(0.125 * angle * angle, 2.0) + rounding;
+}
+
+Box BodyMotion::swept() const {
+    const Box ends = merged(*at0.box, *at1.box);
+    if (straight()) return ends;
+    const auto grown = [](const Box& box, double by) {
+        return Box{box.lower - Vec3{by, by, by}, box.upper + Vec3{by, by, by}};
+    };
+    const double gap = arc_gap(1);
+    // A body that turns far stays near its centre.
+    const Box centers{min(at0.pose->com, at1.pose->com), max(at0.pose->com, at1.pose->com)};
+    const double rounding = kPathRounding * (max_abs() + shape->radius);
+    const Box chord = grown(ends, gap), ball = grown(centers, shape->radius + rounding);
+    return {max(chord.lower, ball.lower), min(chord.upper, ball.upper)};
+}
+
+void PlacedBody::place(const RigidShape& shape, const Pose& at) {
     pose = at;
     rotation = matrix(at.rotation);
     x.resize(shape.mesh.vertices.size());
@@ -21,6 +62,7 @@ void Trajectories::Placement::place(const RigidShape& shape, const Pose& at) {
 }
 
 void Trajectories::start(const Model& model, std::span<const Pose> poses) {
+    rigid_ = model.settings.trajectory == Trajectory::rigid;
     entries_.assign(poses.size(), {});
     for (std::size_t i = 0; i < poses.size(); ++i) {
         Entry& e = entries_[i];
@@ -43,7 +85,8 @@ void Trajectories::set_end(std::size_t body, const Pose& end, const Vec3& turn) 
     Entry& e = entries_[body];
     ++e.version;
     e.turn = turn;
-    e.still = end == e.at0.pose;
+    // A turn below one radian that ends in the same bits is none; a whole turn is one where bodies really turn.
+    e.still = end == e.at0.pose && (!rigid_ || length_sq(turn) < 1);
     if (!e.still) e.at1.place(*e.shape, end);
 }
 
@@ -51,18 +94,18 @@ void Trajectories::hold(std::size_t body) { set_end(body, entries_[body].at0.pos
 
 BodyMotion Trajectories::motion(std::size_t body) const {
     const Entry& e = entries_[body];
-    return {e.shape, e.at0.view(), (e.still ? e.at0 : e.at1).view()};
+    return {e.shape, e.at0.view(), (e.still ? e.at0 : e.at1).view(), rigid_ && !e.still ? e.turn : Vec3{}};
 }
 
 BodyMotion Trajectories::at_start(std::size_t body) const {
     const Entry& e = entries_[body];
-    return {e.shape, e.at0.view(), e.at0.view()};
+    return {e.shape, e.at0.view(), e.at0.view(), {}};
 }
 
 BodyMotion Trajectories::at_end(std::size_t body) const {
     const Entry& e = entries_[body];
     const BodyPlacement end = (e.still ? e.at0 : e.at1).view();
-    return {e.shape, end, end};
+    return {e.shape, end, end, {}};
 }
 
 } // namespace flotilla

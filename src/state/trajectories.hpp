@@ -18,23 +18,45 @@ struct BodyPlacement {
     const Mat3* rotation = nullptr; ///< of the pose
 };
 
-/// One body as the pair queries see it. Every vertex moves on a straight line from x0 to x1 (paper, section 3.1).
+/// One body as the pair queries see it, from t = 0 to t = 1. Every vertex moves on a straight line from x0 to x1 (paper, section
+/// 3.1) or, where there is a turn, with its body: the centre of mass on a straight line, the orientation R(t turn) q0.
 struct BodyMotion {
     const RigidShape* shape = nullptr;
     BodyPlacement at0, at1;
+    Vec3 turn; ///< rad, with whole turns; zero where every vertex moves straight
 
-    [[nodiscard]] Box swept() const { return merged(*at0.box, *at1.box); }
-    /// The largest magnitude of a coordinate, m.
+    [[nodiscard]] bool straight() const { return turn == Vec3{}; }
+    [[nodiscard]] bool still() const { return at0.x.data() == at1.x.data(); }
+    /// The pose at t in [0, 1].
+    [[nodiscard]] Pose pose(double t) const;
+    /// How far, at equal times, any vertex may be from the straight line between its places at both ends of a part of [0, 1]
+    /// that is 1 / `segments` long, m. Rounding included; zero where vertices move straight.
+    [[nodiscard]] double arc_gap(int segments) const;
+    /// Holds the body at all times.
+    [[nodiscard]] Box swept() const;
+    /// The largest magnitude of a coordinate at both ends, m.
     [[nodiscard]] double max_abs() const {
         return std::max(max_abs_coordinate(*at0.box), max_abs_coordinate(*at1.box));
     }
+};
+
+/// A pose with the world vertices and boxes that follow from it.
+struct PlacedBody {
+    Pose pose;
+    Mat3 rotation;
+    Box box;
+    std::vector<Vec3> x;
+    std::vector<CoarseBox> points, nodes;
+
+    void place(const RigidShape& shape, const Pose& at);
+    [[nodiscard]] BodyPlacement view() const { return {x, points, nodes, &box, &pose, &rotation}; }
 };
 
 /// The candidate trajectories of a step. Each committed end state has a version, never reused; a proof names the versions it is
 /// about.
 class Trajectories {
   public:
-    /// All bodies at rest at the given poses.
+    /// All bodies at rest at the given poses. The model's setting `trajectory` decides how they will move.
     void start(const Model& model, std::span<const Pose> poses);
     /// Makes the end states the start states of the next step.
     void advance();
@@ -50,33 +72,25 @@ class Trajectories {
     }
     [[nodiscard]] const Vec3& turn(std::size_t body) const { return entry(body).turn; }
     [[nodiscard]] std::uint64_t version(std::size_t body) const { return entry(body).version; }
-    [[nodiscard]] bool still(std::size_t body) const { return entry(body).still; } ///< end is bitwise the start
+    /// The end is bitwise the start, and the body does not move on the way either.
+    [[nodiscard]] bool still(std::size_t body) const { return entry(body).still; }
     [[nodiscard]] BodyMotion motion(std::size_t body) const;
     [[nodiscard]] BodyMotion at_start(std::size_t body) const; ///< resting at the start pose
     [[nodiscard]] BodyMotion at_end(std::size_t body) const;   ///< resting at the end pose
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
   private:
-    struct Placement {
-        Pose pose;
-        Mat3 rotation;
-        Box box;
-        std::vector<Vec3> x;
-        std::vector<CoarseBox> points, nodes;
-
-        void place(const RigidShape& shape, const Pose& at);
-        [[nodiscard]] BodyPlacement view() const { return {x, points, nodes, &box, &pose, &rotation}; }
-    };
     struct Entry {
         Vec3 turn;
         std::uint64_t version = 0;
         bool still = true;
         const RigidShape* shape = nullptr;
-        Placement at0, at1;
+        PlacedBody at0, at1;
     };
     [[nodiscard]] const Entry& entry(std::size_t body) const { return entries_[body]; }
 
     std::vector<Entry> entries_;
+    bool rigid_ = false; ///< the setting `trajectory`
 };
 
 } // namespace flotilla

@@ -10,12 +10,13 @@ namespace {
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 void append_pair(StepData& data, const CandidatePair& pair, ContactSet& out) {
-    const PairRecord& record = data.pairs.get(data.model, data.state, pair.a, pair.b);
+    PairRecord& record = data.pairs.get(data.model, data.state, pair.a, pair.b);
     data.points.clear();
     const auto result = find_contact_points(data.trajectories.at_end(at(pair.a)), data.trajectories.at_end(at(pair.b)),
                                             record.lengths.proximity, data.angle_cos, end_candidates(data, record),
                                             data.proximity, data.points);
     if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
+    record.end_distance = result.near ? result.distance : std::numeric_limits<double>::infinity();
     for (const ProximityPoint& p : data.points) {
         // The point of the vertex, or of body a's edge (section 4.3.1).
         const Vec3 point = p.features.kind == FeatureKind::face_vertex ? p.b : p.a;

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "ccd/rigid_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace flotilla {
+namespace {
+
+constexpr double kKeep = 0.95; // share of the start distance that must be kept, as for straight paths
+constexpr double kClear =
+    1.02; // a start farther than this times the separation is not near it: beyond the slack of a hit
+constexpr double kLeastOnArcs = 0.5;  // of the separation, that a certificate must prove on the arcs
+constexpr double kBallRoom = 0x1p-40; // of the largest coordinate: far above the rounding of distances of centres
+
+double both_gaps(const BodyMotion& a, const BodyMotion& b, int segments) {
+    return a.arc_gap(segments) + b.arc_gap(segments);
+}
+
+} // namespace
+
+/// The paths of two bodies, segment by segment.
+class SegmentedPath {
+  public:
+    SegmentedPath(const BodyMotion& a, const BodyMotion& b, int segments, CcdScratch& scratch)
+        : motion_{&a, &b}, segments_(segments), scratch_(scratch) {}
+
+    /// The earliest hit on the chords, in time of the whole path.
+    PairHit earliest(const HitOptions& options) {
+        for (int i = 0; i < segments_; ++i)
+            if (const auto hit = in_segment(i, options)) return *hit;
+        return {};
+    }
+
+    std::optional<PairHit> in_segment(int i, const HitOptions& options) {
+        if (balls_apart(i, options.separation)) return std::nullopt;
+        ++scratch_.counters.segments;
+        const BodyMotion a = segment(0, i), b = segment(1, i);
+        PairHit hit = earliest_hit(a, b, options, nullptr, scratch_);
+        if (!hit.hit) return std::nullopt;
+        hit.toi = std::min((i + hit.toi) / segments_, 1.0);
+        return hit;
+    }
+
+  private:
+    /// Whether the balls about the centres of mass stay apart during a segment.
+    [[nodiscard]] bool balls_apart(int i, double separation) const {
+        const auto between = [&](double t) {
+            const auto com = [&](const BodyMotion& m) {
+                return m.at0.pose->com + t * (m.at1.pose->com - m.at0.pose->com);
+            };
+            return com(*motion_[1]) - com(*motion_[0]);
+        };
+        const Vec3 from = between(time(i)), to = between(time(i + 1)), along = to - from;
+        const double square = length_sq(along);
+        const double nearest = square > 0 ? std::clamp(-dot(from, along) / square, 0.0, 1.0) : 0.0;
+        const double room = kBallRoom * std::max(motion_[0]->max_abs(), motion_[1]->max_abs());
+        return length(from + nearest * along) >
+               motion_[0]->shape->radius + motion_[1]->shape->radius + 2 * separation + room;
+    }
+
+    [[nodiscard]] double time(int i) const { return static_cast<double>(i) / segments_; }
+
+    BodyMotion segment(std::size_t body, int i) {
+        return {motion_[body]->shape, end_of_segment(body, i), end_of_segment(body, i + 1), {}};
+    }
+
+    /// Both ends of the path are the committed placements themselves, bit for bit.
+    BodyPlacement end_of_segment(std::size_t body, int i) {
+        const BodyMotion& m = *motion_[body];
+        if (i == 0 || m.still()) return m.at0;
+        if (i == segments_) return m.at1;
+        const auto parity = static_cast<std::size_t>(i % 2);
+        PlacedBody& placed = scratch_.placed_[body][parity];
+        int& which = placed_at_[body][parity];
+        if (which != i) placed.place(*m.shape, m.pose(time(i)));
+        which = i;
+        return placed.view();
+    }
+
+    std::array<const BodyMotion*, 2> motion_;
+    int segments_;
+    CcdScratch& scratch_;
+    std::array<std::array<int, 2>, 2> placed_at_{}; ///< which end of a segment is in scratch_.placed_; 0: none
+};
+
+namespace {
+
+/// Gives a hit the normal that the bodies have on their paths, not on the chords.
+PairHit on_path(const BodyMotion& a, const BodyMotion& b, PairHit hit) {
+    if (!hit.hit) return hit;
+    const FeaturePoints p = closest_points(a, b, hit.features, hit.toi);
+    if (const Vec3 n = normalized(p.b - p.a); n != Vec3{}) hit.normal = n;
+    return hit;
+}
+
+/// The hit of a pair that starts too near for its turn: the first that approaches, else one that is near at the start.
+PairHit hit_at_start(SegmentedPath& path, HitOptions options, double start_distance) {
+    if (const PairHit hit = path.earliest(options); hit.hit) return hit;
+    options.start = CcdStart::strict;
+    options.separation = std::max(options.separation, 1.1 * start_distance);
+    if (const auto hit = path.in_segment(0, options)) return *hit;
+    return {true, 0, {}, {}};
+}
+
+} // namespace
+
+PathCut cut_path(const BodyMotion& a, const BodyMotion& b, const PathLengths& lengths) {
+    PathCut cut{1, both_gaps(a, b, 1), lengths.start_distance};
+    const double limit = kArcShare * std::min(lengths.rest, lengths.start_distance);
+    while (cut.segments < kMaxSegments && !(cut.gap < limit) && cut.gap > 0) {
+        cut.segments *= 2;
+        cut.gap = both_gaps(a, b, cut.segments);
+    }
+    return cut;
+}
+
+PairHit earliest_hit_on_path(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const PathCut& cut,
+                             const CandidateList* list, CcdScratch& scratch) {
+    if (cut.gap == 0) return earliest_hit(a, b, options, list, scratch);
+    SegmentedPath path(a, b, cut.segments, scratch);
+    HitOptions chord = options;
+    if (options.method == CcdMethod::conservative) {
+        chord.separation += cut.gap;
+        if (!(cut.start_distance >= kClear * chord.separation)) {
+            const double kept = kKeep * cut.start_distance;
+            if (!(kept - cut.gap >= kLeastOnArcs * std::min(options.separation, kept)))
+                return on_path(a, b, hit_at_start(path, chord, cut.start_distance));
+            chord.separation = kept;
+        }
+        chord.start = CcdStart::strict;
+    }
+    if (cut.segments == 1) return earliest_hit(a, b, chord, list, scratch);
+    return on_path(a, b, path.earliest(chord));
+}
+
+} // namespace flotilla
