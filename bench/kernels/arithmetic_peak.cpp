@@ -16,7 +16,7 @@ namespace flotilla::bench {
 namespace {
 
 // Six chains of each kind: three or four cycles of latency times two pipes, in 14 of 16 registers.
-#define FLOTILLA_PEAK_LOOP(Type, set, add, mul)                                                                        \
+#define FLOTILLA_PEAK_LOOP(lanes, Type, set, add, mul)                                                                 \
     double one = 1, zero = 0;                                                                                          \
     benchmark::DoNotOptimize(one);                                                                                     \
     benchmark::DoNotOptimize(zero);                                                                                    \
@@ -28,18 +28,18 @@ namespace {
     }                                                                                                                  \
     Type sum = add(add(add(add(a0, a1), add(a2, a3)), add(a4, a5)), add(add(m0, m1), add(add(m2, m3), add(m4, m5))));  \
     benchmark::DoNotOptimize(sum);                                                                                     \
-    return 12.0 * kPeakSteps * static_cast<double>(sizeof(Type) / sizeof(double))
+    return 12.0 * kPeakSteps * (lanes)
 
 double same(double x) { return x; }
 double plus(double a, double b) { return a + b; }
 double times(double a, double b) { return a * b; }
-double scalar_loop() { FLOTILLA_PEAK_LOOP(double, same, plus, times); }
+double scalar_loop() { FLOTILLA_PEAK_LOOP(1, double, same, plus, times); }
 #if defined(__x86_64__)
 __attribute__((target("avx2"))) double avx2_loop() {
-    FLOTILLA_PEAK_LOOP(__m256d, _mm256_set1_pd, _mm256_add_pd, _mm256_mul_pd);
+    FLOTILLA_PEAK_LOOP(4, __m256d, _mm256_set1_pd, _mm256_add_pd, _mm256_mul_pd);
 }
 __attribute__((target("avx512f"))) double avx512_loop() {
-    FLOTILLA_PEAK_LOOP(__m512d, _mm512_set1_pd, _mm512_add_pd, _mm512_mul_pd);
+    FLOTILLA_PEAK_LOOP(8, __m512d, _mm512_set1_pd, _mm512_add_pd, _mm512_mul_pd);
 }
 #endif
 #undef FLOTILLA_PEAK_LOOP
@@ -67,7 +67,7 @@ void BM_ArithmeticPeak(benchmark::State& state, Isa isa) {
     state.counters["flops"] = benchmark::Counter(operations, benchmark::Counter::kIsRate);
 }
 
-const bool registered = [] {
+const bool kRegistered = [] {
     for (const Isa isa : {Isa::scalar, Isa::avx2, Isa::avx512})
         if (isa <= best_isa())
             benchmark::RegisterBenchmark((std::string("BM_ArithmeticPeak/") + name(isa)).c_str(), BM_ArithmeticPeak,

@@ -174,7 +174,7 @@ void BM_CcdCertifiedAlong(benchmark::State& state, CcdKind kind) {
     report(state, Isa::scalar, flops);
 }
 
-const bool registered = [] {
+const bool kRegistered = [] {
     for (const CcdKind kind : {CcdKind::vertex_face, CcdKind::edge_edge}) {
         const std::string kind_name = kind == CcdKind::vertex_face ? "vertex_face/" : "edge_edge/";
         for (const Situation& situation : kSituations)

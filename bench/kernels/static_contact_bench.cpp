@@ -68,7 +68,8 @@ Wall make_wall(int n, int layers) {
         const double shift = k % 2 ? 0.5 : 0.0, z = 0.5 * k;
         const auto first = static_cast<std::int32_t>(w.position.size());
         for (int i = 0; i < m * m; ++i) {
-            const Vec3 x{i % m + shift, i / m + shift, z + 0.25};
+            const int column = i % m, row = i / m;
+            const Vec3 x{column + shift, row + shift, z + 0.25};
             add_body(w, x, 1.0 / 100);
             const std::int32_t body = first + i;
             if (k == 0) touch(w, 0, body, {x.x, x.y, z}, 0.5, 0.5);

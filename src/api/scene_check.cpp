@@ -22,6 +22,7 @@ std::vector<std::array<Vec3, 3>> triangles_of(const Scene& scene, const BodyOver
     const TriangleMesh& mesh = scene.shapes[static_cast<std::size_t>(scene.bodies[body].shape)].mesh;
     const std::vector<Vec3> world = initial_vertices(scene, body);
     std::vector<std::array<Vec3, 3>> triangles;
+    triangles.reserve(used.size());
     for (const std::int32_t t : used) {
         const Triangle& corners = mesh.triangles[static_cast<std::size_t>(t)];
         const auto at = [&](std::size_t k) { return world[static_cast<std::size_t>(corners[k])]; };

@@ -40,16 +40,16 @@
 namespace flotilla {
 namespace {
 
-constexpr double kErrFactor = 0x1p-47;        // 64 u
-constexpr double kTiny = 0x1p-800;            // covers underflow
-constexpr double kLargest = 0x1p80;           // larger differences count as hits
-constexpr double kHuge = 0x1p300;             // above every finite product
-constexpr double kLeastSquare = 0x1p-500;     // a direction shorter than 2^-250 is none
-constexpr double kFloorFactor = 16;           // floor = 16 err (DESIGN 4.1)
-constexpr double kKeep = 0.95;                // relaxed start: share of the start distance that must be kept
-constexpr double kSlackOfSeparation = 0x1p-7; // a hit is reported within this share of the separation ...
-constexpr double kSlackOfErr = 1024;          // ... or this multiple of err above it
-constexpr int kMaxIterations = 2048;          // only grazing motion comes near it
+inline constexpr double kErrFactor = 0x1p-47;        // 64 u
+inline constexpr double kTiny = 0x1p-800;            // covers underflow
+inline constexpr double kLargest = 0x1p80;           // larger differences count as hits
+inline constexpr double kHuge = 0x1p300;             // above every finite product
+inline constexpr double kLeastSquare = 0x1p-500;     // a direction shorter than 2^-250 is none
+inline constexpr double kFloorFactor = 16;           // floor = 16 err (DESIGN 4.1)
+inline constexpr double kKeep = 0.95;                // relaxed start: share of the start distance that must be kept
+inline constexpr double kSlackOfSeparation = 0x1p-7; // a hit is reported within this share of the separation ...
+inline constexpr double kSlackOfErr = 1024;          // ... or this multiple of err above it
+inline constexpr int kMaxIterations = 2048;          // only grazing motion comes near it
 
 template <class P>
 inline PackVec<P> add_scaled(const PackVec<P>& a, P s, const PackVec<P>& b) {
@@ -357,7 +357,7 @@ inline void run(const double* const* lanes, bool relaxed, Progress<P>& state, un
     go_on(x, state, active, results);
 }
 
-constexpr int kBlock = 256; // queries whose survivors are compacted together
+inline constexpr int kBlock = 256; // queries whose survivors are compacted together
 
 /// What is left of a block of queries after the first iteration.
 struct Survivors {

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 /// A folder of its own for each test.
 class MeshFile : public ::testing::Test {
-  protected:
+  public:
     MeshFile() {
         const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
         folder_ = fs::path(::testing::TempDir()) / (std::string("flotilla_mesh_file_") + info->name());
@@ -41,8 +41,9 @@ class MeshFile : public ::testing::Test {
         fs::remove_all(folder_, ignored);
     }
 
+  protected:
     fs::path write(const std::string& name, const std::string& content) const {
-        const fs::path path = folder_ / name;
+        fs::path path = folder_ / name;
         std::ofstream(path, std::ios::binary) << content;
         return path;
     }
