@@ -25,13 +25,6 @@ int threads_from(const char* variable) {
     return std::max(threads, 0);
 }
 
-int usable_cores() {
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    if (sched_getaffinity(0, sizeof set, &set) == 0) return std::max(CPU_COUNT(&set), 1);
-    return std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
-}
-
 /// The items in turn, handed out one by one.
 class Queue {
   public:
@@ -68,6 +61,13 @@ class Queue {
 };
 
 } // namespace
+
+int usable_cores() {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    if (sched_getaffinity(0, sizeof set, &set) == 0) return std::max(CPU_COUNT(&set), 1);
+    return std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
+}
 
 int default_threads() {
     for (const char* variable : {"FLOTILLA_NUM_THREADS", "OMP_NUM_THREADS"})

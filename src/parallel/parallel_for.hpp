@@ -11,6 +11,9 @@ namespace flotilla {
 /// process may use.
 [[nodiscard]] int default_threads();
 
+/// The cores that this process may use.
+[[nodiscard]] int usable_cores();
+
 /// Calls work(i) once for every i in [0, n), in any order, on at most `threads` threads (the caller's among them); returns
 /// when all are done. Results belong in slots keyed by i. An exception of work stops the items not yet begun; of several the
 /// one with the smallest i is thrown here. One thread spawns nothing and goes in order.

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Tasks in a fixed order of which neighbours may exchange places where they have nothing in common.
+//
+// Each task uses at most two things (in a sweep: the two movable clusters of a pair). A task waits for the last earlier one that
+// uses each of its things. Running the tasks in any order that keeps to these waits gives the bits of the plain loop, if a task is a
+// pure function of data that only tasks with a common thing write (and of data that none writes): by induction over the list,
+// every task finds its things as the plain loop would leave them, because the tasks that wrote them before are the same, and their
+// order among each other is that of the list.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "parallel/task_recorder.hpp"
+
+namespace flotilla {
+
+class TaskOrder {
+  public:
+    /// Forgets all tasks. Things are numbered [0, num_things).
+    void start(std::size_t num_things);
+    /// Appends a task that uses `a` and `b`; a negative number stands for nothing. Returns its number.
+    std::int32_t add(std::int32_t a, std::int32_t b);
+
+    [[nodiscard]] std::size_t size() const { return successors_.size(); }
+    /// How many tasks each task waits for: 0 to 2.
+    [[nodiscard]] std::span<const std::uint8_t> waits() const { return waits_; }
+    [[nodiscard]] std::span<const Successors> successors() const { return successors_; }
+
+  private:
+    bool follow(std::int32_t task, std::int32_t thing);
+
+    std::vector<std::int32_t> last_;                  ///< by thing: the task that used it last, -1: none
+    std::vector<std::int32_t> used_;                  ///< things to be reset
+    std::vector<std::array<std::int32_t, 2>> things_; ///< by task
+    std::vector<Successors> successors_;
+    std::vector<std::uint8_t> waits_;
+};
+
+} // namespace flotilla

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// Sorting by a team. The result is that of std::sort where equal items are the same bits, whatever the number of threads.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "parallel/team.hpp"
+
+namespace flotilla {
+
+namespace team_sort_detail {
+
+constexpr std::size_t kRun = 4096; // items sorted, and later merged, by one task
+
+/// How many of the first `k` items of the merged sequence come from `a`; of equal ones a's come first.
+template <class T, class Less>
+std::size_t merge_split(const T* a, std::size_t size_a, const T* b, std::size_t size_b, std::size_t k,
+                        const Less& less) {
+    std::size_t low = k > size_b ? k - size_b : 0, high = std::min(k, size_a);
+    while (low < high) {
+        const std::size_t i = (low + high) / 2; // from a, k - i from b
+        if (less(b[k - i - 1], a[i]))
+            high = i;
+        else
+            low = i + 1;
+    }
+    return low;
+}
+
+} // namespace team_sort_detail
+
+/// `buffer` is scratch, kept by the caller.
+template <class T, class Less>
+void team_sort(Team& team, std::vector<T>& items, std::vector<T>& buffer, Less less) {
+    using namespace team_sort_detail;
+    const std::size_t n = items.size();
+    if (n <= kRun || team.size() == 1) {
+        if (!std::is_sorted(items.begin(), items.end(), less)) std::sort(items.begin(), items.end(), less);
+        return;
+    }
+    team.for_chunks("sort", n, kRun, [&](std::size_t begin, std::size_t end, int) {
+        std::sort(items.begin() + static_cast<std::ptrdiff_t>(begin), items.begin() + static_cast<std::ptrdiff_t>(end),
+                  less);
+    });
+    buffer.resize(n);
+    for (std::size_t sorted = kRun; sorted < n; sorted *= 2) {
+        team.for_chunks("merge", n, kRun, [&](std::size_t begin, std::size_t end, int) {
+            const std::size_t first = begin / (2 * sorted) * (2 * sorted);
+            const T *a = items.data() + first, *b = a + std::min(sorted, n - first);
+            const std::size_t size_a = std::min(sorted, n - first), size_b = std::min(sorted, n - first - size_a);
+            const std::size_t from = merge_split(a, size_a, b, size_b, begin - first, less);
+            const std::size_t to = merge_split(a, size_a, b, size_b, end - first, less);
+            std::merge(a + from, a + to, b + (begin - first - from), b + (end - first - to), buffer.data() + begin,
+                       less);
+        });
+        items.swap(buffer);
+    }
+}
+
+} // namespace flotilla
