@@ -11,6 +11,7 @@
 
 #include <flotilla/report.hpp>
 #include <flotilla/scene.hpp>
+#include <flotilla/world.hpp>
 
 namespace flotilla {
 
@@ -19,6 +20,7 @@ struct RunOptions {
     bool overwrite = false;       ///< replace what an earlier run left in the folder
     std::int64_t steps = 0;       ///< total
     int frame_every = 1;          ///< steps per frame
+    WorldOptions world;           ///< threads and their use
     std::vector<std::string> command_line;
     std::string scene_json; ///< the scene file's text, for the record
     /// Called after every step; returning false ends the run early.
@@ -34,6 +36,7 @@ struct RunTotals {
     std::int64_t collisions = 0, merges = 0, rung_changes = 0, held = 0;
     double min_distance = std::numeric_limits<double>::infinity(); ///< m
     StepReport last;
+    std::vector<ThreadReport> threads;
 };
 
 /// Simulates `scene`; `source` names it in messages. Throws InputError, OverlapError, BrokenPromise or IoError; what was written

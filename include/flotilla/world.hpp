@@ -44,10 +44,32 @@ struct ContactState {
     double distance = 0;                 ///< m
 };
 
+/// How operations that share no body are executed. The same bits in any case.
+enum class Executor : std::uint8_t {
+    parallel, ///< on all threads
+    serial,   ///< everything in a plain loop on the calling thread
+};
+
+/// None changes a bit of the results.
+struct WorldOptions {
+    int threads = 0; ///< 0: FLOTILLA_NUM_THREADS, else OMP_NUM_THREADS, else the cores that the process may use
+    Executor executor = Executor::parallel;
+    bool pin = false; ///< keep each thread on a core of its own
+};
+
+/// What a thread of a World did since that was made.
+struct ThreadReport {
+    double busy_ms = 0;      ///< in tasks
+    double waiting_ms = 0;   ///< in parallel sections, without a task
+    std::int64_t tasks = 0;  ///< chunks of loops and ordered operations
+    std::int64_t stolen = 0; ///< of them, those first given to another thread
+};
+
 class World {
   public:
     /// Throws InputError for an invalid scene and OverlapError where bodies intersect at the start. `source` starts messages.
-    explicit World(const SceneDescription& scene, const std::string& source = "scene");
+    explicit World(const SceneDescription& scene, const std::string& source = "scene",
+                   const WorldOptions& options = {});
     ~World();
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
@@ -64,6 +86,7 @@ class World {
     [[nodiscard]] Vec3 turn(std::size_t index) const;
     [[nodiscard]] std::vector<ContactState> contacts() const;
     [[nodiscard]] std::uint64_t state_hash() const;
+    [[nodiscard]] std::vector<ThreadReport> threads() const;
 
   private:
     struct Impl;

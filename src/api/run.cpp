@@ -77,6 +77,7 @@ std::unique_ptr<io::RunWriter> open_writer(const SceneDescription& scene, const 
     info.trajectory = scene.settings.trajectory;
     info.time_step = scene.settings.time_step;
     info.frame_every = options.frame_every;
+    info.threads = static_cast<int>(world.threads().size());
     return std::make_unique<io::RunWriter>(options.output, info, io::make_run_scene(build_scene(scene)),
                                            options.overwrite ? io::OpenRun::overwrite : io::OpenRun::create);
 }
@@ -84,7 +85,7 @@ std::unique_ptr<io::RunWriter> open_writer(const SceneDescription& scene, const 
 } // namespace
 
 RunTotals run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options) {
-    World world(scene, source);
+    World world(scene, source, options.world);
     RunTotals summary;
     summary.bodies = static_cast<std::int64_t>(world.size());
     const auto writer = open_writer(scene, world, options);
@@ -103,6 +104,7 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         }
         if (options.after_step) goes_on = options.after_step(report);
     }
+    summary.threads = world.threads();
     if (writer) writer->close(goes_on ? "complete" : "stopped");
     return summary;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <flotilla/world.hpp>
 
+#include "parallel/parallel_for.hpp"
 #include "scene/initial_overlap.hpp"
 #include "state/build_model.hpp"
 #include "step/stepper.hpp"
@@ -23,17 +24,26 @@ Scene checked(const SceneDescription& description, const std::string& source) {
     throw OverlapError(message);
 }
 
+StepperOptions stepper_options(const WorldOptions& options) {
+    StepperOptions out;
+    out.threads = options.threads > 0 ? options.threads : default_threads();
+    if (options.executor == Executor::serial) out.threads = 1;
+    out.pin = options.pin;
+    return out;
+}
+
 } // namespace
 
 struct World::Impl {
-    explicit Impl(const Scene& scene) : model(make_model(scene)), stepper(model, initial_state(scene, model)) {}
+    Impl(const Scene& scene, const WorldOptions& options)
+        : model(make_model(scene)), stepper(model, initial_state(scene, model), stepper_options(options)) {}
 
     Model model;
     Stepper stepper;
 };
 
-World::World(const SceneDescription& scene, const std::string& source)
-    : impl_(std::make_unique<Impl>(checked(scene, source))) {}
+World::World(const SceneDescription& scene, const std::string& source, const WorldOptions& options)
+    : impl_(std::make_unique<Impl>(checked(scene, source), options)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -67,6 +77,13 @@ std::vector<ContactState> World::contacts() const {
     std::vector<ContactState> out;
     for (const Contact& c : impl_->stepper.contacts().contacts)
         out.push_back({c.a, c.b, c.point, c.normal, c.distance});
+    return out;
+}
+
+std::vector<ThreadReport> World::threads() const {
+    std::vector<ThreadReport> out;
+    for (const ThreadTimes& t : impl_->stepper.team().times())
+        out.push_back({t.busy_ms, t.waiting_ms, t.tasks, t.stolen});
     return out;
 }
 

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "parallel/team_sort.hpp"
+
 namespace flotilla {
 namespace {
 
 constexpr std::int64_t kMaxCellsPerBody = 64;
-constexpr double kCellOfMedian = 1.5;      // cell edge in median body sizes
-constexpr double kLargestCoordinate = 1e6; // cells; farther away bodies share the outermost one
+constexpr double kCellOfMedian = 1.5;                     // cell edge in median body sizes
+constexpr double kLargestCoordinate = 1e6;                // cells; farther away bodies share the outermost one
+constexpr std::size_t kBodyGrain = 128, kCellGrain = 512; // items of a task
 
 Box inflated(const SweptBody& b) {
     const Vec3 r{b.reach, b.reach, b.reach};
@@ -25,13 +28,13 @@ std::int64_t cell_key(const std::array<std::int64_t, 3>& c) {
 
 } // namespace
 
-const std::vector<CandidatePair>& Broadphase::find(const std::vector<SweptBody>& bodies) {
+const std::vector<CandidatePair>& Broadphase::find(Team& team, const std::vector<SweptBody>& bodies) {
     pairs_.clear();
     choose_grid(bodies);
-    rasterize(bodies);
-    pair_cells(bodies);
-    pair_large(bodies);
-    std::sort(pairs_.begin(), pairs_.end());
+    rasterize(team, bodies);
+    pair_cells(team, bodies);
+    pair_large(team, bodies);
+    team_sort(team, pairs_, sorted_pairs_, std::less<>());
     return pairs_;
 }
 
@@ -59,53 +62,92 @@ std::array<std::int64_t, 3> Broadphase::cell_of(const Vec3& p) const {
     return {index(p.x, origin_.x), index(p.y, origin_.y), index(p.z, origin_.z)};
 }
 
-void Broadphase::rasterize(const std::vector<SweptBody>& bodies) {
-    cells_.clear();
+Broadphase::CellRange Broadphase::cells_of(const SweptBody& body) const {
+    const Box box = inflated(body);
+    CellRange r{cell_of(box.lower), cell_of(box.upper)};
+    const std::int64_t count = (r.high[0] - r.low[0] + 1) * (r.high[1] - r.low[1] + 1) * (r.high[2] - r.low[2] + 1);
+    r.count = count > kMaxCellsPerBody || count <= 0 ? 0 : count;
+    return r;
+}
+
+void Broadphase::rasterize(Team& team, const std::vector<SweptBody>& bodies) {
+    ranges_.resize(bodies.size());
+    offset_.resize(bodies.size());
+    team.for_each("rasterize: count", bodies.size(), kBodyGrain,
+                  [&](std::size_t i, int) { ranges_[i] = cells_of(bodies[i]); });
     large_.clear();
+    std::size_t cells = 0;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-        const Box box = inflated(bodies[i]);
-        const auto lo = cell_of(box.lower), hi = cell_of(box.upper);
-        const std::int64_t count = (hi[0] - lo[0] + 1) * (hi[1] - lo[1] + 1) * (hi[2] - lo[2] + 1);
-        if (count > kMaxCellsPerBody || count <= 0) {
-            large_.push_back(static_cast<std::int32_t>(i));
-            continue;
-        }
-        for (std::int64_t x = lo[0]; x <= hi[0]; ++x)
-            for (std::int64_t y = lo[1]; y <= hi[1]; ++y)
-                for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
-                    cells_.push_back({cell_key({x, y, z}), static_cast<std::int32_t>(i)});
+        offset_[i] = cells;
+        cells += static_cast<std::size_t>(ranges_[i].count);
+        if (ranges_[i].count == 0) large_.push_back(static_cast<std::int32_t>(i));
     }
-    std::sort(cells_.begin(), cells_.end(),
+    cells_.resize(cells);
+    team.for_each("rasterize: scatter", bodies.size(), kBodyGrain, [&](std::size_t i, int) {
+        const CellRange& r = ranges_[i];
+        if (r.count == 0) return;
+        Cell* out = cells_.data() + offset_[i];
+        for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x)
+            for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
+                for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
+                    *out++ = {cell_key({x, y, z}), static_cast<std::int32_t>(i)};
+    });
+    team_sort(team, cells_, sorted_cells_,
               [](const Cell& p, const Cell& q) { return p.key != q.key ? p.key < q.key : p.body < q.body; });
 }
 
-void Broadphase::pair_cells(const std::vector<SweptBody>& bodies) {
-    for (std::size_t begin = 0, end = 0; begin < cells_.size(); begin = end) {
-        while (end < cells_.size() && cells_[end].key == cells_[begin].key) ++end;
-        for (std::size_t i = begin; i < end; ++i)
-            for (std::size_t j = i + 1; j < end; ++j) {
-                const auto a = cells_[i].body, b = cells_[j].body;
-                const SweptBody &p = bodies[static_cast<std::size_t>(a)], &q = bodies[static_cast<std::size_t>(b)];
-                if ((!p.movable && !q.movable) || !near(p, q)) continue;
-                // A pair is met in every cell that both fill: it counts in the first, the lower corner of the common part.
-                const Vec3 corner = max(inflated(p).lower, inflated(q).lower);
-                if (cell_key(cell_of(corner)) == cells_[begin].key) pairs_.push_back({a, b});
-            }
-    }
+void Broadphase::pair_cells(Team& team, const std::vector<SweptBody>& bodies) {
+    const std::size_t n = cells_.size(), chunks = (n + kCellGrain - 1) / kCellGrain;
+    found_.resize(std::max(found_.size(), chunks));
+    // A chunk takes the runs of one cell that begin in it.
+    team.for_chunks("pairs of cells", n, kCellGrain, [&](std::size_t first, std::size_t last, int) {
+        auto& out = found_[first / kCellGrain];
+        out.clear();
+        std::size_t begin = first;
+        while (begin > 0 && begin < last && cells_[begin].key == cells_[begin - 1].key) ++begin;
+        for (std::size_t end = begin; begin < last; begin = end) {
+            while (end < n && cells_[end].key == cells_[begin].key) ++end;
+            pair_run(begin, end, bodies, out);
+        }
+    });
+    gather(chunks);
 }
 
-void Broadphase::pair_large(const std::vector<SweptBody>& bodies) {
-    for (std::size_t l = 0; l < large_.size(); ++l) {
-        const std::int32_t a = large_[l];
-        const SweptBody& p = bodies[static_cast<std::size_t>(a)];
-        for (std::size_t i = 0; i < bodies.size(); ++i) {
-            const auto b = static_cast<std::int32_t>(i);
-            const bool both_large = std::binary_search(large_.begin(), large_.end(), b);
-            if (a == b || (both_large && b < a)) continue;
-            const SweptBody& q = bodies[i];
-            if ((p.movable || q.movable) && near(p, q)) pairs_.push_back({std::min(a, b), std::max(a, b)});
+void Broadphase::pair_run(std::size_t begin, std::size_t end, const std::vector<SweptBody>& bodies,
+                          std::vector<CandidatePair>& out) const {
+    for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t j = i + 1; j < end; ++j) {
+            const auto a = cells_[i].body, b = cells_[j].body;
+            const SweptBody &p = bodies[static_cast<std::size_t>(a)], &q = bodies[static_cast<std::size_t>(b)];
+            if ((!p.movable && !q.movable) || !near(p, q)) continue;
+            // A pair is met in every cell that both fill: it counts in the first, the lower corner of the common part.
+            const Vec3 corner = max(inflated(p).lower, inflated(q).lower);
+            if (cell_key(cell_of(corner)) == cells_[begin].key) out.push_back({a, b});
         }
-    }
+}
+
+void Broadphase::pair_large(Team& team, const std::vector<SweptBody>& bodies) {
+    if (large_.empty()) return;
+    const std::size_t n = bodies.size(), chunks = (n + kBodyGrain - 1) / kBodyGrain;
+    found_.resize(std::max(found_.size(), chunks));
+    team.for_chunks("pairs of large bodies", n, kBodyGrain, [&](std::size_t first, std::size_t last, int) {
+        auto& out = found_[first / kBodyGrain];
+        out.clear();
+        for (std::size_t i = first; i < last; ++i) {
+            const auto b = static_cast<std::int32_t>(i);
+            const SweptBody& q = bodies[i];
+            for (const std::int32_t a : large_) {
+                if (a == b || (ranges_[i].count == 0 && b < a)) continue; // two large ones: once
+                const SweptBody& p = bodies[static_cast<std::size_t>(a)];
+                if ((p.movable || q.movable) && near(p, q)) out.push_back({std::min(a, b), std::max(a, b)});
+            }
+        }
+    });
+    gather(chunks);
+}
+
+void Broadphase::gather(std::size_t chunks) {
+    for (std::size_t k = 0; k < chunks; ++k) pairs_.insert(pairs_.end(), found_[k].begin(), found_[k].end());
 }
 
 } // namespace flotilla

@@ -14,25 +14,38 @@ namespace flotilla {
 
 class Broadphase : public PairFinder {
   public:
-    const std::vector<CandidatePair>& find(const std::vector<SweptBody>& bodies) override;
+    const std::vector<CandidatePair>& find(Team& team, const std::vector<SweptBody>& bodies) override;
 
   private:
     struct Cell {
         std::int64_t key;
         std::int32_t body;
     };
+    /// The cells that a body's inflated box touches.
+    struct CellRange {
+        std::array<std::int64_t, 3> low, high;
+        std::int64_t count = 0; ///< 0: too many, the body is large
+    };
     void choose_grid(const std::vector<SweptBody>& bodies);
-    void rasterize(const std::vector<SweptBody>& bodies);
-    void pair_cells(const std::vector<SweptBody>& bodies);
-    void pair_large(const std::vector<SweptBody>& bodies);
+    void rasterize(Team& team, const std::vector<SweptBody>& bodies);
+    void pair_cells(Team& team, const std::vector<SweptBody>& bodies);
+    void pair_large(Team& team, const std::vector<SweptBody>& bodies);
+    void pair_run(std::size_t begin, std::size_t end, const std::vector<SweptBody>& bodies,
+                  std::vector<CandidatePair>& out) const;
+    /// Appends what the chunks of a loop found, in their order.
+    void gather(std::size_t chunks);
     [[nodiscard]] std::array<std::int64_t, 3> cell_of(const Vec3& p) const;
+    [[nodiscard]] CellRange cells_of(const SweptBody& body) const;
 
     double cell_size_ = 1;
     Vec3 origin_;
-    std::vector<Cell> cells_;
+    std::vector<CellRange> ranges_;   ///< by body
+    std::vector<std::size_t> offset_; ///< by body: its first cell
+    std::vector<Cell> cells_, sorted_cells_;
     std::vector<std::int32_t> large_;
     std::vector<double> sizes_;
-    std::vector<CandidatePair> pairs_;
+    std::vector<std::vector<CandidatePair>> found_; ///< by chunk of a loop
+    std::vector<CandidatePair> pairs_, sorted_pairs_;
 };
 
 } // namespace flotilla

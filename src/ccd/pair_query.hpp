@@ -26,6 +26,14 @@ struct PairHit {
 struct QueryCounters {
     std::int64_t box_tests = 0, feature_queries = 0, pair_queries = 0;
     std::int64_t segments = 0; ///< of paths that were cut
+
+    QueryCounters& operator+=(const QueryCounters& c) {
+        box_tests += c.box_tests;
+        feature_queries += c.feature_queries;
+        pair_queries += c.pair_queries;
+        segments += c.segments;
+        return *this;
+    }
 };
 
 /// Buffers of a pair query; one per thread, reused.

@@ -29,6 +29,8 @@ struct RunArguments {
     double dt = 0;        ///< s; 0: the scene's
     int frame_every = 1;
     int threads = 0; ///< 0: as many as the process may use
+    std::string executor = "parallel";
+    bool pin = false;
     bool overwrite = false, quiet = false, audit = false;
     std::vector<std::string> command_line;
 };
@@ -54,6 +56,14 @@ std::string note(const StepReport& r) {
     return text;
 }
 
+void print_threads(const std::vector<ThreadReport>& threads) {
+    if (threads.size() < 2) return;
+    std::printf("threads:   busy, ms  waiting, ms       tasks      stolen\n");
+    for (std::size_t k = 0; k < threads.size(); ++k)
+        std::printf("  %4zu %12.0f %12.0f %11ld %11ld\n", k, threads[k].busy_ms, threads[k].waiting_ms,
+                    static_cast<long>(threads[k].tasks), static_cast<long>(threads[k].stolen));
+}
+
 void print_summary(const RunTotals& s) {
     const double n = s.steps > 0 ? static_cast<double>(s.steps) : 1;
     std::printf("%ld bodies, %ld steps, %.3f s simulated\n", static_cast<long>(s.bodies), static_cast<long>(s.steps),
@@ -73,6 +83,7 @@ void print_summary(const RunTotals& s) {
         std::printf("nothing came within the proximity distance\n");
     std::printf("energy at the end: %.6g J (kinetic %.6g J)\n", s.last.energy, s.last.kinetic_energy);
     std::printf("state hash: %016lx\n", static_cast<unsigned long>(s.last.state_hash));
+    print_threads(s.threads);
 }
 
 std::string file_text(const std::string& path) {
@@ -95,6 +106,9 @@ int run_run(const RunArguments& arguments) {
     run.frame_every = arguments.frame_every;
     run.command_line = arguments.command_line;
     run.scene_json = file_text(arguments.scene);
+    run.world.threads = arguments.threads;
+    run.world.executor = arguments.executor == "serial" ? Executor::serial : Executor::parallel;
+    run.world.pin = arguments.pin;
     RunTotals summary;
     {
         Progress progress("step", run.steps, arguments.quiet);
@@ -125,8 +139,15 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
     command->add_option("--dt", arguments->dt, "time step, s; replaces the scene's")->check(CLI::PositiveNumber);
     command->add_option("--frame-every", arguments->frame_every, "steps per written frame")->check(CLI::PositiveNumber);
     command->add_flag("--overwrite", arguments->overwrite, "replace an earlier run in the folder");
-    command->add_option("--threads", arguments->threads, "threads of the audit; the step itself runs on one")
+    command
+        ->add_option("--threads", arguments->threads,
+                     "threads (default FLOTILLA_NUM_THREADS, else OMP_NUM_THREADS, else all usable cores)")
         ->check(CLI::PositiveNumber);
+    command
+        ->add_option("--executor", arguments->executor,
+                     "parallel, or serial: a plain loop on one thread; the results are the same bits")
+        ->check(CLI::IsMember({"parallel", "serial"}));
+    command->add_flag("--pin", arguments->pin, "keep each thread on a core of its own");
     command->add_flag("--audit", arguments->audit, "prove the written frames free of intersections afterwards");
     command->add_flag("--quiet", arguments->quiet, "no progress");
     command->callback([arguments, &action] { action = [arguments] { return run_run(*arguments); }; });

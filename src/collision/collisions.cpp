@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "pair/ordered_sweep.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -33,81 +35,82 @@ bool may_approach(const Impulsive& a, const Impulsive& b, double radius_a, doubl
 /// velocities and arms at the end (section 3.2). Closer than the rest distance that is faster than the threshold. Farther away,
 /// up to the proximity distance, it is also fast enough to come below the rest distance within one more step: stage 7 would cut
 /// exactly these approaches to (d_rest - d)/dt, and a fast body that happens to end a step there would lose its rebound.
-std::optional<ContactPoint> end_proximity(StepData& data, const CandidatePair& pair, PairRecord& record,
-                                          StageCounters& counters) {
-    const Stopwatch watch(counters.detection_ms);
-    const BodyMotion a = data.trajectories.at_end(at(pair.a)), b = data.trajectories.at_end(at(pair.b));
-    const Impulsive body_a = data.clusters.impulsive(pair.a), body_b = data.clusters.impulsive(pair.b);
+std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, PairRecord& record) {
+    const Stopwatch watch(worker.counters.detection_ms);
+    const BodyMotion a = data.trajectories.at_end(at(record.a)), b = data.trajectories.at_end(at(record.b));
+    const Impulsive body_a = data.clusters.impulsive(record.a), body_b = data.clusters.impulsive(record.b);
     const CandidateList* list = end_candidates(data, record);
     const double reach = record.lengths.proximity;
     if (!may_approach(body_a, body_b, a.shape->radius, b.shape->radius, data.approach)) {
-        record.processed = record.processed || any_proximity(a, b, reach, list, data.proximity);
+        record.processed = record.processed || any_proximity(a, b, reach, list, worker.proximity);
         return std::nullopt;
     }
-    record.processed = find_proximities(a, b, reach, data.angle_cos, list, data.proximity).near || record.processed;
-    data.points.clear();
+    record.processed = find_proximities(a, b, reach, data.angle_cos, list, worker.proximity).near || record.processed;
+    worker.points.clear();
     const auto contact = [&](const ProximityPoint& p) {
         const Vec3 arm_a = p.a - a.at1.pose->com, arm_b = p.b - b.at1.pose->com;
         const Vec3 relative = point_velocity(body_b, arm_b) - point_velocity(body_a, arm_a);
-        return ContactPoint{p.normal, arm_a, arm_b, relative, pair_friction(data.model, pair.a, pair.b)};
+        return ContactPoint{p.normal, arm_a, arm_b, relative, pair_friction(data.model, record.a, record.b)};
     };
-    for (const ProximityPoint& p : data.proximity.found) {
+    for (const ProximityPoint& p : worker.proximity.found) {
         const double allowed = std::max(data.approach, (p.distance - record.lengths.rest) / data.dt);
-        if (dot(contact(p).relative_velocity, p.normal) < -allowed) data.points.push_back(p);
+        if (dot(contact(p).relative_velocity, p.normal) < -allowed) worker.points.push_back(p);
     }
-    std::stable_sort(data.points.begin(), data.points.end(),
+    std::stable_sort(worker.points.begin(), worker.points.end(),
                      [](const ProximityPoint& p, const ProximityPoint& q) { return p.distance < q.distance; });
-    for (const ProximityPoint& p : data.points)
-        if (admissible(a, b, p, data.angle_cos, data.proximity)) return contact(p);
+    for (const ProximityPoint& p : worker.points)
+        if (admissible(a, b, p, data.angle_cos, worker.proximity)) return contact(p);
     return std::nullopt;
 }
 
 /// Resolves the hits of one pair in consecutive order, then its fast end proximities.
-void collide(StepData& data, const CandidatePair& pair, StageCounters& counters) {
-    PairRecord& record = data.pairs.get(data.model, data.state, pair.a, pair.b);
-    ++counters.pairs;
+void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
+    PairRecord& record = *listed.record;
+    const CandidatePair& pair = listed.pair;
+    ++worker.counters.pairs;
     for (int i = 0; i < data.model.settings.collision_pair_iterations; ++i) {
-        const PairHit hit = query_collision(data, pair.a, pair.b, counters);
+        const PairHit hit = query_collision(data, worker, record);
         std::optional<ContactPoint> point;
         if (hit.hit) {
             record.processed = true;
             point = swept_contact(data, {hit, pair.a, pair.b}).point;
         } else {
-            point = end_proximity(data, pair, record, counters);
+            point = end_proximity(data, worker, record);
             if (!point) return;
         }
         const auto impulse = elastic_impulse(data, pair, *point);
         if (!impulse) { // a separating hit, or one that only energy could resolve: stage 5 takes it
             record.left_a = data.trajectories.version(at(pair.a));
             record.left_b = data.trajectories.version(at(pair.b));
-            ++counters.left;
+            ++worker.counters.left;
             return;
         }
         record.active = true;
-        push(data, pair.a, pair.b, *point, *impulse, counters);
+        push(data, worker, pair.a, pair.b, *point, *impulse);
     }
 }
 
 /// Adds the pairs of a list that had an impulse in this step to those of earlier lists, sorted.
-void merge_active(const StepData& data, const std::vector<CandidatePair>& list, std::vector<CandidatePair>& active) {
-    for (const CandidatePair& p : list)
-        if (data.pairs.find(p.a, p.b)->active) active.push_back(p);
-    std::sort(active.begin(), active.end());
+void merge_active(const std::vector<ListedPair>& list, std::vector<ListedPair>& active) {
+    const auto middle = static_cast<std::ptrdiff_t>(active.size());
+    for (const ListedPair& p : list)
+        if (p.record->active) active.push_back(p);
+    std::inplace_merge(active.begin(), active.begin() + middle, active.end());
     active.erase(std::unique(active.begin(), active.end()), active.end());
 }
 
 /// Runs the stale pairs of a frozen list in order, backwards in odd sweeps. Returns how many there were.
-std::int64_t sweep(StepData& data, const std::vector<CandidatePair>& list, StageCounters& counters) {
-    std::int64_t work = 0;
-    const auto run = [&](const CandidatePair& pair) {
-        if (proved(data, pair.a, pair.b) || missed(data, pair.a, pair.b) || left(data, pair.a, pair.b)) return;
-        collide(data, pair, counters);
-        ++work;
+std::int64_t sweep(StepData& data, const std::vector<ListedPair>& list, StageCounters& counters) {
+    const auto current = [&](std::size_t i) {
+        const PairRecord& r = *list[i].record;
+        return proved(data, r) || missed(data, r) || left(data, r);
     };
-    if (counters.sweeps % 2 == 0)
-        for (std::size_t i = 0; i < list.size(); ++i) run(list[i]);
-    else
-        for (std::size_t i = list.size(); i-- > 0;) run(list[i]);
+    const std::int64_t before = counters.pairs;
+    run_in_order(
+        data, "collide", list.size(), counters.sweeps % 2 != 0, [&](std::size_t i) { return list[i].pair; }, current,
+        [&](std::size_t i, Worker& worker) { collide(data, worker, list[i]); });
+    collect(data, counters);
+    const std::int64_t work = counters.pairs - before;
     counters.sweeps += work > 0 ? 1 : 0;
     return work;
 }
@@ -116,12 +119,12 @@ std::int64_t sweep(StepData& data, const std::vector<CandidatePair>& list, Stage
 
 StageCounters handle_collisions(StepData& data) {
     StageCounters counters;
-    std::vector<CandidatePair> list, active;
+    std::vector<ListedPair> active;
     const int limit = data.model.settings.collision_iterations;
     while (counters.sweeps < limit) {
-        list = freeze(data, true); // a copy: operations use the buffers of the next freeze
+        const std::vector<ListedPair>& list = freeze(data, true);
         if (sweep(data, list, counters) == 0) return counters;
-        merge_active(data, list, active);
+        merge_active(list, active);
         for (int i = 0; i < kActiveSweeps && counters.sweeps < limit; ++i)
             if (sweep(data, active, counters) == 0) break;
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "dynamic_contact/dynamic_contact.hpp"
 
+#include "pair/ordered_sweep.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -25,21 +27,28 @@ void close(StepData& data, const std::vector<Request>& requests, DynamicContactS
 DynamicContactStats handle_dynamic_contact(StepData& data) {
     DynamicContactStats stats;
     std::vector<CandidatePair> list;
+    std::vector<Resolution> resolutions;
     std::vector<Request> requests;
     for (int sweep = 0; sweep < data.model.settings.dynamic_iterations; ++sweep) {
         freeze_clusters(data, list);
         if (list.empty()) return stats;
+        const bool backwards = sweep % 2 != 0;
+        resolutions.assign(list.size(), {});
+        run_in_order(
+            data, "dynamic contact", list.size(), backwards, [&](std::size_t i) { return list[i]; },
+            [](std::size_t) { return false; },
+            [&](std::size_t i, Worker& worker) {
+                ++worker.counters.pairs;
+                resolutions[i] =
+                    resolve_inelastic(data, worker, list[i].a, list[i].b, data.model.settings.dynamic_pair_iterations);
+            });
+        collect(data, stats.counters);
         requests.clear();
-        const auto run = [&](const CandidatePair& pair) {
-            ++stats.counters.pairs;
-            const Resolution r =
-                resolve_inelastic(data, pair.a, pair.b, data.model.settings.dynamic_pair_iterations, stats.counters);
-            if (!r.resolved) requests.push_back({pair.a, pair.b, r.first_a, r.first_b});
-        };
-        if (sweep % 2 == 0)
-            for (std::size_t i = 0; i < list.size(); ++i) run(list[i]);
-        else
-            for (std::size_t i = list.size(); i-- > 0;) run(list[i]);
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            const std::size_t k = backwards ? list.size() - 1 - i : i;
+            const Resolution& r = resolutions[k];
+            if (!r.resolved) requests.push_back({list[k].a, list[k].b, r.first_a, r.first_b});
+        }
         close(data, requests, stats);
         ++stats.counters.sweeps;
     }

@@ -30,6 +30,7 @@ class Failsafe {
             for (const Request& r : requests_) apply(r);
             ++stats_.counters.sweeps;
         }
+        collect(data_, stats_.counters);
         std::sort(stats_.delayed_scripts.begin(), stats_.delayed_scripts.end());
         return std::move(stats_);
     }
@@ -53,12 +54,12 @@ class Failsafe {
         const auto& members = data_.clusters[c].members;
         for (std::size_t i = 0; i < members.size(); ++i)
             for (std::size_t j = i + 1; j < members.size(); ++j) {
-                if (proved(data_, members[i], members[j])) continue;
-                const auto lengths = data_.pairs.get(data_.model, data_.state, members[i], members[j]).lengths;
+                PairRecord& record = data_.pairs.get(data_.model, data_.state, members[i], members[j]);
+                if (proved(data_, record)) continue;
                 if (!boxes_overlap(data_.trajectories.motion(at(members[i])).swept(),
-                                   data_.trajectories.motion(at(members[j])).swept(), lengths.separation))
+                                   data_.trajectories.motion(at(members[j])).swept(), record.lengths.separation))
                     continue;
-                if (query(data_, members[i], members[j], stats_.counters).hit) return false;
+                if (query(data_, data_.worker(0), record).hit) return false;
             }
         return true;
     }
@@ -68,7 +69,7 @@ class Failsafe {
         ++stats_.counters.pairs;
         const bool infinite_a = data_.clusters[pair.a].infinite(), infinite_b = data_.clusters[pair.b].infinite();
         const Resolution r =
-            resolve_inelastic(data_, pair.a, pair.b, data_.model.settings.dynamic_pair_iterations, stats_.counters);
+            resolve_inelastic(data_, data_.worker(0), pair.a, pair.b, data_.model.settings.dynamic_pair_iterations);
         if (!r.found) return;
         if (stats_.trigger_a < 0) stats_.trigger_a = r.first_a, stats_.trigger_b = r.first_b;
         if (infinite_a && infinite_b) {

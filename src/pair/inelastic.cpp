@@ -19,12 +19,21 @@ double inelastic_target(const StepData& data, const SweptContact& contact, const
     return std::max({exact, 0.0, vn + kPushSeparations * lengths.separation / data.dt});
 }
 
+/// Operations may find records but not make them.
+void make_records(StepData& data, std::int32_t a, std::int32_t b) {
+    const auto &first = data.clusters[a].members, &second = data.clusters[b].members;
+    if (first.size() == 1 && second.size() == 1) return; // the pair was listed itself
+    for (const std::int32_t i : first)
+        for (const std::int32_t j : second)
+            static_cast<void>(data.pairs.get(data.model, data.state, std::min(i, j), std::max(i, j)));
+}
+
 } // namespace
 
-Resolution resolve_inelastic(StepData& data, std::int32_t a, std::int32_t b, int iterations, StageCounters& counters) {
+Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, int iterations) {
     Resolution out;
     for (int i = 0;; ++i) {
-        const ClusterHit hit = query_clusters(data, a, b, counters);
+        const ClusterHit hit = query_clusters(data, worker, a, b);
         if (!hit.hit.hit) {
             out.resolved = true;
             return out;
@@ -33,25 +42,26 @@ Resolution resolve_inelastic(StepData& data, std::int32_t a, std::int32_t b, int
         out.found = true;
         if (i == iterations) return out;
         const SweptContact contact = swept_contact(data, hit);
-        const PairLengths& lengths = data.pairs.get(data.model, data.state, hit.a, hit.b).lengths;
+        const PairLengths& lengths = data.pairs.find(hit.a, hit.b)->lengths;
         const std::int32_t ca = data.clusters.of(static_cast<std::size_t>(hit.a));
         const std::int32_t cb = data.clusters.of(static_cast<std::size_t>(hit.b));
         const auto impulse = contact_impulse(data.clusters.impulsive(ca), data.clusters.impulsive(cb), contact.point,
                                              inelastic_target(data, contact, lengths, i, iterations));
         if (!impulse) return out;
-        push(data, ca, cb, contact.point, *impulse, counters);
+        push(data, worker, ca, cb, contact.point, *impulse);
     }
 }
 
 const std::vector<CandidatePair>& freeze_clusters(StepData& data, std::vector<CandidatePair>& list) {
     list.clear();
-    for (const CandidatePair& p : freeze(data, false)) {
-        const std::int32_t a = data.clusters.of(static_cast<std::size_t>(p.a));
-        const std::int32_t b = data.clusters.of(static_cast<std::size_t>(p.b));
+    for (const ListedPair& p : freeze(data, false)) {
+        const std::int32_t a = data.clusters.of(static_cast<std::size_t>(p.pair.a));
+        const std::int32_t b = data.clusters.of(static_cast<std::size_t>(p.pair.b));
         list.push_back({std::min(a, b), std::max(a, b)});
     }
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
+    for (const CandidatePair& p : list) make_records(data, p.a, p.b);
     return list;
 }
 

@@ -14,9 +14,10 @@ struct Resolution {
 
 /// Handles hits in consecutive order, at most `iterations` of them, each with the impulse that brings the bodies to their rest
 /// distance at the end of the step: v'_n = (d_rest - d)/dt.
-Resolution resolve_inelastic(StepData& data, std::int32_t a, std::int32_t b, int iterations, StageCounters& counters);
+Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, int iterations);
 
-/// Pairs of clusters in which some pair of bodies has no current proof, sorted by (lower id, higher id).
+/// Pairs of clusters in which some pair of bodies has no current proof, sorted by (lower id, higher id). Every pair of a member of the
+/// one and a member of the other has a record.
 const std::vector<CandidatePair>& freeze_clusters(StepData& data, std::vector<CandidatePair>& list);
 
 } // namespace flotilla

@@ -19,8 +19,13 @@ std::uint64_t mixed(std::int32_t a, std::int32_t b) {
 } // namespace
 
 void PairTable::start_step(std::int64_t step) {
-    std::erase_if(records_, [&](const PairRecord& r) { return r.step != step_; });
     for (PairRecord& r : records_) {
+        if (r.a < 0) continue;
+        if (r.step != step_) {
+            r = PairRecord();
+            free_.push_back(&r);
+            continue;
+        }
         r.active = r.processed = false;
         r.start_distance = std::exchange(r.end_distance, -1.0);
     }
@@ -30,46 +35,46 @@ void PairTable::start_step(std::int64_t step) {
 
 void PairTable::clear() {
     records_.clear();
-    std::fill(slots_.begin(), slots_.end(), -1);
+    free_.clear();
+    std::fill(slots_.begin(), slots_.end(), Slot{});
 }
 
 std::size_t PairTable::slot(std::int32_t a, std::int32_t b) const {
     const std::size_t mask = slots_.size() - 1;
     std::size_t i = mixed(a, b) & mask;
-    while (slots_[i] >= 0) {
-        const PairRecord& r = records_[static_cast<std::size_t>(slots_[i])];
-        if (r.a == a && r.b == b) break;
-        i = (i + 1) & mask;
-    }
+    while (slots_[i].record != nullptr && (slots_[i].a != a || slots_[i].b != b)) i = (i + 1) & mask;
     return i;
 }
 
-const PairRecord* PairTable::find(std::int32_t a, std::int32_t b) const {
-    if (slots_.empty()) return nullptr;
-    const std::int32_t index = slots_[slot(a, b)];
-    return index < 0 ? nullptr : &records_[static_cast<std::size_t>(index)];
+PairRecord* PairTable::find(std::int32_t a, std::int32_t b) const {
+    return slots_.empty() ? nullptr : slots_[slot(a, b)].record;
 }
 
 PairRecord& PairTable::get(const Model& model, const State& state, std::int32_t a, std::int32_t b) {
-    if (2 * (records_.size() + 1) > slots_.size()) index(std::max(kFirstSlots, 2 * slots_.size()));
-    const std::size_t i = slot(a, b);
-    if (slots_[i] < 0) {
-        slots_[i] = static_cast<std::int32_t>(records_.size());
-        PairRecord r;
+    if (2 * (records_.size() - free_.size() + 1) > slots_.size()) index(std::max(kFirstSlots, 2 * slots_.size()));
+    Slot& s = slots_[slot(a, b)];
+    if (s.record == nullptr) {
+        PairRecord& r = new_record();
         r.a = a;
         r.b = b;
         r.lengths = pair_lengths(model, state, a, b);
-        records_.push_back(std::move(r));
+        s = {a, b, &r};
     }
-    PairRecord& record = records_[static_cast<std::size_t>(slots_[i])];
-    record.step = step_;
-    return record;
+    use(*s.record);
+    return *s.record;
+}
+
+PairRecord& PairTable::new_record() {
+    if (free_.empty()) return records_.emplace_back();
+    PairRecord& r = *free_.back();
+    free_.pop_back();
+    return r;
 }
 
 void PairTable::index(std::size_t slots) {
-    slots_.assign(slots, -1);
-    for (std::size_t k = 0; k < records_.size(); ++k)
-        slots_[slot(records_[k].a, records_[k].b)] = static_cast<std::int32_t>(k);
+    slots_.assign(slots, {});
+    for (PairRecord& r : records_)
+        if (r.a >= 0) slots_[slot(r.a, r.b)] = {r.a, r.b, &r};
 }
 
 } // namespace flotilla

@@ -2,6 +2,7 @@
 // What is known of body pairs: proofs, by the versions they are about, and the leaves that may meet.
 #pragma once
 
+#include <deque>
 #include <vector>
 
 #include "ccd/candidate_list.hpp"
@@ -33,8 +34,10 @@ struct PairRecord {
     PairCandidates candidates;                ///< a cache: changes cost only
 };
 
-/// Open addressing by (a, b). Nothing ever iterates over it: order comes from sorted lists of pairs. Records live as long as each
-/// step uses them. Proofs need no clearing, because versions are never used again.
+/// Open addressing by (a, b). Nothing that decides ever iterates over it: order comes from sorted lists of pairs. Records live as
+/// long as each step uses them, and stay where they are. Proofs need no clearing, because versions are never used again.
+///
+/// Several threads may find records side by side; whoever makes some must be alone.
 class PairTable {
   public:
     /// Begins a step: forgets pairs that the last step did not use, and what stage 1 processed.
@@ -43,14 +46,23 @@ class PairTable {
     void clear();
     /// The record of a pair, made on first use.
     PairRecord& get(const Model& model, const State& state, std::int32_t a, std::int32_t b);
-    [[nodiscard]] const PairRecord* find(std::int32_t a, std::int32_t b) const;
+    /// Null: there is none.
+    [[nodiscard]] PairRecord* find(std::int32_t a, std::int32_t b) const;
+    /// Keeps a record for this step.
+    void use(PairRecord& record) const { record.step = step_; }
 
   private:
+    struct Slot {
+        std::int32_t a = -1, b = -1;
+        PairRecord* record = nullptr; ///< null: free
+    };
     [[nodiscard]] std::size_t slot(std::int32_t a, std::int32_t b) const;
     void index(std::size_t slots);
+    PairRecord& new_record();
 
-    std::vector<std::int32_t> slots_; ///< index into records_, or -1; a power of two of them
-    std::vector<PairRecord> records_;
+    std::vector<Slot> slots_; ///< a power of two of them
+    std::deque<PairRecord> records_;
+    std::vector<PairRecord*> free_; ///< records of no pair
     std::int64_t step_ = 0;
 };
 

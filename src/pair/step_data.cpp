@@ -44,7 +44,7 @@ CandidateMargins choose_margins(const PairRecord& r, const BodyMotion& a, const 
 }
 
 /// A list that covers the motion, made now if that seems to pay; else null.
-const CandidateList* candidates(StepData& data, PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
+const CandidateList* candidates(const StepData& data, PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
     if (!data.keep_candidates) return nullptr;
     PairCandidates& c = r.candidates;
     const bool first = c.step != data.state.step;
@@ -75,28 +75,74 @@ const CandidateList* candidates(StepData& data, PairRecord& r, const BodyMotion&
 }
 
 /// The distance of the bodies at x^n, from the last contact search where that looked at the pair.
-double start_distance(StepData& data, PairRecord& r) {
+double start_distance(const StepData& data, Worker& worker, PairRecord& r) {
     if (r.start_distance < 0) {
         const ProximityResult result =
             find_proximities(data.trajectories.at_start(at(r.a)), data.trajectories.at_start(at(r.b)),
-                             r.lengths.proximity, data.angle_cos, nullptr, data.proximity);
+                             r.lengths.proximity, data.angle_cos, nullptr, worker.proximity);
         r.start_distance = result.near ? result.distance : std::numeric_limits<double>::infinity();
     }
     return r.start_distance;
 }
 
-PairHit search(StepData& data, PairRecord& r, CcdMethod method) {
+PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod method) {
     // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
     if (data.trajectories.still(at(r.a)) && data.trajectories.still(at(r.b))) return {};
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
     const double separation = method == CcdMethod::cubic ? cubic_tolerance(data.model.settings) : r.lengths.separation;
     const bool turns = !a.straight() || !b.straight();
-    const PathCut cut = turns ? cut_path(a, b, {r.lengths.rest, start_distance(data, r)}) : PathCut{};
+    const PathCut cut = turns ? cut_path(a, b, {r.lengths.rest, start_distance(data, worker, r)}) : PathCut{};
     return earliest_hit_on_path(a, b, {separation, CcdStart::relaxed, method}, cut,
-                                cut.segments == 1 ? candidates(data, r, a, b) : nullptr, data.ccd);
+                                cut.segments == 1 ? candidates(data, r, a, b) : nullptr, worker.ccd);
+}
+
+constexpr std::size_t kBodyGrain = 128, kPairGrain = 256; // items of a task
+
+/// Candidate pairs of bodies with the given boxes.
+template <class BoxOf>
+const std::vector<CandidatePair>& find_pairs(StepData& data, const char* name, bool with_proximity, BoxOf&& box_of) {
+    const std::size_t n = data.model.size();
+    data.lists.swept.resize(n);
+    data.team.for_each(name, n, kBodyGrain, [&](std::size_t i, int) {
+        const bool movable = data.model.bodies[i].movable();
+        data.lists.swept[i] = {box_of(i), movable ? largest_reach(data, i, with_proximity) : 0.0, movable};
+    });
+    return data.broadphase.find(data.team, data.lists.swept);
+}
+
+/// Those of the pairs that `wanted(pair, record)` wants, the record being null where there is none yet; all of them get one.
+template <class Wanted>
+const std::vector<ListedPair>& list_pairs(StepData& data, const std::vector<CandidatePair>& pairs, Wanted&& wanted) {
+    ListBuffers& l = data.lists;
+    l.record.resize(pairs.size());
+    l.wanted.resize(pairs.size());
+    data.team.for_each("pair records", pairs.size(), kPairGrain, [&](std::size_t i, int) {
+        l.record[i] = data.pairs.find(pairs[i].a, pairs[i].b);
+        if (l.record[i] != nullptr) data.pairs.use(*l.record[i]);
+        l.wanted[i] = wanted(pairs[i], l.record[i]) ? 1 : 0;
+    });
+    l.listed.clear();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (l.wanted[i] == 0) continue;
+        if (l.record[i] == nullptr) l.record[i] = &data.pairs.get(data.model, data.state, pairs[i].a, pairs[i].b);
+        l.listed.push_back({pairs[i], l.record[i]});
+    }
+    return l.listed;
 }
 
 } // namespace
+
+void collect(StepData& data, StageCounters& counters) {
+    for (const auto& worker : data.workers) {
+        StageCounters& c = worker->counters;
+        counters.pairs += c.pairs;
+        counters.impulses += c.impulses;
+        counters.left += c.left;
+        counters.detection_ms += c.detection_ms;
+        counters.response_ms += c.response_ms;
+        c = {};
+    }
+}
 
 const CandidateList* end_candidates(const StepData& data, const PairRecord& record) {
     const CandidateList& list = record.candidates.list;
@@ -105,89 +151,69 @@ const CandidateList* end_candidates(const StepData& data, const PairRecord& reco
 }
 
 const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity) {
-    const std::size_t n = data.model.size();
-    data.swept.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        const bool movable = data.model.bodies[i].movable();
-        const double reach = movable ? largest_reach(data, i, with_proximity) : 0.0;
-        data.swept[i] = {data.trajectories.motion(i).swept(), reach, movable};
-    }
-    return data.broadphase.find(data.swept);
+    return find_pairs(data, "swept bounds", with_proximity,
+                      [&](std::size_t i) { return data.trajectories.motion(i).swept(); });
 }
 
-const std::vector<CandidatePair>& freeze(StepData& data, bool with_proximity) {
-    data.stale.clear();
-    for (const CandidatePair& p : swept_pairs(data, with_proximity))
-        if (data.clusters.of(at(p.a)) != data.clusters.of(at(p.b)) && !proved(data, p.a, p.b)) data.stale.push_back(p);
-    return data.stale;
+const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity) {
+    return list_pairs(data, swept_pairs(data, with_proximity), [&](const CandidatePair& p, const PairRecord* r) {
+        return data.clusters.of(at(p.a)) != data.clusters.of(at(p.b)) && (r == nullptr || !proved(data, *r));
+    });
 }
 
-const std::vector<CandidatePair>& end_pairs(StepData& data) {
-    const std::size_t n = data.model.size();
-    data.swept.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        const bool movable = data.model.bodies[i].movable();
-        data.swept[i] = {data.trajectories.at_end(i).swept(), movable ? largest_reach(data, i, true) : 0.0, movable};
-    }
-    return data.broadphase.find(data.swept);
+const std::vector<ListedPair>& end_pairs(StepData& data) {
+    const auto& pairs =
+        find_pairs(data, "end bounds", true, [&](std::size_t i) { return data.trajectories.at_end(i).swept(); });
+    return list_pairs(data, pairs, [](const CandidatePair&, const PairRecord*) { return true; });
 }
 
-bool proved(const StepData& data, std::int32_t a, std::int32_t b) {
-    const PairRecord* r = data.pairs.find(a, b);
-    return r != nullptr && r->proved_a == data.trajectories.version(at(a)) &&
-           r->proved_b == data.trajectories.version(at(b));
+bool proved(const StepData& data, const PairRecord& r) {
+    return r.proved_a == data.trajectories.version(at(r.a)) && r.proved_b == data.trajectories.version(at(r.b));
 }
 
-bool missed(const StepData& data, std::int32_t a, std::int32_t b) {
-    const PairRecord* r = data.pairs.find(a, b);
-    return r != nullptr && r->missed_a == data.trajectories.version(at(a)) &&
-           r->missed_b == data.trajectories.version(at(b));
+bool missed(const StepData& data, const PairRecord& r) {
+    return r.missed_a == data.trajectories.version(at(r.a)) && r.missed_b == data.trajectories.version(at(r.b));
 }
 
-bool left(const StepData& data, std::int32_t a, std::int32_t b) {
-    const PairRecord* r = data.pairs.find(a, b);
-    return r != nullptr && r->left_a == data.trajectories.version(at(a)) &&
-           r->left_b == data.trajectories.version(at(b));
+bool left(const StepData& data, const PairRecord& r) {
+    return r.left_a == data.trajectories.version(at(r.a)) && r.left_b == data.trajectories.version(at(r.b));
 }
 
-PairHit query(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters) {
-    const Stopwatch watch(counters.detection_ms);
-    PairRecord& r = data.pairs.get(data.model, data.state, a, b);
-    const PairHit hit = search(data, r, CcdMethod::conservative);
+PairHit query(const StepData& data, Worker& worker, PairRecord& r) {
+    const Stopwatch watch(worker.counters.detection_ms);
+    const PairHit hit = search(data, worker, r, CcdMethod::conservative);
     if (!hit.hit) {
-        r.proved_a = data.trajectories.version(at(a));
-        r.proved_b = data.trajectories.version(at(b));
+        r.proved_a = data.trajectories.version(at(r.a));
+        r.proved_b = data.trajectories.version(at(r.b));
     }
     return hit;
 }
 
-PairHit query_collision(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters) {
-    if (data.model.settings.ccd == CcdMethod::conservative) return query(data, a, b, counters);
-    const Stopwatch watch(counters.detection_ms);
-    PairRecord& r = data.pairs.get(data.model, data.state, a, b);
-    const PairHit hit = search(data, r, CcdMethod::cubic);
+PairHit query_collision(const StepData& data, Worker& worker, PairRecord& r) {
+    if (data.model.settings.ccd == CcdMethod::conservative) return query(data, worker, r);
+    const Stopwatch watch(worker.counters.detection_ms);
+    const PairHit hit = search(data, worker, r, CcdMethod::cubic);
     if (!hit.hit) {
-        r.missed_a = data.trajectories.version(at(a));
-        r.missed_b = data.trajectories.version(at(b));
+        r.missed_a = data.trajectories.version(at(r.a));
+        r.missed_b = data.trajectories.version(at(r.b));
     }
     return hit;
 }
 
-ClusterHit query_clusters(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters) {
+ClusterHit query_clusters(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b) {
     ClusterHit best;
     for (std::int32_t i : data.clusters[a].members) {
         const Box box_i = data.trajectories.motion(at(i)).swept();
         for (std::int32_t j : data.clusters[b].members) {
-            const std::int32_t low = std::min(i, j), high = std::max(i, j);
-            if (proved(data, low, high)) continue;
-            PairRecord& r = data.pairs.get(data.model, data.state, low, high);
+            PairRecord& r = *data.pairs.find(std::min(i, j), std::max(i, j));
+            if (proved(data, r)) continue;
             if (!boxes_overlap(box_i, data.trajectories.motion(at(j)).swept(), r.lengths.separation)) {
-                r.proved_a = data.trajectories.version(at(low)); // way a
-                r.proved_b = data.trajectories.version(at(high));
+                r.proved_a = data.trajectories.version(at(r.a)); // way a
+                r.proved_b = data.trajectories.version(at(r.b));
                 continue;
             }
-            const PairHit hit = query(data, low, high, counters);
-            if (hit.hit && (!best.hit.hit || hit.toi < best.hit.toi)) best = {hit, low, high};
+            const PairHit hit = query(data, worker, r);
+            if (hit.hit && (!best.hit.hit || hit.toi < best.hit.toi)) best = {hit, r.a, r.b};
         }
     }
     return best;
@@ -215,10 +241,10 @@ double pair_restitution(const Model& model, std::int32_t a, std::int32_t b) {
     return std::max(model.bodies[at(a)].restitution, model.bodies[at(b)].restitution);
 }
 
-void push(StepData& data, std::int32_t a, std::int32_t b, const ContactPoint& point, const Vec3& impulse,
-          StageCounters& counters) {
-    const Stopwatch watch(counters.response_ms);
-    ++counters.impulses;
+void push(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
+          const Vec3& impulse) {
+    const Stopwatch watch(worker.counters.response_ms);
+    ++worker.counters.impulses;
     data.clusters.apply(a, point.arm_a, -impulse);
     data.clusters.apply(b, point.arm_b, impulse);
     data.clusters.evolve(a, data.dt, data.trajectories);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 
 #include "ccd/pair_query.hpp"
 #include "pair/pair_table.hpp"
@@ -16,9 +17,9 @@ struct StageCounters {
     std::int64_t sweeps = 0;
     std::int64_t pairs = 0; ///< operations run
     std::int64_t impulses = 0;
-    std::int64_t left = 0; ///< pairs left to a later stage
-    double detection_ms = 0, response_ms = 0;
-    bool limit = false; ///< ended by its iteration limit
+    std::int64_t left = 0;                    ///< pairs left to a later stage
+    double detection_ms = 0, response_ms = 0; ///< of all threads together
+    bool limit = false;                       ///< ended by its iteration limit
 };
 
 /// Adds the wall time of a scope to a counter. Times are reported, never used.
@@ -36,6 +37,35 @@ class Stopwatch {
     std::chrono::steady_clock::time_point start_;
 };
 
+/// What one thread has to itself.
+struct alignas(64) Worker {
+    CcdScratch ccd;
+    ProximityScratch proximity;
+    std::vector<ProximityPoint> points;
+    StageCounters counters;
+};
+using Workers = std::vector<std::unique_ptr<Worker>>;
+
+/// A pair of bodies of a frozen list.
+struct ListedPair {
+    CandidatePair pair;
+    PairRecord* record = nullptr;
+    friend bool operator<(const ListedPair& p, const ListedPair& q) { return p.pair < q.pair; }
+    friend bool operator==(const ListedPair& p, const ListedPair& q) { return p.pair == q.pair; }
+};
+
+/// Buffers of the lists that a step makes.
+struct ListBuffers {
+    std::vector<SweptBody> swept;
+    std::vector<PairRecord*> record; ///< of each candidate pair; null: there is none yet
+    std::vector<std::uint8_t> wanted;
+    std::vector<ListedPair> listed;
+    TaskOrder order;
+    std::vector<std::int32_t> tasks;   ///< places in the list of the ordered tasks
+    std::vector<std::uint8_t> touched; ///< by cluster: some task before uses it
+    std::vector<std::uint8_t> flags;   ///< by place in the list
+};
+
 struct StepData {
     const Model& model;
     const State& state; ///< at x^n
@@ -43,48 +73,51 @@ struct StepData {
     Clusters& clusters;
     PairTable& pairs;
     PairFinder& broadphase;
-    CcdScratch& ccd;
-    ProximityScratch& proximity;
-    double dt;        ///< s
-    double angle_cos; ///< of theta_proximity
-    double approach;  ///< m/s, slower end proximities are left to static contact
-    std::vector<SweptBody> swept;
-    std::vector<CandidatePair> stale;
-    std::vector<ProximityPoint> points;
+    Team& team;
+    Workers& workers; ///< by thread
+    ListBuffers& lists;
+    double dt;                   ///< s
+    double angle_cos;            ///< of theta_proximity
+    double approach;             ///< m/s, slower end proximities are left to static contact
     bool keep_candidates = true; ///< off: every query traverses the hierarchies; the same answers
+
+    [[nodiscard]] Worker& worker(int thread) const { return *workers[static_cast<std::size_t>(thread)]; }
 };
+
+/// Adds what all workers counted to `counters` and sets theirs to zero.
+void collect(StepData& data, StageCounters& counters);
 
 /// All pairs whose swept bounds come within the separation, or within the proximity distance, sorted.
 const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity);
 
 /// The frozen list of a sweep: pairs of bodies of different clusters whose swept bounds overlap and that have no current proof,
 /// sorted. Stage 1 also wants pairs within the proximity distance (`with_proximity`), stage 5 only those within the separation.
-const std::vector<CandidatePair>& freeze(StepData& data, bool with_proximity);
+const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity);
 
 /// All pairs whose boxes at the end poses come within the proximity distance, sorted; uses the freeze's buffers.
-const std::vector<CandidatePair>& end_pairs(StepData& data);
+const std::vector<ListedPair>& end_pairs(StepData& data);
 
 /// Whether the pair's current versions are proved by the CCD, passed the CCD of stage 1, or were left by an operation.
-[[nodiscard]] bool proved(const StepData& data, std::int32_t a, std::int32_t b);
-[[nodiscard]] bool missed(const StepData& data, std::int32_t a, std::int32_t b);
-[[nodiscard]] bool left(const StepData& data, std::int32_t a, std::int32_t b);
+[[nodiscard]] bool proved(const StepData& data, const PairRecord& record);
+[[nodiscard]] bool missed(const StepData& data, const PairRecord& record);
+[[nodiscard]] bool left(const StepData& data, const PairRecord& record);
 
 /// The pair's candidate list where it covers the present end poses: for queries of the proximity distance at the end of the
 /// step. Null otherwise.
 [[nodiscard]] const CandidateList* end_candidates(const StepData& data, const PairRecord& record);
 
 /// Runs the CCD on a pair of bodies and records a proof where there is one.
-PairHit query(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters);
+PairHit query(const StepData& data, Worker& worker, PairRecord& record);
 
 /// The same for stage 1, by the setting `ccd`. What only the cubic takes for a miss is not proved: stage 5 looks at it again.
-PairHit query_collision(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters);
+PairHit query_collision(const StepData& data, Worker& worker, PairRecord& record);
 
-/// The earliest hit between two clusters; pairs of members with a current proof are not looked at again.
+/// The earliest hit between two clusters; pairs of members with a current proof are not looked at again. All of them have records.
 struct ClusterHit {
     PairHit hit;
     std::int32_t a = -1, b = -1; ///< bodies, of the first and of the second cluster
 };
-[[nodiscard]] ClusterHit query_clusters(StepData& data, std::int32_t a, std::int32_t b, StageCounters& counters);
+[[nodiscard]] ClusterHit query_clusters(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b);
 
 /// The contact of a swept hit in terms of the clusters: effective velocity and arms at the time of impact (section 3.2).
 struct SweptContact {
@@ -98,7 +131,7 @@ struct SweptContact {
 [[nodiscard]] double pair_restitution(const Model& model, std::int32_t a, std::int32_t b);
 
 /// Applies an impulse to two clusters and re-evolves them.
-void push(StepData& data, std::int32_t a, std::int32_t b, const ContactPoint& point, const Vec3& impulse,
-          StageCounters& counters);
+void push(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
+          const Vec3& impulse);
 
 } // namespace flotilla

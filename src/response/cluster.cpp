@@ -24,32 +24,40 @@ Mat3 inverse(const Mat3& a) {
 } // namespace
 
 void Clusters::start(const Model& model, const Trajectories& trajectories, std::span<const Motion> motion) {
+    resize(model);
+    for (std::size_t i = 0; i < motion.size(); ++i) start(i, trajectories, motion[i]);
+}
+
+void Clusters::resize(const Model& model) {
     model_ = &model;
     const std::size_t n = model.size();
     clusters_.resize(n);
     cluster_of_.resize(n);
     base_.resize(n);
     inertia_.resize(n);
-    base_turn_.assign(n, {});
-    motion_.assign(motion.begin(), motion.end());
-    for (std::size_t i = 0; i < n; ++i) {
-        const Pose& pose = trajectories.start_pose(i);
-        const RigidShape& shape = model.shape_of(i);
-        const bool movable = model.bodies[i].movable();
-        cluster_of_[i] = static_cast<std::int32_t>(i);
-        base_[i] = pose;
-        if (movable) inertia_[i] = {turned(shape.inertia, pose.rotation), turned(shape.inverse_inertia, pose.rotation)};
-        Cluster& c = clusters_[i];
-        c.members.assign(1, static_cast<std::int32_t>(i));
-        c.resolved_against.clear();
-        c.rung = Rung::free;
-        c.rigid = c.internal_proved = true;
-        c.inverse_mass = movable ? model.bodies[i].inverse_mass : 0.0;
-        c.com0 = c.base_com = pose.com;
-        c.inertia = inertia_[i];
-        c.velocity = motion[i].velocity;
-        c.momentum = motion[i].momentum;
-    }
+    base_turn_.resize(n);
+    motion_.resize(n);
+}
+
+void Clusters::start(std::size_t i, const Trajectories& trajectories, const Motion& motion) {
+    const Pose& pose = trajectories.start_pose(i);
+    const RigidShape& shape = model_->shape_of(i);
+    const bool movable = model_->bodies[i].movable();
+    cluster_of_[i] = static_cast<std::int32_t>(i);
+    base_[i] = pose;
+    base_turn_[i] = {};
+    motion_[i] = motion;
+    if (movable) inertia_[i] = {turned(shape.inertia, pose.rotation), turned(shape.inverse_inertia, pose.rotation)};
+    Cluster& c = clusters_[i];
+    c.members.assign(1, static_cast<std::int32_t>(i));
+    c.resolved_against.clear();
+    c.rung = Rung::free;
+    c.rigid = c.internal_proved = true;
+    c.inverse_mass = movable ? model_->bodies[i].inverse_mass : 0.0;
+    c.com0 = c.base_com = pose.com;
+    c.inertia = inertia_[i];
+    c.velocity = motion.velocity;
+    c.momentum = motion.momentum;
 }
 
 void Clusters::set_script(std::int32_t id, const Motion& motion) {

@@ -35,8 +35,13 @@ struct Cluster {
 
 class Clusters {
   public:
-    /// One cluster per body with the given motion (v, L). Infinite-mass bodies have infinite clusters.
+    /// One cluster per body with the given motion.
     void start(const Model& model, const Trajectories& trajectories, std::span<const Motion> motion);
+    /// The same in two parts. Makes room for the clusters of the model's bodies; start() begins each.
+    void resize(const Model& model);
+    /// A cluster of one body with the given motion (v, L); different bodies may be started side by side. Infinite-mass bodies have
+    /// infinite clusters.
+    void start(std::size_t body, const Trajectories& trajectories, const Motion& motion);
 
     [[nodiscard]] std::int32_t of(std::size_t body) const { return cluster_of_[body]; }
     [[nodiscard]] const Cluster& operator[](std::int32_t id) const { return clusters_[static_cast<std::size_t>(id)]; }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/box.hpp"
+#include "parallel/team.hpp"
 
 namespace flotilla {
 
@@ -25,7 +26,7 @@ class PairFinder {
   public:
     virtual ~PairFinder() = default;
     /// All pairs with at least one movable body whose inflated boxes overlap, sorted by (a, b).
-    virtual const std::vector<CandidatePair>& find(const std::vector<SweptBody>& bodies) = 0;
+    virtual const std::vector<CandidatePair>& find(Team& team, const std::vector<SweptBody>& bodies) = 0;
 };
 
 } // namespace flotilla

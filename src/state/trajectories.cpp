@@ -62,14 +62,21 @@ void PlacedBody::place(const RigidShape& shape, const Pose& at) {
 }
 
 void Trajectories::start(const Model& model, std::span<const Pose> poses) {
+    resize(model);
+    for (std::size_t i = 0; i < poses.size(); ++i) start(model, i, poses[i]);
+}
+
+void Trajectories::resize(const Model& model) {
     rigid_ = model.settings.trajectory == Trajectory::rigid;
-    entries_.assign(poses.size(), {});
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-        Entry& e = entries_[i];
-        e.shape = &model.shape_of(i);
-        e.version = 1;
-        e.at0.place(*e.shape, poses[i]);
-    }
+    entries_.clear();
+    entries_.resize(model.size());
+}
+
+void Trajectories::start(const Model& model, std::size_t body, const Pose& pose) {
+    Entry& e = entries_[body];
+    e.shape = &model.shape_of(body);
+    e.version = 1;
+    e.at0.place(*e.shape, pose);
 }
 
 void Trajectories::advance() {

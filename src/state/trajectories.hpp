@@ -58,6 +58,9 @@ class Trajectories {
   public:
     /// All bodies at rest at the given poses. The model's setting `trajectory` decides how they will move.
     void start(const Model& model, std::span<const Pose> poses);
+    /// The same in two parts: room for all bodies, then one body after another or side by side, each placed by the thread that calls.
+    void resize(const Model& model);
+    void start(const Model& model, std::size_t body, const Pose& pose);
     /// Makes the end states the start states of the next step.
     void advance();
 

@@ -9,7 +9,8 @@ namespace {
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool certified(const StepData& data, const CandidatePair& p) {
-    if (proved(data, p.a, p.b)) return true;                                               // way b
+    const PairRecord* record = data.pairs.find(p.a, p.b);
+    if (record != nullptr && proved(data, *record)) return true;                           // way b
     if (data.trajectories.still(at(p.a)) && data.trajectories.still(at(p.b))) return true; // way d
     const std::int32_t c = data.clusters.of(at(p.a));
     return c == data.clusters.of(at(p.b)) && data.clusters[c].internal_proved; // way c
@@ -18,10 +19,16 @@ bool certified(const StepData& data, const CandidatePair& p) {
 } // namespace
 
 void certify(StepData& data) {
-    for (const CandidatePair& p : swept_pairs(data, false)) // way a: all others
-        if (!certified(data, p))
-            throw CertificateError("step " + std::to_string(data.state.step + 1) + ": bodies " + std::to_string(p.a) +
-                                   " and " + std::to_string(p.b) + " could not be proved apart");
+    constexpr std::size_t kGrain = 256;
+    const std::vector<CandidatePair>& pairs = swept_pairs(data, false); // way a: all others
+    data.lists.flags.resize(pairs.size());
+    data.team.for_each("certify", pairs.size(), kGrain,
+                       [&](std::size_t i, int) { data.lists.flags[i] = certified(data, pairs[i]) ? 1 : 0; });
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        if (data.lists.flags[i] == 0)
+            throw CertificateError("step " + std::to_string(data.state.step + 1) + ": bodies " +
+                                   std::to_string(pairs[i].a) + " and " + std::to_string(pairs[i].b) +
+                                   " could not be proved apart");
 }
 
 } // namespace flotilla

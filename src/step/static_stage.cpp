@@ -9,15 +9,16 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-void append_pair(StepData& data, const CandidatePair& pair, ContactSet& out) {
-    PairRecord& record = data.pairs.get(data.model, data.state, pair.a, pair.b);
-    data.points.clear();
+void append_pair(const StepData& data, Worker& worker, const ListedPair& listed, ContactSet& out) {
+    const CandidatePair& pair = listed.pair;
+    PairRecord& record = *listed.record;
+    worker.points.clear();
     const auto result = find_contact_points(data.trajectories.at_end(at(pair.a)), data.trajectories.at_end(at(pair.b)),
                                             record.lengths.proximity, data.angle_cos, end_candidates(data, record),
-                                            data.proximity, data.points);
+                                            worker.proximity, worker.points);
     if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
     record.end_distance = result.near ? result.distance : std::numeric_limits<double>::infinity();
-    for (const ProximityPoint& p : data.points) {
+    for (const ProximityPoint& p : worker.points) {
         // The point of the vertex, or of body a's edge (section 4.3.1).
         const Vec3 point = p.features.kind == FeatureKind::face_vertex ? p.b : p.a;
         out.contacts.push_back({pair.a, pair.b, point, p.normal, p.distance, 0,
@@ -77,12 +78,32 @@ void store_warm(const StaticStageScratch& scratch, std::vector<WarmImpulse>& war
 
 } // namespace
 
-void find_contacts(StepData& data, ContactSet& out) {
-    out.contacts.clear();
-    out.rest.clear();
-    out.processed.clear();
-    out.min_distance = std::numeric_limits<double>::infinity();
-    for (const CandidatePair& p : end_pairs(data)) append_pair(data, p, out);
+void ContactSet::clear() {
+    contacts.clear();
+    rest.clear();
+    processed.clear();
+    min_distance = std::numeric_limits<double>::infinity();
+}
+
+void ContactSet::append(const ContactSet& other) {
+    contacts.insert(contacts.end(), other.contacts.begin(), other.contacts.end());
+    rest.insert(rest.end(), other.rest.begin(), other.rest.end());
+    processed.insert(processed.end(), other.processed.begin(), other.processed.end());
+    min_distance = std::min(min_distance, other.min_distance);
+}
+
+void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& out) {
+    constexpr std::size_t kGrain = 16;
+    const std::vector<ListedPair>& pairs = end_pairs(data);
+    const std::size_t chunks = (pairs.size() + kGrain - 1) / kGrain;
+    scratch.parts.resize(std::max(scratch.parts.size(), chunks));
+    data.team.for_chunks("contact points", pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int thread) {
+        ContactSet& part = scratch.parts[begin / kGrain];
+        part.clear();
+        for (std::size_t i = begin; i < end; ++i) append_pair(data, data.worker(thread), pairs[i], part);
+    });
+    out.clear();
+    for (std::size_t k = 0; k < chunks; ++k) out.append(scratch.parts[k]);
 }
 
 void VelocityArrays::load(const Model& model, std::span<const Pose> poses, std::span<const Motion> motion) {

@@ -15,8 +15,15 @@ struct ContactSet {
     std::vector<double> rest;                                      ///< m, rest distance of each contact's pair
     std::vector<std::uint8_t> processed;                           ///< stage 1 examined the pair
     double min_distance = std::numeric_limits<double>::infinity(); ///< m, of all feature pairs within proximity
+
+    void clear();
+    void append(const ContactSet& other);
 };
-void find_contacts(StepData& data, ContactSet& out);
+/// What the tasks of a contact search found.
+struct ContactSearchScratch {
+    std::vector<ContactSet> parts;
+};
+void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& out);
 
 /// Bodies as stages 3 and 7 see them: velocities to be changed and the inertia of the poses where the contacts are.
 struct VelocityArrays {

@@ -13,6 +13,8 @@
 namespace flotilla {
 namespace {
 
+constexpr std::size_t kBodyGrain = 16; // bodies of a task
+
 void add_counters(const StageCounters& c, StepReport& report) {
     report.pairs += c.pairs;
     report.ms(Phase::detection) += c.detection_ms;
@@ -28,13 +30,16 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
 } // namespace
 
 Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
-    : model_(model), options_(options), state_(std::move(state)) {
+    : model_(model), options_(options), team_({options.threads, options.pin}), state_(std::move(state)) {
+    for (int k = 0; k < team_.size(); ++k) workers_.push_back(std::make_unique<Worker>());
     state_.sleep.resize(model_.size());
     mark_asleep();
-    trajectories_.start(model_, state_.pose);
+    trajectories_.resize(model_);
+    team_.for_each("place bodies", model_.size(), kBodyGrain,
+                   [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
     turns_.assign(model_.size(), {});
     StepData d = data();
-    find_contacts(d, contacts_);
+    find_contacts(d, search_, contacts_);
     if (state_.step > 0) return;
     // Pairs that start closer than their rest distance keep their start distance as such (DESIGN section 3).
     for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
@@ -47,7 +52,13 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
             list.push_back({c.a, c.b, c.distance});
     }
     pairs_.clear();
-    if (!state_.rest_distances.empty()) find_contacts(d, contacts_);
+    if (!state_.rest_distances.empty()) find_contacts(d, search_, contacts_);
+}
+
+QueryCounters Stepper::query_counters() const {
+    QueryCounters sum;
+    for (const auto& worker : workers_) sum += worker->ccd.counters;
+    return sum;
 }
 
 StepData Stepper::data() {
@@ -60,14 +71,12 @@ StepData Stepper::data() {
             clusters_,
             pairs_,
             broadphase_,
-            ccd_,
-            proximity_,
+            team_,
+            workers_,
+            lists_,
             s.time_step,
             sin_cos(s.proximity_angle * std::numbers::pi / 180).cos,
             approach,
-            {},
-            {},
-            {},
             options_.keep_candidates};
 }
 
@@ -135,7 +144,7 @@ StepReport Stepper::step() {
             const Stopwatch watch(report.ms(Phase::static_contact));
             {
                 const Stopwatch detection(report.ms(Phase::static_detection));
-                find_contacts(d, contacts_);
+                find_contacts(d, search_, contacts_);
             }
             static_contact(next, end, true, report);
         }
@@ -183,11 +192,14 @@ void Stepper::put_to_sleep() {
 }
 
 void Stepper::start_clusters(std::span<const Motion> motion) {
-    clusters_.start(model_, trajectories_, motion);
+    clusters_.resize(model_);
+    team_.for_each("start clusters", model_.size(), kBodyGrain,
+                   [&](std::size_t i, int) { clusters_.start(i, trajectories_, motion[i]); });
     move_scripts();
-    for (std::size_t i = 0; i < model_.size(); ++i)
+    team_.for_each("move bodies", model_.size(), kBodyGrain, [&](std::size_t i, int) {
         if (model_.bodies[i].movable())
             clusters_.evolve(static_cast<std::int32_t>(i), model_.settings.time_step, trajectories_);
+    });
 }
 
 void Stepper::move_scripts() {

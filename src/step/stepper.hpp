@@ -13,8 +13,11 @@
 
 namespace flotilla {
 
+/// None changes a bit of the results.
 struct StepperOptions {
     bool keep_candidates = true; ///< of body pairs, between queries: changes cost only
+    int threads = 1;
+    bool pin = false; ///< each thread to a core of its own
 };
 
 class Stepper {
@@ -35,7 +38,8 @@ class Stepper {
     [[nodiscard]] const ContactSet& contacts() const { return contacts_; }
     /// Bodies that a failsafe event of the last step touched, as flags.
     [[nodiscard]] const std::vector<std::uint8_t>& failsafe_bodies() const { return failsafe_bodies_; }
-    [[nodiscard]] const QueryCounters& query_counters() const { return ccd_.counters; }
+    [[nodiscard]] QueryCounters query_counters() const;
+    [[nodiscard]] Team& team() { return team_; }
 
   private:
     StepData data();
@@ -53,14 +57,16 @@ class Stepper {
 
     Model model_; ///< its own: who sleeps changes from step to step
     StepperOptions options_;
+    Team team_;
+    Workers workers_;
+    ListBuffers lists_; ///< kept between steps
     State state_;
     Trajectories trajectories_;
     Clusters clusters_;
     PairTable pairs_;
     Broadphase broadphase_;
-    CcdScratch ccd_;
-    ProximityScratch proximity_;
     StaticStageScratch static_;
+    ContactSearchScratch search_;
     ContactSet contacts_;
     SleepScratch sleep_;
     std::vector<BodyPair> touching_;
