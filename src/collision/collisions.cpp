@@ -99,20 +99,28 @@ void merge_active(const std::vector<ListedPair>& list, std::vector<ListedPair>& 
     active.erase(std::unique(active.begin(), active.end()), active.end());
 }
 
-/// Runs the stale pairs of a frozen list in order, backwards in odd sweeps. Returns how many there were.
-std::int64_t sweep(StepData& data, const std::vector<ListedPair>& list, StageCounters& counters) {
+/// Runs the stale pairs of a list, `rounds` times or until none is left; odd sweeps go backwards. Returns the number of sweeps
+/// that found any.
+int sweep(StepData& data, const std::vector<ListedPair>& list, int rounds, StageCounters& counters) {
     const auto current = [&](std::size_t i) {
         const PairRecord& r = *list[i].record;
         return proved(data, r) || missed(data, r) || left(data, r);
     };
-    const std::int64_t before = counters.pairs;
+    const auto count = static_cast<std::size_t>(rounds);
+    for (const auto& worker : data.workers) worker->work.assign(count, 0);
     run_in_order(
-        data, "collide", list.size(), counters.sweeps % 2 != 0, [&](std::size_t i) { return list[i].pair; }, current,
-        [&](std::size_t i, Worker& worker) { collide(data, worker, list[i]); });
+        data, "collide", {list.size(), counters.sweeps % 2 != 0, rounds}, [&](std::size_t i) { return list[i].pair; },
+        current,
+        [&](std::size_t i, int round, Worker& worker) {
+            collide(data, worker, list[i]);
+            ++worker.work[static_cast<std::size_t>(round)];
+        });
     collect(data, counters);
-    const std::int64_t work = counters.pairs - before;
-    counters.sweeps += work > 0 ? 1 : 0;
-    return work;
+    int sweeps = 0;
+    for (std::size_t r = 0; r < count; ++r)
+        sweeps += std::any_of(data.workers.begin(), data.workers.end(), [&](const auto& w) { return w->work[r] > 0; });
+    counters.sweeps += sweeps;
+    return sweeps;
 }
 
 } // namespace
@@ -121,12 +129,12 @@ StageCounters handle_collisions(StepData& data) {
     StageCounters counters;
     std::vector<ListedPair> active;
     const int limit = data.model.settings.collision_iterations;
-    while (counters.sweeps < limit) {
+    const auto left = [&] { return limit - static_cast<int>(counters.sweeps); };
+    while (left() > 0) {
         const std::vector<ListedPair>& list = freeze(data, true);
-        if (sweep(data, list, counters) == 0) return counters;
+        if (sweep(data, list, 1, counters) == 0) return counters;
         merge_active(list, active);
-        for (int i = 0; i < kActiveSweeps && counters.sweeps < limit; ++i)
-            if (sweep(data, active, counters) == 0) break;
+        if (left() > 0) sweep(data, active, std::min(kActiveSweeps, left()), counters);
     }
     counters.limit = true;
     return counters;

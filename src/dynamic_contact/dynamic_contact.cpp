@@ -35,9 +35,9 @@ DynamicContactStats handle_dynamic_contact(StepData& data) {
         const bool backwards = sweep % 2 != 0;
         resolutions.assign(list.size(), {});
         run_in_order(
-            data, "dynamic contact", list.size(), backwards, [&](std::size_t i) { return list[i]; },
+            data, "dynamic contact", {list.size(), backwards}, [&](std::size_t i) { return list[i]; },
             [](std::size_t) { return false; },
-            [&](std::size_t i, Worker& worker) {
+            [&](std::size_t i, int, Worker& worker) {
                 ++worker.counters.pairs;
                 resolutions[i] =
                     resolve_inelastic(data, worker, list[i].a, list[i].b, data.model.settings.dynamic_pair_iterations);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/ccd.hpp"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdlib>
+#include <string_view>
 
 #include "base/assert.hpp"
 #include "geometry/ccd_wide.hpp"
@@ -38,13 +41,29 @@ bool certified_along(CcdKind kind, const CcdQuery& query, const Vec3& direction,
 
 double ccd_error(double w) { return (ScalarPack{kErrFactor} * ceil_power_of_two(ScalarPack{w}) + ScalarPack{kTiny}).v; }
 
-Isa best_isa() {
+namespace {
+
+Isa widest_isa() {
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
         return Isa::avx512;
     if (__builtin_cpu_supports("avx2")) return Isa::avx2;
 #endif
     return Isa::scalar;
+}
+
+Isa allowed_isa() {
+    const char* text = std::getenv("FLOTILLA_SIMD");
+    const std::string_view name = text != nullptr ? text : "";
+    const Isa limit = name == "scalar" ? Isa::scalar : name == "avx2" ? Isa::avx2 : Isa::avx512;
+    return std::min(limit, widest_isa());
+}
+
+} // namespace
+
+Isa best_isa() {
+    static const Isa isa = allowed_isa();
+    return isa;
 }
 
 void ccd_batch(CcdKind kind, std::span<const CcdQuery> queries, const CcdOptions& options, std::span<CcdResult> results,

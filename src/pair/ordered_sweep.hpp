@@ -19,38 +19,68 @@ namespace flotilla {
     return data.clusters[cluster].infinite() ? -1 : cluster;
 }
 
-/// Calls operate(i, worker) for the pairs of the list in order, from the end if `backwards`. An operation need not be run, and is
-/// left out, where current(i) holds and no operation before it may change that: where none of those shares a movable
-/// cluster with it. `pair_of(i)` gives the clusters. The list must not change meanwhile.
-template <class PairOf, class Current, class Operate>
-void run_in_order(StepData& data, const char* name, std::size_t n, bool backwards, PairOf&& pair_of, Current&& current,
-                  Operate&& operate) {
+/// A list run once or several times over, the first time in order or, `backwards`, from its end, then in turn the other way.
+struct SweepPlan {
+    std::size_t size = 0; ///< of the list
+    bool backwards = false;
+    int rounds = 1;
+
+    [[nodiscard]] std::size_t place(int round, std::size_t i) const {
+        return backwards != (round % 2 != 0) ? size - 1 - i : i;
+    }
+};
+
+/// Fills the order of tasks of a plan. An operation is left out where its pair is current and no operation before it may change
+/// that: where none of those shares a movable cluster with it.
+template <class PairOf, class Current>
+void order_tasks(StepData& data, const SweepPlan& plan, PairOf&& pair_of, Current&& current) {
     constexpr std::size_t kGrain = 256;
     ListBuffers& l = data.lists;
-    const auto place = [&](std::size_t i) { return backwards ? n - 1 - i : i; };
-    if (data.team.size() == 1 && data.team.recorder() == nullptr) {
-        for (std::size_t i = 0; i < n; ++i)
-            if (!current(place(i))) operate(place(i), data.worker(0));
-        return;
-    }
-    l.flags.resize(n);
-    data.team.for_each("stale pairs", n, kGrain, [&](std::size_t i, int) { l.flags[i] = current(i) ? 0 : 1; });
+    l.flags.resize(plan.size);
+    data.team.for_each("stale pairs", plan.size, kGrain, [&](std::size_t i, int) { l.flags[i] = current(i) ? 0 : 1; });
     l.touched.assign(data.model.size(), 0);
     l.tasks.clear();
     l.order.start(data.model.size());
-    for (std::size_t i = 0; i < n; ++i) {
-        const CandidatePair p = pair_of(place(i));
-        const std::int32_t a = shared_cluster(data, p.a), b = shared_cluster(data, p.b);
-        const auto touched = [&](std::int32_t c) { return c >= 0 && l.touched[static_cast<std::size_t>(c)] != 0; };
-        if (l.flags[place(i)] == 0 && !touched(a) && !touched(b)) continue;
-        if (a >= 0) l.touched[static_cast<std::size_t>(a)] = 1;
-        if (b >= 0) l.touched[static_cast<std::size_t>(b)] = 1;
-        l.tasks.push_back(static_cast<std::int32_t>(place(i)));
-        l.order.add(a, b);
+    for (int round = 0; round < plan.rounds; ++round)
+        for (std::size_t i = 0; i < plan.size; ++i) {
+            const std::size_t k = plan.place(round, i);
+            const CandidatePair p = pair_of(k);
+            const std::int32_t a = shared_cluster(data, p.a), b = shared_cluster(data, p.b);
+            const auto touched = [&](std::int32_t c) { return c >= 0 && l.touched[static_cast<std::size_t>(c)] != 0; };
+            if (l.flags[k] == 0 && !touched(a) && !touched(b)) continue;
+            if (a >= 0) l.touched[static_cast<std::size_t>(a)] = 1;
+            if (b >= 0) l.touched[static_cast<std::size_t>(b)] = 1;
+            l.tasks.push_back({static_cast<std::int32_t>(k), round});
+            l.order.add(a, b);
+        }
+}
+
+/// Calls operate(i, round, worker) for the pairs of the list in order, round after round, except where current(i) holds: a
+/// certificate that an operation leaves alone. `pair_of(i)` gives the clusters. The list must not change meanwhile.
+///
+/// Rounds are one run: nothing waits for the end of a round but what shares a cluster with it. A round in which all pairs are
+/// current leaves all of them so, and with it all later rounds do nothing, as if they had not been run.
+template <class PairOf, class Current, class Operate>
+void run_in_order(StepData& data, const char* name, const SweepPlan& plan, PairOf&& pair_of, Current&& current,
+                  Operate&& operate) {
+    if (data.team.size() == 1 && data.team.recorder() == nullptr) {
+        for (int round = 0; round < plan.rounds; ++round) {
+            bool any = false;
+            for (std::size_t i = 0; i < plan.size; ++i) {
+                const std::size_t k = plan.place(round, i);
+                if (current(k)) continue;
+                operate(k, round, data.worker(0));
+                any = true;
+            }
+            if (!any) return;
+        }
+        return;
     }
+    ListBuffers& l = data.lists;
+    order_tasks(data, plan, pair_of, current);
     data.team.run(name, l.order, [&](std::size_t task, int thread) {
-        const auto i = static_cast<std::size_t>(l.tasks[task]);
-        if (!current(i)) operate(i, data.worker(thread));
+        const auto i = static_cast<std::size_t>(l.tasks[task].place);
+        if (!current(i)) operate(i, l.tasks[task].round, data.worker(thread));
     });
 }
 

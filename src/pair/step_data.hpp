@@ -43,6 +43,7 @@ struct alignas(64) Worker {
     ProximityScratch proximity;
     std::vector<ProximityPoint> points;
     StageCounters counters;
+    std::vector<std::int64_t> work; ///< operations run, by round of a sweep
 };
 using Workers = std::vector<std::unique_ptr<Worker>>;
 
@@ -61,7 +62,10 @@ struct ListBuffers {
     std::vector<std::uint8_t> wanted;
     std::vector<ListedPair> listed;
     TaskOrder order;
-    std::vector<std::int32_t> tasks;   ///< places in the list of the ordered tasks
+    struct SweepTask {
+        std::int32_t place, round; ///< in the list
+    };
+    std::vector<SweepTask> tasks;      ///< in their order
     std::vector<std::uint8_t> touched; ///< by cluster: some task before uses it
     std::vector<std::uint8_t> flags;   ///< by place in the list
 };

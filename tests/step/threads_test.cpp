@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// The same bits at any thread count, step by step (G3).
+#include "step/scenario.hpp"
+#include "step/thread_scenes.hpp"
+
+namespace flotilla::scenario {
+namespace {
+
+class Threads : public testing::TestWithParam<ThreadScene> {};
+
+TEST_P(Threads, GiveTheSameBitsInEveryStep) {
+    const SceneDescription scene = GetParam().make(false);
+    const int steps = GetParam().fast_steps;
+    const auto expected = hashes_of_run(scene, steps, {1, Executor::serial});
+    for (const int threads : {1, 2, 3, 8}) EXPECT_EQ(hashes_of_run(scene, steps, {threads}), expected) << threads;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Threads, testing::ValuesIn(thread_scenes()),
+                         [](const auto& scene) { return std::string(scene.param.name); });
+
+} // namespace
+} // namespace flotilla::scenario
