@@ -57,7 +57,7 @@ PUBLIC_HEADERS = {
 # Libraries beside std and Eigen, which every module but the embedders' headers may use.
 LIBRARIES = {
     "parallel": ["tbb", "openmp", "threads", "locks", "posix"],
-    "io": ["locks", "nlohmann", "hdf5", "xxhash", "random123", "png", "zstd", "tinyobj", "tinygltf", "posix"],
+    "io": ["locks", "nlohmann", "hdf5", "xxhash", "random123", "png", "zlib", "zstd", "tinyobj", "tinygltf", "posix"],
     "api": ["xxhash", "random123"],
     "cli": ["cli11", "nlohmann", "png", "posix"],
     "python": ["pybind11"],
@@ -72,6 +72,7 @@ LIBRARY_OF = [
     (r"xxh\w*\.h$", "xxhash"),
     (r"Random123/", "random123"),
     (r"png(conf)?\.h$", "png"),
+    (r"zlib\.h$", "zlib"),
     (r"zstd\w*\.h$", "zstd"),
     (r"tiny_obj_loader", "tinyobj"),
     (r"tiny_gltf", "tinygltf"),

@@ -37,6 +37,7 @@ void register_plan(CLI::App& app, Action& action);
 /// `command_line` goes into the run folder.
 void register_run(CLI::App& app, Action& action, const std::vector<std::string>& command_line);
 void register_scene(CLI::App& app, Action& action);
+void register_trace(CLI::App& app, Action& action);
 void register_verify(CLI::App& app, Action& action);
 
 /// What verify does with a run folder, for run --audit: prints the report and returns the exit code.

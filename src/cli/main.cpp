@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
     cli::register_plan(app, action);
     cli::register_run(app, action, std::vector<std::string>(argv, argv + argc));
     cli::register_scene(app, action);
+    cli::register_trace(app, action);
     cli::register_verify(app, action);
     try {
         app.parse(argc, argv);

@@ -54,21 +54,13 @@ std::vector<fs::path> entries(const fs::path& folder) {
     return paths;
 }
 
-std::string processor() {
-    std::ifstream cpuinfo("/proc/cpuinfo");
-    for (std::string line; std::getline(cpuinfo, line);)
-        if (line.starts_with("model name") && line.find(": ") != std::string::npos)
-            return line.substr(line.find(": ") + 2);
-    return "unknown";
-}
-
 Json machine() {
     utsname name{};
     ::uname(&name);
     return {{"host", name.nodename},
             {"system", std::string(name.sysname) + " " + name.release},
             {"architecture", name.machine},
-            {"processor", processor()},
+            {"processor", processor_name()},
             {"cores", ::sysconf(_SC_NPROCESSORS_ONLN)}};
 }
 
@@ -78,6 +70,14 @@ std::string hex(std::uint64_t value) {
 }
 
 } // namespace
+
+std::string processor_name() {
+    std::ifstream cpuinfo("/proc/cpuinfo");
+    for (std::string line; std::getline(cpuinfo, line);)
+        if (line.starts_with("model name") && line.find(": ") != std::string::npos)
+            return line.substr(line.find(": ") + 2);
+    return "unknown";
+}
 
 std::string padded(std::int64_t value) {
     const std::string digits = std::to_string(value);

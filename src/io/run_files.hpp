@@ -31,6 +31,8 @@ void remove_run_files(const std::filesystem::path& folder);
 [[nodiscard]] std::string run_json_text(const RunInfo& info, std::size_t bodies, const std::string& started,
                                         const std::string& status, std::int64_t frames);
 [[nodiscard]] RunInfo parse_run_json(const std::filesystem::path& path, const std::string& text);
+/// As the system calls it.
+[[nodiscard]] std::string processor_name();
 /// Now, UTC, ISO 8601.
 [[nodiscard]] std::string utc_now();
 

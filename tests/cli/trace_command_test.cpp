@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// flotilla trace on files written here: tables, CSV, exit codes and messages.
+#include <algorithm>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "io/sample_trace.hpp"
+#include "io/trace_file.hpp"
+#include "support/command.hpp"
+
+namespace flotilla::test {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char by) {
+    std::vector<std::string> parts;
+    std::istringstream in(text);
+    for (std::string part; std::getline(in, part, by);) parts.push_back(part);
+    return parts;
+}
+
+std::string write_sample(const TemporaryFolder& folder, const std::string& name, int threads) {
+    const auto path = folder.path() / name;
+    io::write_trace(path, sample_trace_info(threads), record_sample(threads).record());
+    return path.string();
+}
+
+TEST(TraceCommand, PrintsATableOfPhasesAndRegions) {
+    const TemporaryFolder folder;
+    const CommandOutput r = run_flotilla("trace " + write_sample(folder, "t.json.gz", 1));
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    for (const char* part :
+         {"7 steps (every 3)", "covered:", "fork and join", "measured up to 4 cores", "log2 of the cores", "step ",
+          "  collisions", "    pairs", "ordered", "sweeps", "critical path", "x256", "\ntotal "})
+        EXPECT_NE(r.out.find(part), std::string::npos) << part << '\n' << r.out;
+    EXPECT_NE(r.err.find("below 95 %"), std::string::npos) << "the sample says 0.125 s of CPU time";
+}
+
+TEST(TraceCommand, PrintsCsv) {
+    const TemporaryFolder folder;
+    const CommandOutput r = run_flotilla("trace --csv --cores 1,2,1000 " + write_sample(folder, "t.json", 1));
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    const auto lines = split(r.out, '\n');
+    ASSERT_EQ(lines.size(), 8u) << r.out;
+    EXPECT_EQ(lines[0],
+              "phase,kind,number,regions,tasks,wall_ms,serial_ms,work_ms,critical_path_ms,parallelism,speedup_1,"
+              "speedup_2,speedup_1000");
+    EXPECT_EQ(lines[1].find("step,phase,1,3,146,"), 0u) << lines[1];
+    EXPECT_EQ(lines.back().find("total,phase,"), 0u);
+    EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const std::string& l) {
+        return l.find("step/collisions/pairs,ordered,1,1,100,") == 0;
+    }));
+    for (const std::string& line : lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 12) << line;
+    const auto total = split(lines.back(), ',');
+    EXPECT_DOUBLE_EQ(std::stod(total[10]), 1) << "on one core nothing is gained or lost";
+}
+
+TEST(TraceCommand, SaysWhatToKeepInMind) {
+    const TemporaryFolder folder;
+    const CommandOutput two = run_flotilla("trace --growth linear " + write_sample(folder, "two.json", 2));
+    EXPECT_EQ(two.exit_code, 0) << two.err;
+    EXPECT_NE(two.err.find("recorded on 2 threads"), std::string::npos) << two.err;
+    EXPECT_NE(two.out.find("grow with the cores"), std::string::npos) << two.out;
+    io::TraceInfo info = sample_trace_info(1);
+    info.costs.clear();
+    io::write_trace(folder.path() / "one.json", info, record_sample(1).record());
+    EXPECT_NE(run_flotilla("trace " + (folder.path() / "one.json").string()).err.find("assumed"), std::string::npos);
+    EXPECT_NE(run_flotilla("trace --help").out.find("log2"), std::string::npos);
+}
+
+TEST(TraceCommand, RefusesOtherFiles) {
+    const TemporaryFolder folder;
+    const std::string bad = folder.write("bad.json", R"({"traceEvents": []})");
+    const CommandOutput r = run_flotilla("trace " + bad);
+    EXPECT_EQ(r.exit_code, 2);
+    EXPECT_NE(r.err.find("flotilla: " + bad + ": not a trace of flotilla run"), std::string::npos) << r.err;
+    EXPECT_EQ(run_flotilla("trace " + folder.write("boat.obj", "v 0 0 0\n")).exit_code, 2);
+    EXPECT_EQ(run_flotilla("trace none.json").exit_code, 5);
+    EXPECT_EQ(run_flotilla("trace").exit_code, 2);
+    EXPECT_EQ(run_flotilla("trace --cores 0 " + bad).exit_code, 2);
+    EXPECT_EQ(run_flotilla("trace --growth fast " + bad).exit_code, 2);
+}
+
+} // namespace
+} // namespace flotilla::test
