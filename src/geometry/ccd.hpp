@@ -52,7 +52,7 @@ struct CcdOptions {
 
 /// Instruction sets of the wide kernels. All of them, and the scalar code, give the same bits.
 enum class Isa : std::uint8_t { scalar, avx2, avx512 };
-/// The widest instruction set that this processor has.
+/// The widest instruction set that this processor has, or what the variable FLOTILLA_SIMD allows: scalar, avx2 or avx512. Looked up once.
 [[nodiscard]] Isa best_isa();
 
 /// results[i] = ccd(kind, queries[i], options), several queries at a time. Sizes must agree.

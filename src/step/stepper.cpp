@@ -15,6 +15,34 @@ namespace {
 
 constexpr std::size_t kBodyGrain = 16; // bodies of a task
 
+/// A named stretch of the step in the record of the team's tasks, where there is one.
+class RecordedSpan {
+  public:
+    RecordedSpan(const char* name, const Team& team)
+        : name_(name), recorder_(team.recorder()), begin_(recorder_ != nullptr ? recorder_->now() : 0) {}
+    RecordedSpan(const RecordedSpan&) = delete;
+    RecordedSpan& operator=(const RecordedSpan&) = delete;
+    ~RecordedSpan() {
+        if (recorder_ != nullptr) recorder_->add_phase(name_, begin_, recorder_->now());
+    }
+
+  private:
+    const char* name_;
+    TaskRecorder* recorder_;
+    std::int64_t begin_;
+};
+
+/// Times a phase for the report and the record.
+class PhaseWatch {
+  public:
+    PhaseWatch(StepReport& report, Phase phase, const Team& team)
+        : watch_(report.ms(phase)), span_(kPhaseNames[static_cast<std::size_t>(phase)].data(), team) {}
+
+  private:
+    Stopwatch watch_;
+    RecordedSpan span_;
+};
+
 void add_counters(const StageCounters& c, StepReport& report) {
     report.pairs += c.pairs;
     report.ms(Phase::detection) += c.detection_ms;
@@ -91,10 +119,11 @@ StepReport Stepper::step() {
     FailsafeStats failsafe;
     {
         const Stopwatch total(report.total_ms);
+        const RecordedSpan recorded("step", team_);
         pairs_.start_step(report.step);
         StepData d = data();
         { // 1) collisions: v^n becomes v^
-            const Stopwatch watch(report.ms(Phase::collisions));
+            const PhaseWatch watch(report, Phase::collisions, team_);
             start_clusters(state_.motion);
             wake_disturbed(d);
             const StageCounters c = handle_collisions(d);
@@ -104,36 +133,36 @@ StepReport Stepper::step() {
             collided = clusters_.motion();
         }
         { // 2) v^{n+1/2} = v^ + dt/2 a
-            const Stopwatch watch(report.ms(Phase::half_velocity));
+            const PhaseWatch watch(report, Phase::half_velocity, team_);
             half = collided;
             accelerate(model_, 0.5 * dt, half);
         }
         { // 3) static contact on v^{n+1/2}, contacts at x^n
-            const Stopwatch watch(report.ms(Phase::half_static_contact));
+            const PhaseWatch watch(report, Phase::half_static_contact, team_);
             static_contact(half, state_.pose, false, report);
         }
         { // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4
-            const Stopwatch watch(report.ms(Phase::position));
+            const PhaseWatch watch(report, Phase::position, team_);
             start_clusters(half);
         }
         { // 5) dynamic contact, then the failsafe: x^{n+1} is free of intersections
-            const Stopwatch watch(report.ms(Phase::dynamic_contact));
+            const PhaseWatch watch(report, Phase::dynamic_contact, team_);
             dynamic = handle_dynamic_contact(d);
             add_counters(dynamic.counters, report);
         }
         {
-            const Stopwatch watch(report.ms(Phase::failsafe));
+            const PhaseWatch watch(report, Phase::failsafe, team_);
             failsafe = run_failsafe(d);
             add_counters(failsafe.counters, report);
             record_failsafe(dynamic, failsafe, report);
         }
         {
-            const Stopwatch watch(report.ms(Phase::certificate));
+            const PhaseWatch watch(report, Phase::certificate, team_);
             certify(d);
             for (std::size_t i = 0; i < end.size(); ++i) end[i] = trajectories_.end_pose(i);
         }
         { // 6) v^{n+1} = v^ + dt a
-            const Stopwatch watch(report.ms(Phase::velocity));
+            const PhaseWatch watch(report, Phase::velocity, team_);
             next = collided;
             accelerate(model_, dt, next);
             for (std::size_t i = 0; i < next.size(); ++i)
@@ -141,9 +170,9 @@ StepReport Stepper::step() {
             held_velocities(collided, next, end, report);
         }
         { // 7) static contact on v^{n+1}, contacts at x^{n+1}
-            const Stopwatch watch(report.ms(Phase::static_contact));
+            const PhaseWatch watch(report, Phase::static_contact, team_);
             {
-                const Stopwatch detection(report.ms(Phase::static_detection));
+                const PhaseWatch detection(report, Phase::static_detection, team_);
                 find_contacts(d, search_, contacts_);
             }
             static_contact(next, end, true, report);
@@ -218,7 +247,7 @@ void Stepper::move_scripts() {
 
 void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                              StepReport& report) {
-    const Stopwatch watch(report.ms(Phase::static_response));
+    const PhaseWatch watch(report, Phase::static_response, team_);
     // Contacts between sleeping bodies are not solved; their impulses wait for the day they wake.
     const auto waits = [&](const WarmImpulse& w) {
         return !model_.bodies[static_cast<std::size_t>(w.a)].movable() &&

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// flotilla run with threads, executors and instruction sets: the same steps.csv, hashes and all but times.
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/command.hpp"
+
+namespace flotilla::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The last field of every row: the state hash.
+std::vector<std::string> hashes(const fs::path& folder) {
+    std::ifstream in(folder / "steps.csv");
+    std::string line;
+    std::getline(in, line);
+    const auto column = [](const std::string& row, std::size_t k) {
+        std::size_t begin = 0;
+        for (; k > 0; --k) begin = row.find(',', begin) + 1;
+        return row.substr(begin, row.find(',', begin) - begin);
+    };
+    std::size_t k = 0;
+    while (column(line, k) != "state_hash") ++k;
+    std::vector<std::string> out;
+    while (std::getline(in, line)) out.push_back(column(line, k));
+    return out;
+}
+
+class RunThreads : public testing::Test {
+  protected:
+    RunThreads() {
+        std::ofstream scene(folder_.path() / "boats.json");
+        scene << run_flotilla("scene boats-in-bowl --bodies 12 --seed 3").out;
+    }
+
+    /// Runs with the options and returns the hashes of its steps.
+    std::vector<std::string> run(const std::string& options) {
+        const std::string output = (folder_.path() / "run").string();
+        const CommandOutput r = run_flotilla("run " + (folder_.path() / "boats.json").string() +
+                                             " --steps 30 --quiet --overwrite --output " + output + " " + options);
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        last_ = r.out;
+        return hashes(output);
+    }
+
+    TemporaryFolder folder_;
+    std::string last_;
+};
+
+TEST_F(RunThreads, ChangeNoBit) {
+    const auto expected = run("--executor serial");
+    ASSERT_EQ(expected.size(), 30u);
+    EXPECT_EQ(last_.find("waiting"), std::string::npos);
+    for (const char* options : {"--threads 1", "--threads 2", "--threads 5 --pin", "--executor serial --threads 2"})
+        EXPECT_EQ(run(options), expected) << options;
+    EXPECT_EQ(run("--threads 3"), expected);
+    EXPECT_NE(last_.find("waiting, ms"), std::string::npos) << last_;
+}
+
+TEST_F(RunThreads, InstructionSetsChangeNoBit) {
+    const auto expected = run("--threads 2");
+    for (const char* name : {"scalar", "avx2", "none such"}) {
+        setenv("FLOTILLA_SIMD", name, 1);
+        EXPECT_EQ(run("--threads 2"), expected) << name;
+        unsetenv("FLOTILLA_SIMD");
+    }
+}
+
+TEST_F(RunThreads, TheEnvironmentSetsTheirNumber) {
+    setenv("FLOTILLA_NUM_THREADS", "3", 1);
+    run("");
+    unsetenv("FLOTILLA_NUM_THREADS");
+    EXPECT_NE(last_.find("\n     2 "), std::string::npos) << last_;
+    EXPECT_EQ(last_.find("\n     3 "), std::string::npos) << last_;
+}
+
+TEST_F(RunThreads, AnUnknownExecutorIsRefused) {
+    const CommandOutput r =
+        run_flotilla("run " + (folder_.path() / "boats.json").string() + " --steps 1 --executor fast");
+    EXPECT_EQ(r.exit_code, 2);
+    EXPECT_NE(r.err.find("executor"), std::string::npos) << r.err;
+}
+
+} // namespace
+} // namespace flotilla::test
