@@ -78,10 +78,14 @@ std::uint64_t state_hash(const State& state) {
         h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(r.a)) << 32) | static_cast<std::uint32_t>(r.b));
         h.add(r.distance);
     }
-    for (const WarmImpulse& w : state.warm_impulses) {
-        h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(w.a)) << 32) | static_cast<std::uint32_t>(w.b));
-        h.add(w.feature_key);
-        h.add(w.impulse);
+    for (const auto* impulses : {&state.warm_half, &state.warm_final}) {
+        h.add(static_cast<std::uint64_t>(impulses->size()));
+        for (const WarmImpulse& w : *impulses) {
+            h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(w.a)) << 32) |
+                  static_cast<std::uint32_t>(w.b));
+            h.add(w.feature_key);
+            h.add(w.impulse);
+        }
     }
     return h.value();
 }

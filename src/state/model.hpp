@@ -89,7 +89,9 @@ struct State {
     std::vector<Sleep> sleep;
     std::vector<double> script_delay;         ///< s by which a body's script clock lags behind the time
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
-    std::vector<WarmImpulse> warm_impulses;   ///< sorted by (a, b, feature pair without a face, feature_key)
+    /// The impulses of the last stage 3 and of the last stage 7, each sorted by (a, b, feature pair without a face, feature_key). The
+    /// stages solve different problems (DESIGN section 3): at rest each finds its own solution of the step before.
+    std::vector<WarmImpulse> warm_half, warm_final;
 };
 
 /// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its movable

@@ -7,6 +7,7 @@
 namespace flotilla {
 namespace {
 
+
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 void append_pair(const StepData& data, Worker& worker, const ListedPair& listed, ContactSet& out) {
@@ -56,20 +57,24 @@ const WarmImpulse* find_warm(std::span<const WarmImpulse> warm, const Contact& c
     return w - first == 1 ? &*first : nullptr;
 }
 
-void load_warm(const std::vector<Contact>& contacts, std::span<const WarmImpulse> warm, double factor,
-               std::vector<Vec3>& impulses) {
+/// What this stage knows of a contact from the step before; of a contact that is new to it, what the other stage knows.
+void load_warm(const std::vector<Contact>& contacts, std::span<const WarmImpulse> own,
+               std::span<const WarmImpulse> other, double other_factor, std::vector<Vec3>& impulses) {
     impulses.assign(contacts.size(), {});
     for (std::size_t i = 0; i < contacts.size(); ++i)
-        if (const WarmImpulse* w = find_warm(warm, contacts[i])) impulses[i] = factor * w->impulse;
+        if (const WarmImpulse* w = find_warm(own, contacts[i]))
+            impulses[i] = w->impulse;
+        else if (const WarmImpulse* v = find_warm(other, contacts[i]))
+            impulses[i] = other_factor * v->impulse;
 }
 
 /// Also where a shock pass went over the velocities: these are still the impulses of projected Gauss-Seidel, and with them the
-/// next solve goes on where this one had to stop.
+/// next solve goes on where this one had to stop. Open contacts are stored too: they are not new.
 void store_warm(const StaticStageScratch& scratch, std::vector<WarmImpulse>& warm) {
     warm.clear();
     for (std::size_t i = 0; i < scratch.selected.size(); ++i) {
         const Contact& c = scratch.selected[i];
-        if (scratch.impulses[i] != Vec3{}) warm.push_back({c.a, c.b, c.feature_key, scratch.impulses[i]});
+        warm.push_back({c.a, c.b, c.feature_key, scratch.impulses[i]});
     }
     std::sort(warm.begin(), warm.end(), [](const WarmImpulse& x, const WarmImpulse& y) {
         return std::tuple(group_key(x), x.feature_key) < std::tuple(group_key(y), y.feature_key);
@@ -137,7 +142,8 @@ void VelocityArrays::store(const Model& model, std::span<const Vec3> angular_bef
 
 StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,
                                       std::span<Motion> motion, std::vector<WarmImpulse>& warm,
-                                      const StaticStageOptions& options, StaticStageScratch& scratch) {
+                                      std::span<const WarmImpulse> other, const StaticStageOptions& options,
+                                      StaticStageScratch& scratch) {
     const Settings& s = model.settings;
     scratch.selected.clear();
     for (std::size_t i = 0; i < set.contacts.size(); ++i) {
@@ -147,7 +153,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
         c.target = options.final_stage ? std::min(0.0, full) : full;
         scratch.selected.push_back(c);
     }
-    load_warm(scratch.selected, warm, options.warm_factor, scratch.impulses);
+    load_warm(scratch.selected, warm, other, options.warm_factor, scratch.impulses);
     VelocityArrays& b = scratch.bodies;
     b.load(model, poses, motion);
     scratch.angular_before = b.angular_velocity;

@@ -40,7 +40,7 @@ struct VelocityArrays {
 struct StaticStageOptions {
     bool final_stage = false;    ///< stage 7: target min(0, (d_rest - d)/dt)
     bool only_processed = false; ///< leave out the pairs that stage 1 did not process
-    double warm_factor = 1;      ///< of the stored impulses
+    double warm_factor = 1;      ///< of impulses taken over from the other stage
     std::int64_t step = 0;
 };
 
@@ -57,9 +57,11 @@ struct StaticStageStats {
     std::int64_t contacts = 0;
 };
 
-/// Solves the contacts of the set on `motion`; `warm` holds the impulses of the last solve and takes those of this one.
+/// Solves the contacts of the set on `motion`; `warm` holds the impulses of this stage's last solve and takes those of this one,
+/// `other` holds those of the other stage.
 StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,
                                       std::span<Motion> motion, std::vector<WarmImpulse>& warm,
-                                      const StaticStageOptions& options, StaticStageScratch& scratch);
+                                      std::span<const WarmImpulse> other, const StaticStageOptions& options,
+                                      StaticStageScratch& scratch);
 
 } // namespace flotilla

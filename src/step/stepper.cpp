@@ -253,20 +253,21 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
         return !model_.bodies[static_cast<std::size_t>(w.a)].movable() &&
                !model_.bodies[static_cast<std::size_t>(w.b)].movable();
     };
+    std::vector<WarmImpulse>& warm = final_stage ? state_.warm_final : state_.warm_half;
     waiting_.clear();
-    std::copy_if(state_.warm_impulses.begin(), state_.warm_impulses.end(), std::back_inserter(waiting_), waits);
+    std::copy_if(warm.begin(), warm.end(), std::back_inserter(waiting_), waits);
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1 ended by its
     // limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up would accelerate for ever.
     const bool only_processed = final_stage && (report.warnings & kCollisionLimit) == 0;
-    // Half a step's gravity in stage 3, a whole one's in stage 7: impulses follow (DESIGN 4.7).
+    // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
     const StaticStageStats stats =
-        solve_static_contact(model_, contacts_, poses, motion, state_.warm_impulses,
+        solve_static_contact(model_, contacts_, poses, motion, warm, final_stage ? state_.warm_half : state_.warm_final,
                              {final_stage, only_processed, final_stage ? 2.0 : 0.5, report.step}, static_);
     if (!waiting_.empty()) {
-        const auto middle = static_cast<std::ptrdiff_t>(state_.warm_impulses.size());
-        state_.warm_impulses.insert(state_.warm_impulses.end(), waiting_.begin(), waiting_.end());
-        std::inplace_merge(state_.warm_impulses.begin(), state_.warm_impulses.begin() + middle,
-                           state_.warm_impulses.end(), [](const WarmImpulse& p, const WarmImpulse& q) {
+        const auto middle = static_cast<std::ptrdiff_t>(warm.size());
+        warm.insert(warm.end(), waiting_.begin(), waiting_.end());
+        std::inplace_merge(warm.begin(), warm.begin() + middle, warm.end(),
+                           [](const WarmImpulse& p, const WarmImpulse& q) {
                                return std::tuple(p.a, p.b) < std::tuple(q.a, q.b); // a pair waits as a whole
                            });
     }
@@ -341,10 +342,11 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         }
         if (real < planned || taken > allowed) report.warnings |= kReboundLost;
     }
-    std::erase_if(state_.warm_impulses, [&](const WarmImpulse& w) {
-        return failsafe_bodies_[static_cast<std::size_t>(w.a)] != 0 ||
-               failsafe_bodies_[static_cast<std::size_t>(w.b)] != 0;
-    });
+    for (auto* impulses : {&state_.warm_half, &state_.warm_final})
+        std::erase_if(*impulses, [&](const WarmImpulse& w) {
+            return failsafe_bodies_[static_cast<std::size_t>(w.a)] != 0 ||
+                   failsafe_bodies_[static_cast<std::size_t>(w.b)] != 0;
+        });
 }
 
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
