@@ -48,6 +48,7 @@ void set_lane(PacketRow& out, std::size_t lane, const ContactRow& row) {
     set_lane(out, lane, PacketRow::kInvMassDiagonal, c.inv_mass_diagonal);
     set_lane(out, lane, PacketRow::kCoupling, c.coupling);
     set_lane(out, lane, PacketRow::kImpulse, c.impulse);
+    set_lane(out, lane, PacketRow::kPrevious, c.impulse);
     out.field[PacketRow::kTarget][lane] = c.target;
     out.field[PacketRow::kFriction][lane] = c.friction;
     set_lane(out, lane, PacketRow::kNormal, row.normal);

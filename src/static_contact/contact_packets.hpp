@@ -33,14 +33,16 @@ struct ContactPacket {
 };
 static_assert(sizeof(ContactPacket) == 48 + 14 * sizeof(Lanes));
 
-/// One contact of each pair: the fields of ContactRow in their order, 29 doubles per contact, read in order once per
-/// visit; only the impulse is written. A pair with fewer contacts than others of its packet has idle rows below: no
+/// One contact of each pair: the fields of ContactRow in their order and the impulse before the last visit, 32 doubles per
+/// contact, read in order once per visit; only the impulses are written. A pair with fewer contacts than others of its packet has idle rows below: no
 /// direction, no arm, no impulse, W = 1.
 struct PacketRow {
     static constexpr int kMassDiagonal = 0, kInvMassDiagonal = 3, kCoupling = 6, kImpulse = 9, kTarget = 12;
     static constexpr int kFriction = 13, kNormal = 14, kTangent1 = 17, kTangent2 = 20, kArmA = 23, kArmB = 26;
-    Lanes field[29] = {};
+    static constexpr int kPrevious = 29;
+    Lanes field[32] = {};
 };
+static_assert(sizeof(PacketRow) == 1024);
 
 struct PackedContacts {
     std::vector<ContactPacket> packets;
@@ -66,6 +68,7 @@ struct SweepView {
     std::int64_t num_packets = 0;
     PacketRow* rows = nullptr;
     BodyVelocity* bodies = nullptr;
+    double momentum = 0; ///< a sweep visits every row with its impulse + momentum * (impulse - the one before)
 };
 
 /// One sweep in packet order. Returns the largest violation met, m/s.

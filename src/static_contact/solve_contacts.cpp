@@ -7,6 +7,7 @@
 #include "static_contact/assemble.hpp"
 #include "static_contact/island_energy.hpp"
 #include "static_contact/shock.hpp"
+#include "static_contact/sweep_island.hpp"
 
 namespace flotilla {
 namespace {
@@ -18,39 +19,13 @@ std::span<const ContactBlock> blocks_of(const Island& island, const ContactScrat
                                        static_cast<std::size_t>(island.end - island.first));
 }
 
-SweepView view_of(const Island& island, ContactScratch& s) {
-    return {.packets = s.packed.packets.data() + island.first_packet,
-            .num_packets = island.end_packet - island.first_packet,
-            .rows = s.packed.rows.data(),
-            .bodies = s.velocity.data()};
-}
-
-// Sweeps until the tolerance holds or the limit is reached. A sweep sees every row at its own turn, which may be just
-// inside the tolerance while the end state is not; so a sweep that passes is confirmed on the state that it left.
-void sweep_island(Island& island, const ContactSolveOptions& options, ContactScratch& s) {
-    const SweepView view = view_of(island, s);
-    const Cone cone = cone_of(options);
-    bool known = false;
-    int sweeps = 0;
-    while (sweeps < options.iterations) {
-        known = sweep(cone, view, options.isa) <= options.tolerance;
-        ++sweeps;
-        if (!known) continue;
-        island.residual = largest_violation(cone, view, options.isa);
-        if (island.residual <= options.tolerance) break;
-    }
-    if (!known) island.residual = largest_violation(cone, view, options.isa);
-    island.iterations += sweeps;
-    const std::span<const ContactBlock> blocks = blocks_of(island, s);
-    island.visits += static_cast<std::int64_t>(sweeps) * (blocks.back().end - blocks.front().first);
-}
-
 // Puts the island back to velocities before the solve and no impulses.
 void forget_warm_start(const Island& island, const ContactBodies& bodies, ContactScratch& s) {
     const SweepView view = view_of(island, s);
     for (std::int64_t p = 0; p < view.num_packets; ++p)
         for (std::int32_t r = view.packets[p].first; r < view.packets[p].end; ++r)
-            for (int c = 0; c < 3; ++c) std::fill_n(view.rows[r].field[PacketRow::kImpulse + c], kPacketLanes, 0.0);
+            for (const int field : {PacketRow::kImpulse, PacketRow::kPrevious})
+                for (int c = 0; c < 3; ++c) std::fill_n(view.rows[r].field[field + c], kPacketLanes, 0.0);
     for (const ContactBlock& block : blocks_of(island, s))
         for (const std::int32_t body : {block.a, block.b}) {
             const auto id = static_cast<std::size_t>(s.bodies[static_cast<std::size_t>(body)]);
@@ -66,19 +41,27 @@ bool targets_let_approach(const Island& island, const ContactScratch& s) {
                        [](const ContactRow& row) { return row.local.target <= 0; });
 }
 
-// A warm start pushes where impulses of the past are too large; sweeps that end at their limit do not take all of it back. Sweeps
-// from zero add no energy where no contact asks for separation and what is prescribed rests.
+// A warm start pushes where impulses of the past are too large, and momentum may carry too far; sweeps that end unfinished do not
+// take all of it back. Plain sweeps from zero add no energy where no contact asks for separation and what is prescribed
+// rests: an island that came out with more than before is solved again from zero, and then without momentum.
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
+    const auto sweep_and_measure = [&](bool momentum) {
+        sweep_island(island, options, momentum, s);
+        island.energy_pgs = kinetic_energy(island, bodies, s);
+        return island.energy_pgs > island.energy_before;
+    };
     island.energy_before = kinetic_energy(island, bodies, s);
     if (options.warm_start) apply_impulses(view_of(island, s), options.isa);
-    sweep_island(island, options, s);
-    island.energy_pgs = kinetic_energy(island, bodies, s);
-    if (!options.warm_start || !(island.energy_pgs > island.energy_before)) return;
-    if (!targets_let_approach(island, s) || !prescribed_at_rest(island, s)) return;
-    island.cold = true;
+    bool gained = sweep_and_measure(options.momentum);
+    if (!gained || !targets_let_approach(island, s) || !prescribed_at_rest(island, s)) return;
+    island.cold = options.warm_start;
+    if (options.warm_start) {
+        forget_warm_start(island, bodies, s);
+        gained = sweep_and_measure(options.momentum);
+    }
+    if (!gained || !options.momentum) return;
     forget_warm_start(island, bodies, s);
-    sweep_island(island, options, s);
-    island.energy_pgs = kinetic_energy(island, bodies, s);
+    sweep_and_measure(false);
 }
 
 // The impulses of PGS, in world coordinates and input order.
@@ -137,6 +120,7 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     const int num_colors = assemble(contacts, bodies, options, impulses, scratch);
     scratch.visited.assign(scratch.bodies.size(), 0);
     scratch.visit = 0;
+    list_island_bodies(bodies, scratch);
     for (Island& island : scratch.islands) solve_island(island, bodies, options, scratch);
     unpack_impulses(scratch.packed, scratch.rows);
     store_impulses(scratch, impulses);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Static contact (paper, section 4.3.2): impulses that leave no contact approaching faster than its target, with
-// friction, by projected Gauss-Seidel (eqs 15-22) and, at the iteration limit, shock propagation.
+// friction, by projected Gauss-Seidel (eqs 15-22) and, where that ends unfinished, shock propagation.
 //
 // Contacts are visited island by island, in an island colour by colour, in a colour pair by pair, in a pair by feature
 // key. That order is a pure function of the island's own contacts: neither the order of the input nor other islands can
@@ -35,7 +35,11 @@ struct ContactSolveOptions {
     int iterations = 1000;   ///< sweeps per island, >= 0 (figure 20)
     double tolerance = 1e-6; ///< m/s, L-infinity violation at which an island stops
     bool warm_start = true;  ///< start from the impulses handed in
-    bool shock = true;       ///< propagate a shock where the limit was reached
+    bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
+    /// Sweeps without which an island is given up before the limit, because its residual falls by less than a fifth; 0: never. What is
+    /// left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
+    int patience = 0;
+    bool shock = true; ///< propagate a shock where PGS ended above the tolerance
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
     /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
@@ -65,12 +69,17 @@ struct ContactScratch {
     struct Island {
         std::int32_t first = 0, end = 0; ///< blocks
         std::int32_t first_packet = 0, end_packet = 0;
+        std::int32_t first_body = 0, end_body = 0; ///< in island_bodies
         int iterations = 0;
         double residual = 0;
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
         bool shocked = false;
         bool cold = false; ///< the warm start was taken back
+    };
+    /// Of a body in the metric of kinetic energy, kg and kg m^2.
+    struct Weight {
+        double linear = 0, angular = 0;
     };
     std::vector<std::int32_t> order;         ///< contacts in (a, b, feature key) order, infinite pairs left out
     std::vector<std::int32_t> bodies;        ///< ids of the bodies in contact, ascending
@@ -89,6 +98,10 @@ struct ContactScratch {
     PackedContacts packed, shock_packed;
     std::vector<std::int32_t> source; ///< contact of each row
     std::vector<Island> islands;
+    std::vector<std::int32_t> island_bodies;               ///< movable, by island
+    std::vector<std::uint8_t> listed;                      ///< per body in contact
+    std::vector<BodyVelocity> before_sweep, sweep_start;   ///< per body in contact
+    std::vector<Weight> weight;                            ///< per body in contact
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     std::vector<ContactBlock> shock_blocks;
     std::vector<ContactRow> shock_rows;

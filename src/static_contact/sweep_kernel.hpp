@@ -101,10 +101,10 @@ inline void apply(const ContactPacket& packet, const PacketRow& row, int lane, c
 }
 
 template <class P>
-inline void store_impulse(const PackVec<P>& impulse, int lane, PacketRow& row) {
-    impulse.x.store(row.field[PacketRow::kImpulse] + lane);
-    impulse.y.store(row.field[PacketRow::kImpulse + 1] + lane);
-    impulse.z.store(row.field[PacketRow::kImpulse + 2] + lane);
+inline void store_vec(const PackVec<P>& v, int lane, int field, PacketRow& row) {
+    v.x.store(row.field[field] + lane);
+    v.y.store(row.field[field + 1] + lane);
+    v.z.store(row.field[field + 2] + lane);
 }
 
 template <class P>
@@ -143,11 +143,15 @@ inline void for_each_row(const SweepView& view, AtRow at_row) {
 template <class P, Cone kCone>
 inline double sweep_packets(const SweepView& view) {
     P worst = P::all(0);
+    const P momentum = P::all(view.momentum);
     for_each_row<P, true>(view,
                           [&](const ContactPacket& packet, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
-                              const LocalPack<P> local = load_local<P>(row, lane);
+                              LocalPack<P> local = load_local<P>(row, lane);
+                              const PackVec<P> before = load_vec<P>(row, PacketRow::kPrevious, lane);
+                              store_vec(local.impulse, lane, PacketRow::kPrevious, row);
+                              local.impulse = local.impulse + momentum * (local.impulse - before);
                               const LocalUpdate<P> update = visit<kCone>(local, contact_velocity(row, lane, a, b));
-                              store_impulse(local.impulse + update.change, lane, row);
+                              store_vec(local.impulse + update.change, lane, PacketRow::kImpulse, row);
                               apply(packet, row, lane, update.change, a, b);
                               worst = max(worst, update.violation);
                           });

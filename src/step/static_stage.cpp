@@ -7,6 +7,8 @@
 namespace flotilla {
 namespace {
 
+// Sweeps after which a solve that gets nowhere is given up, at least, and as a share of the limit: who asks for many means it.
+constexpr int kPatience = 50, kPatienceShare = 20;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -161,6 +163,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     solve.iterations = s.static_iterations;
     solve.tolerance = s.static_tolerance;
     solve.warm_start = s.warm_start;
+    solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
     solve.shock = s.shock_propagation;
     solve.tangents = s.tangents;
     solve.seed = s.seed;

@@ -220,13 +220,42 @@ TEST(SolveContacts, AColumnConvergesAtTheLawOfGaussSeidel) {
     for (const int n : {5, 10, 20, 50}) {
         const auto residual_after = [&](int sweeps) {
             ContactWorld w = make_column(n, 1);
-            return w.solve({.iterations = sweeps, .tolerance = 0, .shock = false}).residual;
+            return w.solve({.iterations = sweeps, .tolerance = 0, .momentum = false, .shock = false}).residual;
         };
         const int late = 2 * n * n;
         const double rate = std::pow(residual_after(late + n) / residual_after(late), 1.0 / n);
         const double c = std::cos(std::numbers::pi / (2 * n));
         EXPECT_NEAR((1 - rate) / (1 - c * c), 1, 1e-3) << n;
     }
+}
+
+TEST(SolveContacts, MomentumNeedsTensOfTimesFewerSweeps) {
+    for (const int n : {20, 50}) {
+        ContactSolveOptions options{.iterations = 100000, .tolerance = 1e-6, .shock = false};
+        ContactWorld with = make_column(n, 1), without = with;
+        const ContactSolveStats fast = with.solve(options);
+        options.momentum = false;
+        const ContactSolveStats slow = without.solve(options);
+        EXPECT_LE(fast.residual, 1e-6);
+        EXPECT_LT(10 * fast.iterations, slow.iterations) << n;
+        for (std::size_t k = 0; k < with.impulses.size();
+             ++k) // both within tolerance times the column's flexibility, n^2 / 2
+            EXPECT_NEAR(with.impulses[k].z, without.impulses[k].z, 1e-6 * n * n);
+    }
+}
+
+TEST(SolveContacts, GivesUpWhereTheResidualFallsNoMore) {
+    // A body held between two walls that both ask it to come: no impulses do that, and they grow for ever.
+    ContactWorld w;
+    w.add_body(0);
+    const auto body = w.add_body(1);
+    w.add_body(0);
+    w.add_contact(0, body, {}, kUp);
+    w.add_contact(body, 2, {}, kUp);
+    for (Contact& c : w.contacts) c.target = 0.1;
+    const ContactSolveStats stats = w.solve({.patience = 50});
+    EXPECT_GT(stats.residual, 0.09);
+    EXPECT_LE(stats.iterations, 150);
 }
 
 TEST(SolveContacts, AColumnCarriesTheWeightAbove) {
@@ -249,6 +278,7 @@ TEST(SolveContacts, AWarmStartFromTheSolutionNeedsOneSweep) {
         const std::vector<Vec3> free = w.velocity;
         ContactSolveOptions options = accurate();
         options.tangents = tangents;
+        options.momentum = false;
         options.tolerance = 1e-10;
         EXPECT_GT(w.solve(options).iterations, 100);
         w.velocity = free;
@@ -434,7 +464,7 @@ TEST(SolveContacts, ASettledIslandStopsByItself) {
     // A body at rest on the ground beside a column of 20: two islands, of which one needs two sweeps.
     ContactWorld w = make_column(20, 1);
     w.add_contact(0, w.add_body(1), {5, 0, 0}, kUp);
-    const ContactSolveStats stats = w.solve({.iterations = 1000, .tolerance = 1e-6, .shock = false});
+    const ContactSolveStats stats = w.solve({.iterations = 1000, .tolerance = 1e-6, .momentum = false, .shock = false});
     EXPECT_EQ(stats.islands, 2);
     EXPECT_EQ(stats.iterations, 1000);
     EXPECT_EQ(stats.visits, 20 * 1000 + 1);
