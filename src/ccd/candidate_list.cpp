@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "ccd/leaf_features.hpp"
+#include <limits>
 
 namespace flotilla {
 namespace {
 
 // Room for the rounding of world vertices (8 u |x| or so each, four of them) and of the bounds themselves, far above both.
 constexpr double kRounding = 0x1p-40;
+// Room for the rounding of the excess of a gap over the reach (2^-24 of the largest coordinate), and of its scales.
+constexpr double kExcessRounding = 0x1p-21, kScaleRoom = 1 + 0x1p-10;
+constexpr float kNoStraying = 0x1p100f; // scales any excess beyond every margin
+constexpr double kLargestListed = 0x1p100;
 
 } // namespace
 
@@ -35,72 +38,89 @@ CandidateMargins CandidateList::strayed(const BodyMotion& a, const BodyMotion& b
 }
 
 void CandidateList::build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
-                          const CandidateMargins& margins) {
+                          const CandidateMargins& margins, ListingScratch& scratch) {
     start_ = {matrix_pose(a.at0), matrix_pose(b.at0)};
     end_ = {matrix_pose(a.at1), matrix_pose(b.at1)};
     margins_ = margins;
-    for (auto& list : features_) list.clear();
-    const double max_abs = std::max(a.max_abs(), b.max_abs()), room = kRounding * max_abs;
-    const CoarseReach r0(reach.swept + margins.start + room, max_abs);
-    const CoarseReach r1(std::max(reach.swept, reach.end) + margins.end + room, max_abs);
-    // One axis at a time: no division, and queries decide anyway.
-    const auto meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
-        return coarse_overlap_by_axis(p, q, r0, r1);
+    const double max_abs = std::max(a.max_abs(), b.max_abs()), room = (kRounding + kExcessRounding) * max_abs;
+    const CoarseReach r0(reach.swept + room, max_abs), r1(std::max(reach.swept, reach.end) + room, max_abs);
+    scale0_ = margins.start > 0 ? static_cast<float>(margins.end / margins.start) : kNoStraying;
+    const auto margin = static_cast<float>(margins.end * kScaleRoom);
+    slots_per_metre_ = margin > 0 ? kSlots / margin : 0;
+    // Beyond the range of float everything is listed.
+    constexpr float kAll = std::numeric_limits<float>::infinity();
+    const bool in_range = max_abs < kLargestListed;
+    list(a, b, {in_range ? r0.distance() : kAll, in_range ? r1.distance() : kAll, scale0_, margin}, scratch.found);
+}
+
+void CandidateList::list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach,
+                         std::vector<ListedFeature>& out) {
+    constexpr std::size_t kLeafPairs = 128; // between two looks at the room left
+    const Isa isa = best_isa();
+    const ListingArrays arrays_a = listing_arrays(a), arrays_b = listing_arrays(b);
+    ListingStack stack;
+    stack.pairs[stack.size++] = {0, 0};
+    std::array<NodeIds, kLeafPairs> leaves;
+    std::size_t n = 0;
+    while (stack.size > 0) {
+        const long found = open_node_pairs(arrays_a, arrays_b, reach, stack, leaves.data(), kLeafPairs, isa);
+        std::size_t triangle_pairs = 0;
+        for (const NodeIds& p : std::span(leaves).first(static_cast<std::size_t>(found)))
+            triangle_pairs += a.shape->bvh.leaf_triangles(p.a).size() * b.shape->bvh.leaf_triangles(p.b).size();
+        const std::size_t room = n + triangle_pairs * kFeaturesPerTrianglePair + 1;
+        if (out.size() < room) out.resize(room);
+        n += static_cast<std::size_t>(
+            list_features(arrays_a, arrays_b, reach, leaves.data(), found, out.data() + n, isa));
+    }
+    store({out.data(), n});
+}
+
+int CandidateList::slot(float strayed) const {
+    const float slot = strayed * slots_per_metre_;
+    return static_cast<int>(std::max(0.0f, std::min(slot, float{kSlots - 1}))); // NaN becomes 0
+}
+
+void CandidateList::store(std::span<const ListedFeature> listed) {
+    const auto place = [&](const ListedFeature& f) {
+        return static_cast<std::size_t>(static_cast<int>(f.kind) * kSlots + slot(f.distance));
     };
-    const auto emit = [&](const FeaturePair& f) { features_[static_cast<std::size_t>(f.kind)].push_back({f.a, f.b}); };
-    bvh_detail::traverse(
-        a.shape->bvh, b.shape->bvh, a.at1.nodes, b.at1.nodes,
-        [&](std::int32_t i, std::int32_t j, double&) { return meet(coarse_node(a, i), coarse_node(b, j)); },
-        [](double) { return true; },
-        [&](std::int32_t i, std::int32_t j, double) { for_each_leaf_feature_pair(a, b, i, j, meet, emit); });
+    begin_ = {};
+    for (const ListedFeature& f : listed) ++begin_[place(f) + 1];
+    for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
+    auto next = begin_;
+    features_.resize(listed.size());
+    for (const ListedFeature& f : listed) features_[next[place(f)]++] = f.ids;
 }
 
 void CandidateList::drop() {
     margins_ = {-1, -1};
-    for (auto& list : features_) list.clear();
+    features_.clear();
+    begin_ = {};
 }
 
-template <FeatureKind kKind, class Test>
-void CandidateList::select(const BodyMotion& a, const BodyMotion& b, Test&& test, FeatureBuffer& out) const {
-    const auto& list = features_[static_cast<std::size_t>(kKind)];
-    const Triangle *triangles_a = a.shape->mesh.triangles.data(), *triangles_b = b.shape->mesh.triangles.data();
-    const Edge *edges_a = a.shape->topology.edges.data(), *edges_b = b.shape->topology.edges.data();
-    std::size_t n = out.size();
-    out.resize(n + list.size());
-    for (const Ids& f : list) {
-        bool keep = false;
-        if constexpr (kKind == FeatureKind::vertex_face)
-            keep = test(coarse_vertex(a, f.a), coarse_triangle(b, triangles_b[f.b]));
-        else if constexpr (kKind == FeatureKind::face_vertex)
-            keep = test(coarse_triangle(a, triangles_a[f.a]), coarse_vertex(b, f.b));
-        else
-            keep = test(coarse_edge(a, edges_a[f.a]), coarse_edge(b, edges_b[f.b]));
-        out[n] = {kKind, f.a, f.b}; // written in any case, kept or not: no branch to be mispredicted
-        n += keep ? 1 : 0;
+int CandidateList::last_slot(FeatureTest test, const BodyMotion& a, const BodyMotion& b) const {
+    const double end = relative_displacement(*a.shape, end_[0], matrix_pose(test == FeatureTest::near ? a.at0 : a.at1),
+                                             *b.shape, end_[1], matrix_pose(test == FeatureTest::near ? b.at0 : b.at1));
+    double far = end;
+    if (test == FeatureTest::swept && margins_.start > 0) far = std::max(far, strayed(a, b).start * double{scale0_});
+    return slot(static_cast<float>(far * kScaleRoom));
+}
+
+std::span<const FeaturePair> CandidateList::select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,
+                                                   const CoarseReach& reach, FeatureBuffer& buffer) const {
+    if (features_.empty()) return {};
+    if (buffer.size() < size() + 1) buffer.resize(size() + 1);
+    const FeatureArrays arrays_a = feature_arrays(a), arrays_b = feature_arrays(b);
+    const Isa isa = best_isa();
+    const auto slots = static_cast<std::size_t>(last_slot(test, a, b)) + 1;
+    std::size_t n = 0;
+    for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::face_vertex, FeatureKind::edge_edge}) {
+        const std::size_t first = static_cast<std::size_t>(kind) * kSlots;
+        n += static_cast<std::size_t>(select_features(test, kind, features_.data() + begin_[first],
+                                                      static_cast<long>(begin_[first + slots] - begin_[first]),
+                                                      arrays_a, arrays_b, reach, buffer.data() + n, isa));
     }
-    out.resize(n);
-}
-
-void CandidateList::find_swept(const BodyMotion& a, const BodyMotion& b, const CoarseReach& reach,
-                               FeatureBuffer& out) const {
-    const auto test = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
-        return coarse_overlap_by_axis(p, q, reach, reach);
-    };
-    out.clear();
-    select<FeatureKind::vertex_face>(a, b, test, out);
-    select<FeatureKind::face_vertex>(a, b, test, out);
-    select<FeatureKind::edge_edge>(a, b, test, out);
-}
-
-void CandidateList::find_near(const BodyMotion& a, const BodyMotion& b, const CoarseReach& reach,
-                              FeatureBuffer& out) const {
-    const auto test = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
-        return coarse_overlap(p.at0, q.at0, reach);
-    };
-    out.clear();
-    select<FeatureKind::vertex_face>(a, b, test, out);
-    select<FeatureKind::face_vertex>(a, b, test, out);
-    select<FeatureKind::edge_edge>(a, b, test, out);
+    return {buffer.data(), n};
 }
 
 } // namespace flotilla

@@ -4,17 +4,22 @@
 // Most queries of a body pair repeat an earlier one with slightly other end states: the sweeps of stage 1, dynamic contact, the
 // contact search, and at rest the steps themselves. The list is found once, with room for that, by one traversal.
 //
+// Within the list the feature pairs stand in the order in which they become possible: for each the build finds how far a motion
+// must stray from the reference before it can matter, and a query looks at those within what its own motion strays.
+//
 // A list changes the cost of a query and never a bit of its answer: it holds every feature pair that the query of any covered
 // motion looks at, and the query itself decides by the features' own boxes (pair_query.hpp).
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
-#include "ccd/feature_candidates.hpp"
+#include "ccd/feature_listing.hpp"
 
 namespace flotilla {
 
-/// Buffers of feature pairs; one set per thread, reused.
+/// A buffer of feature pairs; one per thread, reused. It grows and never shrinks.
 using FeatureBuffer = std::vector<FeaturePair>;
 
 /// How far a motion may stray from the reference at the start and at the end of the step, both bodies together, m.
@@ -41,6 +46,11 @@ struct CandidateReach {
     double end = 0;   ///< at its end
 };
 
+/// Buffer of the making of a list; one per thread, reused.
+struct ListingScratch {
+    std::vector<ListedFeature> found;
+};
+
 class CandidateList {
   public:
     /// A bound on what the motion of the two bodies strays from the reference.
@@ -50,27 +60,31 @@ class CandidateList {
     }
 
     /// Finds the pairs anew.
-    void build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach, const CandidateMargins& margins);
+    void build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach, const CandidateMargins& margins,
+               ListingScratch& scratch);
     void drop();
 
-    /// All pairs of the list, in `out`, whose coarse boxes come within the reach along the motion (near one axis at a time),
-    /// or at rest at x0.
-    void find_swept(const BodyMotion& a, const BodyMotion& b, const CoarseReach& reach, FeatureBuffer& out) const;
-    void find_near(const BodyMotion& a, const BodyMotion& b, const CoarseReach& reach, FeatureBuffer& out) const;
+    /// All pairs of the list whose coarse boxes come within the reach, which is at most the list's (FeatureTest::near: for bodies
+    /// that rest at the end of a covered motion). They stand in `buffer`, until its next use.
+    [[nodiscard]] std::span<const FeaturePair> select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,
+                                                      const CoarseReach& reach, FeatureBuffer& buffer) const;
 
     [[nodiscard]] bool empty() const { return margins_.end < 0; } ///< there is no list
-    [[nodiscard]] std::size_t size() const { return features_[0].size() + features_[1].size() + features_[2].size(); }
+    [[nodiscard]] std::size_t size() const { return features_.size(); }
 
   private:
-    struct Ids {
-        std::int32_t a, b;
-    };
-    template <FeatureKind kKind, class Test>
-    void select(const BodyMotion& a, const BodyMotion& b, Test&& test, FeatureBuffer& out) const;
+    static constexpr int kSlots = 16;
+
+    void list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach, std::vector<ListedFeature>& out);
+    void store(std::span<const ListedFeature> listed);
+    [[nodiscard]] int slot(float strayed) const;
+    [[nodiscard]] int last_slot(FeatureTest test, const BodyMotion& a, const BodyMotion& b) const;
 
     std::array<MatrixPose, 2> start_, end_; ///< of the reference motion
     CandidateMargins margins_{-1, -1};
-    std::array<std::vector<Ids>, 3> features_; ///< by kind
+    float scale0_ = 0, slots_per_metre_ = 0;            ///< of the listing
+    std::vector<FeatureIds> features_;                  ///< by kind, and of a kind by slot
+    std::array<std::uint32_t, 3 * kSlots + 1> begin_{}; ///< where each kind's slots begin
 };
 
 } // namespace flotilla

@@ -41,8 +41,7 @@ class EarliestHit {
   private:
     void scan(const CandidateList& list) {
         scratch_.counters.box_tests += static_cast<std::int64_t>(list.size());
-        list.find_swept(a_, b_, node_reach_, scratch_.features_);
-        for (const FeaturePair& f : scratch_.features_) add(f);
+        for (const FeaturePair& f : list.select(FeatureTest::swept, a_, b_, node_reach_, scratch_.features_)) add(f);
     }
 
     void traverse() {

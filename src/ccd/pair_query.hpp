@@ -40,6 +40,7 @@ struct QueryCounters {
 class CcdScratch {
   public:
     QueryCounters counters;
+    ListingScratch listing;
 
   private:
     friend class EarliestHit;

@@ -67,11 +67,12 @@ inline float extent_sum(const CoarseBox& c) {
 class CoarseReach {
   public:
     CoarseReach(double distance, double max_abs)
-        : value_(both4(static_cast<float>((distance + 0x1p-20 * max_abs) * (1 + 0x1p-20)))) {}
-    [[nodiscard]] Float4 value() const { return value_; }
+        : value_(static_cast<float>((distance + 0x1p-20 * max_abs) * (1 + 0x1p-20))) {}
+    [[nodiscard]] float distance() const { return value_; } ///< with that room
+    [[nodiscard]] Float4 value() const { return both4(value_); }
 
   private:
-    Float4 value_;
+    float value_;
 };
 
 inline constexpr float kCoarseTimeSlack = 0x1p-21f;

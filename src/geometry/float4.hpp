@@ -24,6 +24,7 @@ inline void store(float* aligned, Float4 a) { _mm_store_ps(aligned, a.v); }
 inline Float4 both4(float x) { return {_mm_set1_ps(x)}; }
 inline Float4 operator+(Float4 a, Float4 b) { return {_mm_add_ps(a.v, b.v)}; }
 inline Float4 operator-(Float4 a, Float4 b) { return {_mm_sub_ps(a.v, b.v)}; }
+inline Float4 operator*(Float4 a, Float4 b) { return {_mm_mul_ps(a.v, b.v)}; }
 inline Float4 operator/(Float4 a, Float4 b) { return {_mm_div_ps(a.v, b.v)}; }
 inline Float4 larger(Float4 a, Float4 b) { return {_mm_max_ps(a.v, b.v)}; }
 inline Float4 smaller(Float4 a, Float4 b) { return {_mm_min_ps(a.v, b.v)}; }
@@ -43,6 +44,11 @@ inline float largest3(Float4 a) {
 inline float smallest3(Float4 a) {
     const __m128 m = _mm_min_ps(a.v, _mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(3, 0, 2, 1)));
     return _mm_cvtss_f32(_mm_min_ss(m, _mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(3, 1, 0, 2))));
+}
+/// Of all four lanes; no NaN among them.
+inline float largest4(Float4 a) {
+    const __m128 m = _mm_max_ps(a.v, _mm_movehl_ps(a.v, a.v));
+    return _mm_cvtss_f32(_mm_max_ss(m, _mm_shuffle_ps(m, m, _MM_SHUFFLE(1, 1, 1, 1))));
 }
 
 #else
@@ -78,6 +84,9 @@ inline Float4 operator+(Float4 a, Float4 b) {
 inline Float4 operator-(Float4 a, Float4 b) {
     return float4_detail::lanes([&](int i) { return a.v[i] - b.v[i]; });
 }
+inline Float4 operator*(Float4 a, Float4 b) {
+    return float4_detail::lanes([&](int i) { return a.v[i] * b.v[i]; });
+}
 inline Float4 operator/(Float4 a, Float4 b) {
     return float4_detail::lanes([&](int i) { return a.v[i] / b.v[i]; });
 }
@@ -108,6 +117,10 @@ inline float largest3(Float4 a) {
 inline float smallest3(Float4 a) {
     const float m = a.v[0] < a.v[1] ? a.v[0] : a.v[1];
     return m < a.v[2] ? m : a.v[2];
+}
+inline float largest4(Float4 a) {
+    const float m = largest3(a);
+    return m > a.v[3] ? m : a.v[3];
 }
 
 #endif

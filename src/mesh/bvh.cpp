@@ -56,6 +56,9 @@ class Builder {
         build(0, static_cast<std::int32_t>(mesh.triangles.size()), 0);
         bvh_.corners.reserve(mesh.triangles.size());
         for (std::int32_t t : bvh_.triangles) bvh_.corners.push_back(mesh.triangles[at(t)]);
+        std::vector<Box> boxes;
+        refit(bvh_, mesh.vertices, boxes);
+        for (const Box& box : boxes) bvh_.sizes.push_back(static_cast<float>(bvh_detail::extent_sum(box)));
     }
     Bvh take() { return std::move(bvh_); }
 

@@ -37,6 +37,7 @@ struct Bvh {
     std::vector<BvhNode> nodes;          ///< root first; never empty
     std::vector<std::int32_t> triangles; ///< triangle numbers of the mesh, in leaf order
     std::vector<Triangle> corners;       ///< their vertex indices, in the same order
+    std::vector<float> sizes;            ///< of the nodes' boxes in the mesh's own axes, sum of the edges, m
     int depth = 0;                       ///< edges on the longest path from the root, <= kMaxBvhDepth
 
     [[nodiscard]] bool is_leaf(std::int32_t node) const { return nodes[static_cast<std::size_t>(node)].count > 0; }

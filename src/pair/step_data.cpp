@@ -44,7 +44,8 @@ CandidateMargins choose_margins(const PairRecord& r, const BodyMotion& a, const 
 }
 
 /// A list that covers the motion, made now if that seems to pay; else null.
-const CandidateList* candidates(const StepData& data, PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
+const CandidateList* candidates(const StepData& data, Worker& worker, PairRecord& r, const BodyMotion& a,
+                                const BodyMotion& b) {
     if (!data.keep_candidates) return nullptr;
     PairCandidates& c = r.candidates;
     const bool first = c.step != data.state.step;
@@ -70,7 +71,7 @@ const CandidateList* candidates(const StepData& data, PairRecord& r, const BodyM
         return nullptr;
     }
     const CandidateReach reach{swept_reach(largest_separation(data, r), a, b), r.lengths.proximity};
-    c.list.build(a, b, reach, margins);
+    c.list.build(a, b, reach, margins, worker.ccd.listing);
     return &c.list;
 }
 
@@ -93,7 +94,7 @@ PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod me
     const bool turns = !a.straight() || !b.straight();
     const PathCut cut = turns ? cut_path(a, b, {r.lengths.rest, start_distance(data, worker, r)}) : PathCut{};
     return earliest_hit_on_path(a, b, {separation, CcdStart::relaxed, method}, cut,
-                                cut.segments == 1 ? candidates(data, r, a, b) : nullptr, worker.ccd);
+                                cut.segments == 1 ? candidates(data, worker, r, a, b) : nullptr, worker.ccd);
 }
 
 constexpr std::size_t kBodyGrain = 128, kPairGrain = 256; // items of a task

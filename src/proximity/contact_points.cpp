@@ -110,8 +110,7 @@ class Finder {
             traverse();
             return;
         }
-        list->find_near(a_, b_, reach_, scratch_.candidates);
-        for (const FeaturePair& f : scratch_.candidates) {
+        for (const FeaturePair& f : list->select(FeatureTest::near, a_, b_, reach_, scratch_.candidates)) {
             add(f);
             if (done()) return;
         }

@@ -129,6 +129,65 @@ TEST(EarliestHit, IsTheLeastOfAllFeaturePairs) {
     EXPECT_GE(misses, 30);
 }
 
+TEST(FeatureKernels, GiveTheSameListsAndSelectionsOnEveryInstructionSet) {
+    std::size_t listed = 0, selected = 0;
+    for (std::int64_t n = 0; n < 50; ++n) {
+        Random random(3000 + n);
+        Pair pair(random);
+        std::array<Pose, 2> start, end;
+        for (std::size_t i = 0; i < 2; ++i) {
+            start[i] = make_pose(pair.model.shapes[i], i == 0 ? Vec3{} : Vec3{random.uniform(1.1, 2.2), 0, 0},
+                                 random.rotation());
+            end[i] = near(pair.model.shapes[i], start[i], random, 0.2);
+        }
+        pair.move(start, end);
+        const ListingArrays a = listing_arrays(pair.motion(0)), b = listing_arrays(pair.motion(1));
+        const auto list = [&](Isa isa) {
+            const ListingReach reach{2e-4f, 0.02f, n % 2 == 0 ? 0x1p100f : 3.0f, 0.06f};
+            ListingStack stack;
+            stack.pairs[stack.size++] = {0, 0};
+            std::vector<ListedFeature> out;
+            while (stack.size > 0) {
+                std::array<NodeIds, 5> leaves;
+                const long found = open_node_pairs(a, b, reach, stack, leaves.data(), leaves.size(), isa);
+                std::vector<ListedFeature> some(leaves.size() * 4 * kFeaturesPerTrianglePair + 1);
+                some.resize(
+                    static_cast<std::size_t>(list_features(a, b, reach, leaves.data(), found, some.data(), isa)));
+                out.insert(out.end(), some.begin(), some.end());
+            }
+            return out;
+        };
+        const auto expected = list(Isa::scalar), wide = list(best_isa());
+        ASSERT_EQ(wide.size(), expected.size());
+        std::array<std::vector<FeatureIds>, 3> ids;
+        for (std::size_t i = 0; i < wide.size(); ++i) {
+            EXPECT_EQ(wide[i].ids.a, expected[i].ids.a);
+            EXPECT_EQ(wide[i].ids.b, expected[i].ids.b);
+            EXPECT_EQ(wide[i].kind, expected[i].kind);
+            EXPECT_EQ(wide[i].distance, expected[i].distance);
+            ids[static_cast<std::size_t>(wide[i].kind)].push_back(wide[i].ids);
+        }
+        listed += wide.size();
+        for (const FeatureTest test : {FeatureTest::swept, FeatureTest::near})
+            for (const FeatureKind kind :
+                 {FeatureKind::vertex_face, FeatureKind::face_vertex, FeatureKind::edge_edge}) {
+                const auto& some = ids[static_cast<std::size_t>(kind)];
+                const auto select = [&](Isa isa) {
+                    std::vector<FeaturePair> out(some.size() + 1);
+                    out.resize(static_cast<std::size_t>(
+                        select_features(test, kind, some.data(), static_cast<long>(some.size()), a.features, b.features,
+                                        CoarseReach(0.01, 4), out.data(), isa)));
+                    return out;
+                };
+                const auto kept = select(Isa::scalar);
+                EXPECT_EQ(select(best_isa()), kept);
+                selected += kept.size();
+            }
+    }
+    EXPECT_GE(listed, 1000u);
+    EXPECT_GE(selected, 100u);
+}
+
 TEST(CandidateList, ChangesNoAnswerOfAMotionThatItCovers) {
     int hits = 0, misses = 0, proximities = 0, uncovered = 0;
     for (std::int64_t n = 0; n < 400; ++n) {
@@ -142,9 +201,11 @@ TEST(CandidateList, ChangesNoAnswerOfAMotionThatItCovers) {
         }
         pair.move(start, end);
         CandidateList list;
+        CcdScratch scratch;
         EXPECT_TRUE(list.empty());
         list.build(pair.motion(0), pair.motion(1),
-                   {swept_reach(kSeparation, pair.motion(0), pair.motion(1)), kProximity}, {0.02, 0.06});
+                   {swept_reach(kSeparation, pair.motion(0), pair.motion(1)), kProximity}, {0.02, 0.06},
+                   scratch.listing);
         for (int k = 0; k < 10; ++k) {
             std::array<Pose, 2> start_k, end_k;
             for (std::size_t i = 0; i < 2; ++i) {
@@ -157,7 +218,6 @@ TEST(CandidateList, ChangesNoAnswerOfAMotionThatItCovers) {
                 ++uncovered;
                 continue;
             }
-            CcdScratch scratch;
             const PairHit with = earliest_hit(a, b, {kSeparation}, &list, scratch);
             expect_same(with, earliest_hit(a, b, {kSeparation}, nullptr, scratch));
             ++(with.hit ? hits : misses);

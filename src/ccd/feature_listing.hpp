@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// The feature pairs of two bodies that may come near each other along motions near a given one, by one traversal of both
+// hierarchies.
+#pragma once
+
+#include "ccd/feature_tests.hpp"
+
+namespace flotilla {
+
+/// How near a feature pair must come to be listed. Along each axis and either way round take the gap of its boxes less `reach0` at
+/// t = 0, times `scale0`, and less `reach1` at t = 1: unless both exceed x for one of these six, the pair is listed, x being the
+/// margin. The least x for which that is so is how far the motion must stray before the pair can matter.
+struct ListingReach {
+    float reach0, reach1, scale0, margin;
+};
+
+/// A body as the kernels see it: bare arrays.
+struct ListingArrays {
+    FeatureArrays features;
+    const CoarseBox *nodes0, *nodes1; ///< boxes of the hierarchy's nodes at both times
+    const BvhNode* nodes;
+    const float* sizes;
+    const std::int32_t* leaf_triangles; ///< Bvh::triangles
+    const std::int32_t* leaf_corners;   ///< Bvh::corners
+    const std::int32_t* triangle_edges; ///< three per triangle
+    const std::uint8_t* owned;          ///< Topology::owned
+};
+[[nodiscard]] ListingArrays listing_arrays(const BodyMotion& body);
+
+struct NodeIds {
+    std::int32_t a, b;
+};
+
+/// Node pairs that wait. As in bvh_detail::NodePairStack, no more than the sum of the depths and one wait; one slot more is
+/// written and not kept.
+struct ListingStack {
+    int size = 0;
+    NodeIds pairs[2 * kMaxBvhDepth + 3];
+};
+
+struct ListedFeature {
+    FeatureIds ids;
+    float distance; ///< that the motion must stray before the pair can matter, m
+    FeatureKind kind;
+};
+
+/// Opens node pairs of the stack until it is empty or `room` pairs of leaves are found; returns how many were. The stack's pairs
+/// are taken to meet.
+[[nodiscard]] long open_node_pairs(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
+                                   ListingStack& stack, NodeIds* leaves, long room, Isa isa);
+/// Lists the feature pairs that leaf pairs own; returns how many. `out` has room for kFeaturesPerTrianglePair for each pair of
+/// their triangles and one more.
+[[nodiscard]] long list_features(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
+                                 const NodeIds* leaves, long count, ListedFeature* out, Isa isa);
+inline constexpr std::size_t kFeaturesPerTrianglePair = 15;
+
+/// Compiled for its instruction set: call only where the processor has it.
+long open_node_pairs_avx2(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
+                          ListingStack& stack, NodeIds* leaves, long room);
+long list_features_avx2(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
+                        const NodeIds* leaves, long count, ListedFeature* out);
+
+} // namespace flotilla
