@@ -23,6 +23,10 @@ struct RunOptions {
     WorldOptions world;           ///< threads and their use
     std::vector<std::string> command_line;
     std::string scene_json; ///< the scene file's text, for the record
+    /// Where the executed tasks are recorded (flotilla/trace.hpp reads it); empty: nowhere. Written when the run ends, compressed where
+    /// the name ends with .gz.
+    std::filesystem::path trace;
+    int trace_every = 1; ///< steps per recorded step; a step of many bodies in impact has 100,000 tasks of 30 bytes
     /// Called after every step; returning false ends the run early.
     std::function<bool(const StepReport&)> after_step;
 };
@@ -36,6 +40,7 @@ struct RunTotals {
     std::int64_t collisions = 0, merges = 0, rung_changes = 0, held = 0;
     double min_distance = std::numeric_limits<double>::infinity(); ///< m
     StepReport last;
+    std::int64_t traced_steps = 0; ///< in RunOptions::trace
     std::vector<ThreadReport> threads;
 };
 

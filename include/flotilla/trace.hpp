@@ -50,7 +50,7 @@ struct TraceReport {
     int trace_every = 1;     ///< steps per recorded step
     double wall_seconds = 0; ///< of the recorded steps
     double cpu_seconds = 0;  ///< of the process in them
-    double covered = 0;      ///< tasks and serial stretches as a share of cpu_seconds
+    double covered = 0; ///< tasks and serial stretches as a share of cpu_seconds; above 1 where others had the core
     std::vector<int> cores;
     std::vector<TraceCosts> costs; ///< by `cores`
     int measured_cores = 1;        ///< costs of more follow CostGrowth; 1: none was measured, all are assumed

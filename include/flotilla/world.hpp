@@ -89,6 +89,7 @@ class World {
     [[nodiscard]] std::vector<ThreadReport> threads() const;
 
   private:
+    friend struct WorldAccess; ///< the library's own
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -2,11 +2,18 @@
 #include <flotilla/run.hpp>
 
 #include <algorithm>
+#include <chrono>
+#include <ctime>
 #include <memory>
 
 #include <flotilla/world.hpp>
 
+#include "api/world_access.hpp"
+#include "io/file_stream.hpp"
 #include "io/run_folder.hpp"
+#include "io/trace_file.hpp"
+#include "parallel/measure_costs.hpp"
+#include "parallel/parallel_for.hpp"
 #include "scene/scene.hpp"
 #include "scene/settings_table.hpp"
 
@@ -38,6 +45,51 @@ class FrameRecorder {
     const World& world_;
     std::vector<Vec3> position_, velocity_, angular_, turn_;
     std::vector<Quat> rotation_;
+};
+
+/// Records the tasks of every k-th step. The world must outlive it.
+class TaskTrace {
+  public:
+    TaskTrace(World& world, const RunOptions& options)
+        : options_(options), world_(world), team_(WorldAccess::team(world)), recorder_(team_.size()) {
+        const io::OutputStream probe(options.trace); // a path that cannot be written is known before the run
+        recorder_.set_active(false);
+        team_.record_to(&recorder_);
+        info_.threads = team_.size();
+        info_.command_line = options.command_line;
+        info_.trace_every = options.trace_every;
+    }
+    ~TaskTrace() { team_.record_to(nullptr); }
+    TaskTrace(const TaskTrace&) = delete;
+    TaskTrace& operator=(const TaskTrace&) = delete;
+
+    StepReport step() {
+        using Clock = std::chrono::steady_clock;
+        if (world_.steps() % options_.trace_every != 0) return world_.step();
+        recorder_.set_step(world_.steps() + 1);
+        recorder_.set_active(true);
+        const std::clock_t cpu = std::clock(); // of all threads of the process
+        const Clock::time_point wall = Clock::now();
+        const StepReport report = world_.step();
+        info_.wall_seconds += std::chrono::duration<double>(Clock::now() - wall).count();
+        info_.cpu_seconds += static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+        recorder_.set_active(false);
+        ++info_.steps;
+        return report;
+    }
+
+    void write() {
+        info_.costs = measure_costs(usable_cores());
+        io::write_trace(options_.trace, info_, recorder_.record());
+    }
+    [[nodiscard]] std::int64_t steps() const { return info_.steps; }
+
+  private:
+    const RunOptions& options_;
+    World& world_;
+    Team& team_;
+    TaskRecorder recorder_;
+    io::TraceInfo info_;
 };
 
 void add(RunTotals& summary, const StepReport& r) {
@@ -94,9 +146,11 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         frames = std::make_unique<FrameRecorder>(*writer, world);
         frames->record();
     }
+    std::unique_ptr<TaskTrace> trace;
+    if (!options.trace.empty()) trace = std::make_unique<TaskTrace>(world, options);
     bool goes_on = true;
     while (goes_on && summary.steps < options.steps) {
-        const StepReport report = world.step();
+        const StepReport report = trace ? trace->step() : world.step();
         add(summary, report);
         if (writer) {
             writer->add_step(report);
@@ -106,6 +160,10 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
     }
     summary.threads = world.threads();
     if (writer) writer->close(goes_on ? "complete" : "stopped");
+    if (trace) {
+        trace->write();
+        summary.traced_steps = trace->steps();
+    }
     return summary;
 }
 

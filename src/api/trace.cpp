@@ -56,6 +56,10 @@ void add_notes(TraceReport& report) {
             "recorded on " + std::to_string(report.threads) +
             " threads, which disturb each other: durations of tasks are less certain than those of a "
             "recording on one");
+    if (report.threads == 1 && report.cpu_seconds < kTraceCoverage * report.wall_seconds)
+        report.notes.emplace_back(
+            "other work had the core for part of the recorded time: tasks that were interrupted seem longer than "
+            "they are");
     if (report.measured_cores == 1)
         report.notes.emplace_back("the machine of the run had one core: costs are assumed, not measured");
     if (report.covered < kTraceCoverage && report.steps > 0) {

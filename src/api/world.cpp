@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <flotilla/world.hpp>
 
+#include "api/world_access.hpp"
 #include "parallel/parallel_for.hpp"
 #include "scene/initial_overlap.hpp"
 #include "state/build_model.hpp"
@@ -41,6 +42,8 @@ struct World::Impl {
     Model model;
     Stepper stepper;
 };
+
+Team& WorldAccess::team(World& world) { return world.impl_->stepper.team(); }
 
 World::World(const SceneDescription& scene, const std::string& source, const WorldOptions& options)
     : impl_(std::make_unique<Impl>(checked(scene, source), options)) {}

@@ -31,6 +31,8 @@ struct RunArguments {
     int threads = 0; ///< 0: as many as the process may use
     std::string executor = "parallel";
     bool pin = false;
+    std::string trace;
+    int trace_every = 1;
     bool overwrite = false, quiet = false, audit = false;
     std::vector<std::string> command_line;
 };
@@ -109,6 +111,8 @@ int run_run(const RunArguments& arguments) {
     run.world.threads = arguments.threads;
     run.world.executor = arguments.executor == "serial" ? Executor::serial : Executor::parallel;
     run.world.pin = arguments.pin;
+    run.trace = arguments.trace;
+    run.trace_every = arguments.trace_every;
     RunTotals summary;
     {
         Progress progress("step", run.steps, arguments.quiet);
@@ -119,6 +123,8 @@ int run_run(const RunArguments& arguments) {
         summary = run_scene(scene, arguments.scene, run);
     }
     print_summary(summary);
+    if (!arguments.trace.empty())
+        std::printf("trace of %ld steps: %s\n", static_cast<long>(summary.traced_steps), arguments.trace.c_str());
     return arguments.audit ? audit_run(arguments.output, arguments.threads, arguments.quiet) : kOk;
 }
 
@@ -147,6 +153,12 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
         ->add_option("--executor", arguments->executor,
                      "parallel, or serial: a plain loop on one thread; the results are the same bits")
         ->check(CLI::IsMember({"parallel", "serial"}));
+    auto* trace = command->add_option(
+        "--trace", arguments->trace,
+        "record the executed tasks into FILE (.gz: compressed) for flotilla trace, chrome://tracing and Perfetto");
+    command->add_option("--trace-every", arguments->trace_every, "steps per recorded step")
+        ->needs(trace)
+        ->check(CLI::PositiveNumber);
     command->add_flag("--pin", arguments->pin, "keep each thread on a core of its own");
     command->add_flag("--audit", arguments->audit, "prove the written frames free of intersections afterwards");
     command->add_flag("--quiet", arguments->quiet, "no progress");

@@ -257,6 +257,7 @@ class RowTree {
     explicit RowTree(std::size_t num_widths) : num_widths_(num_widths) { add_node(-1, "total", Kind::phase); }
 
     static constexpr int kRoot = 0;
+    static constexpr double kLeastRest = 1e-3; // of the phase's work
 
     [[nodiscard]] ScheduleRow& row(int node) { return nodes_[static_cast<std::size_t>(node)].row; }
     [[nodiscard]] int parent(int node) const { return nodes_[static_cast<std::size_t>(node)].parent; }
@@ -276,7 +277,7 @@ class RowTree {
         for (; node >= 0; node = parent(node)) add(row(node));
     }
 
-    /// Where a phase has phases as parts, what is in none of them becomes a part of its own.
+    /// Where a phase has phases as parts, what is in none of them becomes a part of its own, unless that is next to nothing.
     void add_rests() {
         for (std::size_t i = 0; i < nodes_.size(); ++i) {
             const auto parts = nodes_[i].parts;
@@ -285,6 +286,7 @@ class RowTree {
             if (!split) continue;
             double serial = nodes_[i].row.serial;
             for (const int p : parts) serial -= row(p).serial;
+            if (serial < kLeastRest * nodes_[i].row.work) continue;
             const int rest = part(static_cast<int>(i), "rest", Kind::rest);
             ScheduleRow& r = row(rest);
             r.wall = r.serial = r.work = r.critical_path = serial;
@@ -375,6 +377,7 @@ class ScheduleMaker {
             rows_.row(node).wall += wall;
             add_serial(rows_.row(node), wall);
             if (open_.empty()) { // else this time was added with the phase around it
+                ++rows_.row(RowTree::kRoot).count;
                 rows_.row(RowTree::kRoot).wall += wall;
                 add_serial(rows_.row(RowTree::kRoot), wall);
             }

@@ -125,6 +125,9 @@ constexpr std::array kEntries{
     Entry{{"boats-in-bowl", 102, 3, kMaxBodies,
            "boats fall into a bowl that is large enough for all of them (paper, figures 10, 12, 13)"},
           library::boats_in_bowl},
+    Entry{{"boats-in-bowls", 203, 3, kMaxBodies,
+           "boats fall into bowls side by side, 100 into each where the bodies are 101 k + 1: piles of equal depth"},
+          library::boats_in_bowls},
     Entry{
         {"triangles-on-pegs", 186, 6, kMaxBodies, "flat triangles fall on fixed pegs and the ground (paper, figure 1)"},
         library::triangles_on_pegs},

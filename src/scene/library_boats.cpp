@@ -21,13 +21,14 @@ ShapeDescription boat_shape() {
     return boat;
 }
 
-// Boats with random orientations whose bounding spheres stand at `places`.
+// Boats with random orientations whose bounding spheres stand at `places`; numbered on from those that are there.
 void add_boats(SceneDescription& scene, const std::vector<Vec3>& places, const Vec3& sphere_center,
                std::uint64_t seed) {
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    for (const Vec3& place : places) {
+        const std::size_t i = scene.bodies.size();
         const Quat turn = random_rotation(seed, i);
         BodyDescription boat =
-            body_of("boat" + std::to_string(i), 0, BodyType::dynamic, places[i] - rotate(turn, sphere_center));
+            body_of("boat" + std::to_string(i), 0, BodyType::dynamic, place - rotate(turn, sphere_center));
         boat.rotation = turn;
         scene.bodies.push_back(std::move(boat));
     }
@@ -42,24 +43,58 @@ double bowl_radius(int boats, double angle) {
     return std::max(kLeast, std::cbrt(boats * kVolumePerBoat / unit_volume));
 }
 
+constexpr double kBowlAngle = 80 * kPi / 180;
+
+// Places for `boats` bounding spheres above a bowl on the z axis: whole boats inside the rim, the lowest just above it.
+std::vector<Vec3> places_above_bowl(int boats, double bowl, const BoundingSphere& sphere, std::uint64_t seed) {
+    constexpr double kAir = 0.3;
+    const SinCos rim = sin_cos(kBowlAngle);
+    const double column = bowl * rim.sin - sphere.radius - kAir;
+    const double bottom = bowl * (1 - rim.cos) + 1.1 * sphere.radius;
+    return packed_column(static_cast<std::size_t>(boats), sphere.radius, column, bottom, seed);
+}
+
 } // namespace
 
 SceneDescription boats_in_bowl(int bodies, std::uint64_t seed) {
-    constexpr double kAngle = 80 * kPi / 180, kAir = 0.3;
     const int boats = bodies - 2;
-    const double radius = bowl_radius(boats, kAngle);
-    const SinCos rim = sin_cos(kAngle);
-
+    const double radius = bowl_radius(boats, kBowlAngle);
     SceneDescription scene;
-    scene.shapes = {boat_shape(), shape_of("bowl", bowl_mesh(radius, kAngle, 20, 64)),
+    scene.shapes = {boat_shape(), shape_of("bowl", bowl_mesh(radius, kBowlAngle, 20, 64)),
                     shape_of("ground", make_plate(6 * radius, 6 * radius))};
     const BoundingSphere sphere = bounding_sphere({scene.shapes[0].vertices, scene.shapes[0].triangles});
-    // Whole boats inside the rim, the lowest just above it.
-    const double column = radius * rim.sin - sphere.radius - kAir;
-    const double bottom = radius * (1 - rim.cos) + 1.1 * sphere.radius;
-    add_boats(scene, packed_column(static_cast<std::size_t>(boats), sphere.radius, column, bottom, seed), sphere.center,
-              seed);
+    add_boats(scene, places_above_bowl(boats, radius, sphere, seed), sphere.center, seed);
     scene.bodies.push_back(body_of("bowl", 1, BodyType::fixed, {}));
+    scene.bodies.push_back(body_of("ground", 2, BodyType::fixed, {0, 0, -0.1 * radius}));
+    return scene;
+}
+
+// Bowls of one size on a square grid, so far apart that no boat can bridge two; their boats differ.
+SceneDescription boats_in_bowls(int bodies, std::uint64_t seed) {
+    constexpr int kBodiesPerBowl = 101; // with the bowl
+    const int bowls = std::max(1, (bodies - 1 + kBodiesPerBowl / 2) / kBodiesPerBowl);
+    const int boats = bodies - 1 - bowls;
+    const double radius = bowl_radius((boats + bowls - 1) / bowls, kBowlAngle);
+    const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(bowls))));
+    const double spacing = 3 * radius, middle = 0.5 * (columns - 1);
+    const auto axis = [&](int bowl) {
+        return Vec3{spacing * (bowl % columns - middle), spacing * (bowl / columns - middle), 0};
+    };
+
+    SceneDescription scene;
+    const double ground = spacing * columns + 3 * radius;
+    scene.shapes = {boat_shape(), shape_of("bowl", bowl_mesh(radius, kBowlAngle, 20, 64)),
+                    shape_of("ground", make_plate(ground, ground))};
+    const BoundingSphere sphere = bounding_sphere({scene.shapes[0].vertices, scene.shapes[0].triangles});
+    for (int k = 0; k < bowls; ++k) {
+        constexpr std::uint64_t kOther = 0x9e3779b97f4a7c15; // jitter is keyed by the place in its column
+        auto places = places_above_bowl(boats / bowls + (k < boats % bowls ? 1 : 0), radius, sphere,
+                                        seed + static_cast<std::uint64_t>(k) * kOther);
+        for (Vec3& place : places) place += axis(k);
+        add_boats(scene, places, sphere.center, seed);
+    }
+    for (int k = 0; k < bowls; ++k)
+        scene.bodies.push_back(body_of("bowl" + std::to_string(k), 1, BodyType::fixed, axis(k)));
     scene.bodies.push_back(body_of("ground", 2, BodyType::fixed, {0, 0, -0.1 * radius}));
     return scene;
 }

@@ -68,6 +68,79 @@ TEST(TraceCommand, SaysWhatToKeepInMind) {
     EXPECT_NE(run_flotilla("trace --help").out.find("log2"), std::string::npos);
 }
 
+/// 20 boats that fall for a while and hit the bowl.
+std::string write_boats(const TemporaryFolder& folder) {
+    return folder.write("boats.json", run_flotilla("scene boats-in-bowl --bodies 22 --seed 3").out);
+}
+
+std::string hash_line(const std::string& out) {
+    const std::size_t at = out.find("state hash:");
+    return at == std::string::npos ? "none" : out.substr(at, out.find('\n', at) - at);
+}
+
+TEST(RunTrace, RecordsWhatAnalysisAndViewersUnderstand) {
+    const TemporaryFolder folder;
+    const std::string scene = write_boats(folder), file = (folder.path() / "t.json").string();
+    const std::string run = "run --quiet --steps 40 --threads ";
+    const CommandOutput plain = run_flotilla(run + "1 " + scene);
+    const CommandOutput traced = run_flotilla(run + "1 --trace " + file + " " + scene);
+    ASSERT_EQ(traced.exit_code, 0) << traced.err;
+    EXPECT_EQ(hash_line(traced.out), hash_line(plain.out)) << "recording changes no bit";
+    EXPECT_NE(traced.out.find("trace of 40 steps: " + file), std::string::npos) << traced.out;
+
+    const CommandOutput table = run_flotilla("trace " + file);
+    EXPECT_EQ(table.exit_code, 0) << table.err;
+    EXPECT_EQ(table.err.find("below 95 %"), std::string::npos) << table.err;
+    for (const char* part : {"40 steps (every 1)", "1 thread\n", "stage1_collisions", "stage7_static_contact"})
+        EXPECT_NE(table.out.find(part), std::string::npos) << part << '\n' << table.out;
+
+    const io::Trace trace = io::read_trace(file);
+    const TaskRecord& record = trace.record;
+    EXPECT_EQ(std::count_if(record.phases.begin(), record.phases.end(),
+                            [](const PhaseSpan& p) { return std::string(p.name) == "step"; }),
+              40);
+    EXPECT_GT(record.regions.size(), 40u);
+    for (const auto& tasks : record.threads)
+        for (const TaskSpan& s : tasks) {
+            const RegionRecord& region = record.regions[static_cast<std::size_t>(s.region)];
+            EXPECT_LE(region.begin, s.begin);
+            EXPECT_LE(s.end, region.end);
+        }
+    const auto lines = split(run_flotilla("trace --csv --cores 1,8 " + file).out, '\n');
+    const auto total = split(lines.back(), ',');
+    ASSERT_EQ(total.size(), 12u);
+    EXPECT_DOUBLE_EQ(std::stod(total[10]), 1);
+    EXPECT_GT(std::stod(total[9]), 1) << "there is something to do side by side";
+}
+
+TEST(RunTrace, EveryKthStepOnSeveralThreads) {
+    const TemporaryFolder folder;
+    const std::string scene = write_boats(folder), file = (folder.path() / "t.json.gz").string();
+    const CommandOutput one = run_flotilla("run --quiet --steps 10 --threads 1 " + scene);
+    const CommandOutput two =
+        run_flotilla("run --quiet --steps 10 --threads 2 --trace-every 4 --trace " + file + " " + scene);
+    ASSERT_EQ(two.exit_code, 0) << two.err;
+    EXPECT_EQ(hash_line(one.out), hash_line(two.out));
+    const io::Trace trace = io::read_trace(file);
+    EXPECT_EQ(trace.info.steps, 3);
+    EXPECT_EQ(trace.info.threads, 2);
+    EXPECT_EQ(trace.record.regions.front().step, 1);
+    EXPECT_EQ(trace.record.regions.back().step, 9);
+    EXPECT_GT(trace.info.wall_seconds, 0);
+    EXPECT_GT(trace.info.cpu_seconds, 0);
+}
+
+TEST(RunTrace, RefusesBeforeTheFirstStep) {
+    const TemporaryFolder folder;
+    const std::string scene = write_boats(folder);
+    const CommandOutput r =
+        run_flotilla("run --steps 2 --trace " + (folder.path() / "none" / "t.json").string() + " " + scene);
+    EXPECT_EQ(r.exit_code, 5);
+    EXPECT_EQ(r.err.find("step"), std::string::npos) << r.err;
+    EXPECT_EQ(run_flotilla("run --steps 2 --trace-every 2 " + scene).exit_code, 2) << "needs --trace";
+    EXPECT_EQ(run_flotilla("run --steps 2 --trace t.json --trace-every 0 " + scene).exit_code, 2);
+}
+
 TEST(TraceCommand, RefusesOtherFiles) {
     const TemporaryFolder folder;
     const std::string bad = folder.write("bad.json", R"({"traceEvents": []})");

@@ -70,6 +70,36 @@ TEST(SceneLibrary, BoatsFallIntoTheBowl) {
     }
 }
 
+TEST(SceneLibrary, BowlsSideBySideHoldAHundredBoatsEach) {
+    for (const int bodies : {3, 50, 102, 203, 300, 506}) {
+        const SceneDescription scene = make_scene("boats-in-bowls", bodies, 2);
+        ASSERT_EQ(scene.bodies.size(), static_cast<std::size_t>(bodies));
+        expect_valid_and_free(scene, std::to_string(bodies));
+        std::vector<Vec3> axes;
+        std::vector<int> boats;
+        for (const BodyDescription& body : scene.bodies)
+            if (body.shape == 1) axes.push_back(body.position), boats.push_back(0);
+        for (const BodyDescription& body : scene.bodies) {
+            if (body.type != BodyType::dynamic) continue;
+            std::size_t nearest = 0;
+            for (std::size_t k = 1; k < axes.size(); ++k)
+                if (std::hypot(body.position.x - axes[k].x, body.position.y - axes[k].y) <
+                    std::hypot(body.position.x - axes[nearest].x, body.position.y - axes[nearest].y))
+                    nearest = k;
+            ++boats[nearest];
+        }
+        if ((bodies - 1) % 101 == 0) {
+            EXPECT_EQ(boats, std::vector<int>(static_cast<std::size_t>((bodies - 1) / 101), 100));
+        }
+    }
+    // One bowl of them is the bowl of boats-in-bowl, with the same boats.
+    const SceneDescription one = make_scene("boats-in-bowls", 102, 7), same = make_scene("boats-in-bowl", 102, 7);
+    for (std::size_t i = 0; i < 101; ++i) {
+        EXPECT_EQ(one.bodies[i].position, same.bodies[i].position);
+        EXPECT_EQ(one.bodies[i].rotation, same.bodies[i].rotation);
+    }
+}
+
 TEST(SceneLibrary, SameSeedSameBitsOtherSeedOtherScene) {
     const auto same = [](const SceneDescription& a, const SceneDescription& b) {
         for (std::size_t i = 0; i < a.bodies.size(); ++i)
