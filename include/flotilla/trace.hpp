@@ -16,6 +16,7 @@ enum class CostGrowth { log2, linear };
 struct TraceOptions {
     std::vector<int> cores{1, 2, 4, 8, 16, 32, 64, 128, 256}; ///< >= 1
     CostGrowth growth = CostGrowth::log2;
+    bool assume_costs = false; ///< of an idle machine, in place of those measured on a busy one
 };
 
 /// What a number of cores pays beside its tasks, ns.
@@ -45,12 +46,14 @@ struct TraceRow {
 struct TraceReport {
     std::string version, commit, processor;
     std::vector<std::string> command_line;
-    int threads = 1;         ///< of the recorded run
-    std::int64_t steps = 0;  ///< recorded
-    int trace_every = 1;     ///< steps per recorded step
-    double wall_seconds = 0; ///< of the recorded steps
-    double cpu_seconds = 0;  ///< of the process in them
-    double covered = 0; ///< tasks and serial stretches as a share of cpu_seconds; above 1 where others had the core
+    int threads = 1;             ///< of the recorded run
+    std::int64_t recordings = 1; ///< files
+    std::int64_t steps = 0;      ///< recorded
+    int trace_every = 1;         ///< steps per recorded step
+    double wall_seconds = 0;     ///< of the recorded steps; least of all recordings
+    double cpu_seconds = 0;      ///< of the process in them; least of all recordings
+    double covered =
+        0; ///< tasks and serial stretches as a share of cpu_seconds; above 1 where others had the core; least of all recordings
     std::vector<int> cores;
     std::vector<TraceCosts> costs; ///< by `cores`
     int measured_cores = 1;        ///< costs of more follow CostGrowth; 1: none was measured, all are assumed
@@ -62,8 +65,11 @@ struct TraceReport {
 /// Below this share the record misses too much of the run for its numbers to stand for it.
 inline constexpr double kTraceCoverage = 0.95;
 
-/// Reads a file of `flotilla run --trace` and builds greedy schedules (a core that becomes free takes the lowest task that is ready) for
-/// each number of cores. Throws InputError (content, options) and IoError (file that cannot be read).
-[[nodiscard]] TraceReport analyze_trace(const std::filesystem::path& path, const TraceOptions& options = {});
+/// Reads files of `flotilla run --trace` and builds greedy schedules (a core that becomes free takes the lowest task that is ready) for
+/// each number of cores. Several files must be recordings of the same run on one thread: of each task the shortest time
+/// counts, so that what other work on the machine took from one of them drops out. Throws InputError (content, options) and IoError
+/// (file that cannot be read).
+[[nodiscard]] TraceReport analyze_trace(const std::vector<std::filesystem::path>& files,
+                                        const TraceOptions& options = {});
 
 } // namespace flotilla

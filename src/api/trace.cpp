@@ -7,6 +7,7 @@
 #include <flotilla/error.hpp>
 
 #include "io/trace_file.hpp"
+#include "parallel/merge_records.hpp"
 #include "parallel/schedule.hpp"
 
 namespace flotilla {
@@ -50,18 +51,24 @@ void check_options(const TraceOptions& options) {
                              std::to_string(kMostCores));
 }
 
-void add_notes(TraceReport& report) {
+/// ns; two threads that both have a core need a few cache misses.
+constexpr double kMostForkJoin = 50e3;
+
+void add_notes(const TraceOptions& options, const CostModel& costs, TraceReport& report) {
     if (report.threads > 1)
         report.notes.push_back(
             "recorded on " + std::to_string(report.threads) +
             " threads, which disturb each other: durations of tasks are less certain than those of a "
             "recording on one");
-    if (report.threads == 1 && report.cpu_seconds < kTraceCoverage * report.wall_seconds)
+    if (report.threads == 1 && report.recordings == 1 && report.cpu_seconds < kTraceCoverage * report.wall_seconds)
         report.notes.emplace_back(
             "other work had the core for part of the recorded time: tasks that were interrupted seem longer than "
-            "they are");
-    if (report.measured_cores == 1)
+            "they are; give several recordings of the run");
+    if (report.measured_cores == 1 && !options.assume_costs)
         report.notes.emplace_back("the machine of the run had one core: costs are assumed, not measured");
+    if (costs.at(2).fork_join > kMostForkJoin)
+        report.notes.emplace_back(
+            "the machine of the run was too busy to measure what threads cost: see --assume-costs");
     if (report.covered < kTraceCoverage && report.steps > 0) {
         char text[128];
         std::snprintf(
@@ -71,15 +78,45 @@ void add_notes(TraceReport& report) {
     }
 }
 
+/// Tasks and serial stretches as a share of the CPU time.
+double coverage(const io::Trace& trace) {
+    const Schedule plain = make_schedule(trace.record, CostModel({}), {});
+    return trace.info.cpu_seconds > 0 ? 1e-9 * (plain.tasks_time + plain.total.serial) / trace.info.cpu_seconds : 0;
+}
+
+/// Costs of the same machine, the least of each.
+void keep_least(std::vector<ThreadCosts>& costs, const std::vector<ThreadCosts>& others) {
+    if (costs.size() != others.size()) return;
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+        costs[i].fork_join = std::min(costs[i].fork_join, others[i].fork_join);
+        costs[i].barrier = std::min(costs[i].barrier, others[i].barrier);
+        costs[i].hand_over = std::min(costs[i].hand_over, others[i].hand_over);
+    }
+}
+
 } // namespace
 
-TraceReport analyze_trace(const std::filesystem::path& path, const TraceOptions& options) {
+TraceReport analyze_trace(const std::vector<std::filesystem::path>& files, const TraceOptions& options) {
     check_options(options);
-    const io::Trace trace = io::read_trace(path);
+    if (files.empty()) throw InputError("trace: no file");
+    io::Trace trace = io::read_trace(files[0]);
+    TraceReport report;
+    report.covered = coverage(trace);
+    for (std::size_t i = 1; i < files.size(); ++i) {
+        const io::Trace other = io::read_trace(files[i]);
+        if (!keep_shortest(trace.record, other.record))
+            throw InputError(files[i].string() + ": not a recording of the same run as " + files[0].string() +
+                             ", both on one thread");
+        report.covered = std::min(report.covered, coverage(other));
+        trace.info.cpu_seconds = std::min(trace.info.cpu_seconds, other.info.cpu_seconds);
+        trace.info.wall_seconds = std::min(trace.info.wall_seconds, other.info.wall_seconds);
+        keep_least(trace.info.costs, other.info.costs);
+    }
+    if (options.assume_costs) trace.info.costs.clear();
     const CostModel costs(trace.info.costs,
                           options.growth == CostGrowth::log2 ? CostModel::Growth::log2 : CostModel::Growth::linear);
     const Schedule schedule = make_schedule(trace.record, costs, options.cores);
-    TraceReport report;
+    report.recordings = static_cast<std::int64_t>(files.size());
     report.version = trace.info.version;
     report.commit = trace.info.commit;
     report.processor = trace.info.processor;
@@ -89,8 +126,6 @@ TraceReport analyze_trace(const std::filesystem::path& path, const TraceOptions&
     report.trace_every = trace.info.trace_every;
     report.wall_seconds = trace.info.wall_seconds;
     report.cpu_seconds = trace.info.cpu_seconds;
-    if (trace.info.cpu_seconds > 0)
-        report.covered = 1e-9 * (schedule.tasks_time + schedule.total.serial) / trace.info.cpu_seconds;
     report.cores = options.cores;
     for (const int cores : options.cores) {
         const ThreadCosts c = costs.at(cores);
@@ -99,7 +134,7 @@ TraceReport analyze_trace(const std::filesystem::path& path, const TraceOptions&
     report.measured_cores = costs.assumed() ? 1 : costs.widest();
     report.total = report_row(schedule.total);
     for (const ScheduleRow& row : schedule.rows) report.rows.push_back(report_row(row));
-    add_notes(report);
+    add_notes(options, costs, report);
     return report;
 }
 

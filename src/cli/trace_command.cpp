@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -17,7 +18,7 @@ namespace flotilla::cli {
 namespace {
 
 struct TraceArguments {
-    std::string file;
+    std::vector<std::filesystem::path> files;
     TraceOptions options;
     bool csv = false;
 };
@@ -52,8 +53,10 @@ void print_header(const TraceReport& r) {
     for (std::size_t i = 0; i < r.command_line.size(); ++i) std::cout << (i > 0 ? " " : "") << r.command_line[i];
     std::cout << "\nprogram:    flotilla " << r.version << ", commit " << r.commit << "\nmachine:    " << r.processor
               << ", " << r.threads << (r.threads == 1 ? " thread" : " threads") << "\nrecorded:   " << r.steps
-              << " steps (every " << r.trace_every << "), " << number(r.wall_seconds, "%.3f") << " s, CPU time "
-              << number(r.cpu_seconds, "%.3f") << " s\ncovered:    " << number(100 * r.covered, "%.1f")
+              << " steps (every " << r.trace_every
+              << (r.recordings > 1 ? ") in " + std::to_string(r.recordings) + " recordings, " : "), ")
+              << number(r.wall_seconds, "%.3f") << " s, CPU time " << number(r.cpu_seconds, "%.3f")
+              << " s\ncovered:    " << number(100 * r.covered, "%.1f")
               << " % of the CPU time is in recorded tasks and serial stretches\n";
 }
 
@@ -67,12 +70,9 @@ void print_costs(const TraceReport& r, CostGrowth growth) {
     }
     std::cout << '\n';
     print_table(lines, 1);
-    if (r.measured_cores > 1)
-        std::cout << "measured up to " << r.measured_cores << " cores; beyond, fork-join and barrier grow with "
-                  << (growth == CostGrowth::log2 ? "log2 of the cores" : "the cores") << ", a hand-over stays\n";
-    else
-        std::cout << "assumed for 2 cores; beyond, fork-join and barrier grow with "
-                  << (growth == CostGrowth::log2 ? "log2 of the cores" : "the cores") << ", a hand-over stays\n";
+    std::cout << (r.measured_cores > 1 ? "measured up to " + std::to_string(r.measured_cores) : "assumed for 2")
+              << " cores; beyond, fork-join and barrier grow with "
+              << (growth == CostGrowth::log2 ? "log2 of the cores" : "the cores") << ", a hand-over stays\n";
 }
 
 void print_rows(const TraceReport& r) {
@@ -121,7 +121,7 @@ void print_csv(const TraceReport& r) {
 }
 
 int run_trace(const TraceArguments& arguments) {
-    const TraceReport report = analyze_trace(arguments.file, arguments.options);
+    const TraceReport report = analyze_trace(arguments.files, arguments.options);
     for (const std::string& note : report.notes) std::cerr << "note: " << note << '\n';
     if (arguments.csv) {
         print_csv(report);
@@ -149,10 +149,18 @@ void register_trace(CLI::App& app, Action& action) {
                     "hand-over. Costs are those\n"
                     "measured on the machine of the run up to its cores; beyond them --growth tells how fork-join and "
                     "barrier grow.\n"
-                    "Record on one thread (run --threads 1 --trace FILE): tasks then do not disturb each other. The "
-                    "table gives means per\n"
+                    "Record on one thread (run --threads 1 --trace FILE): tasks then do not disturb each other; on a "
+                    "machine with other\n"
+                    "work record several times and give all files: of each task the shortest time counts. The table "
+                    "gives means per\n"
                     "recorded step, the CSV form sums over all recorded steps.");
-    command->add_option("FILE", arguments->file, "Written by run --trace")->required();
+    command
+        ->add_option("FILE", arguments->files,
+                     "Written by run --trace; several: recordings of the same run on one thread, of each task the "
+                     "shortest time counts")
+        ->required();
+    command->add_flag("--assume-costs", arguments->options.assume_costs,
+                      "Take costs of an idle machine (two threads: fork-join 1000 ns, barrier and hand-over 300 ns)");
     command->add_flag("--csv", arguments->csv, "Print the rows as CSV");
     command->add_option("--cores", arguments->options.cores, "Numbers of cores (default: 1 2 4 ... 256)")
         ->check(CLI::PositiveNumber)

@@ -10,72 +10,84 @@
 namespace flotilla {
 namespace {
 
-constexpr int kRounds = 15;
-
 double now_ns() {
     return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// The median of kRounds results of f() after one that is not counted.
+/// Calls f(samples), which appends to them, until there are many or enough time is spent.
 template <class F>
-double median(F&& f) {
-    std::vector<double> values;
-    f();
-    for (int round = 0; round < kRounds; ++round) values.push_back(f());
-    const auto middle = values.begin() + kRounds / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+std::vector<double> collect(F&& f) {
+    constexpr std::size_t kMany = 2000;
+    constexpr double kTime = 200e6; // ns; where both threads have a core, a hundredth of it is enough
+    std::vector<double> samples;
+    f(samples); // wakes the threads and warms the caches
+    samples.clear();
+    const double begin = now_ns();
+    do f(samples);
+    while (samples.size() < kMany && now_ns() - begin < kTime);
+    return samples;
+}
+
+/// The tenth percentile: other work on the machine only ever adds.
+double undisturbed(std::vector<double> samples) {
+    const auto place = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 10);
+    std::nth_element(samples.begin(), place, samples.end());
+    return *place;
 }
 
 double fork_join(Team& team) {
-    constexpr int kCalls = 50;
-    return median([&] {
-        const double begin = now_ns();
-        for (int i = 0; i < kCalls; ++i) team.together(team.size(), [](int, SpinBarrier&) {});
-        return (now_ns() - begin) / kCalls;
-    });
+    return undisturbed(collect([&](std::vector<double>& samples) {
+        for (int i = 0; i < 20; ++i) {
+            const double begin = now_ns();
+            team.together(team.size(), [](int, SpinBarrier&) {});
+            samples.push_back(now_ns() - begin);
+        }
+    }));
 }
 
 double barrier_round(Team& team) {
-    constexpr int kCalls = 200;
-    return median([&] {
+    constexpr int kRounds = 20; // their mean: the last to arrive does not wait, the first waits longer
+    return undisturbed(collect([&](std::vector<double>& samples) {
         double time = 0;
         team.together(team.size(), [&](int thread, SpinBarrier& barrier) {
             barrier.wait(); // all are there
-            const double begin = now_ns();
-            for (int i = 0; i < kCalls; ++i) barrier.wait();
-            if (thread == 0) time = (now_ns() - begin) / kCalls;
+            const double begin = thread == 0 ? now_ns() : 0;
+            for (int i = 0; i < kRounds; ++i) barrier.wait();
+            if (thread == 0) time = now_ns() - begin;
         });
-        return time;
-    });
+        samples.push_back(time / kRounds);
+    }));
 }
 
-/// Tasks in threes: one that uses two things, then one for each of them. Two threads do the latter side by side, and one of them gets
-/// its task from the other.
-constexpr int kLevels = 60;
-constexpr double kTaskTime = 5000; // ns; a hand-over that takes longer is measured as this
-
-TaskOrder ladder() {
+/// Tasks in threes: one that uses two things, then one for each of them, of which another thread gets one.
+double hand_over(Team& team) {
+    constexpr std::size_t kLevels = 40;
+    constexpr double kTaskTime = 5000; // ns, long enough for a hand-over
+    struct Ran {
+        double begin = 0, end = 0;
+        int thread = 0;
+    };
     TaskOrder order;
     order.start(2);
-    for (int level = 0; level < kLevels; ++level) {
+    for (std::size_t level = 0; level < kLevels; ++level) {
         order.add(0, 1);
         order.add(0, -1);
         order.add(1, -1);
     }
-    return order;
-}
-
-/// ns of a level of the ladder.
-double level_time(Team& team, const TaskOrder& order) {
-    return median([&] {
-        const double begin = now_ns();
-        team.run("", order, [](std::size_t, int) {
-            for (const double end = now_ns() + kTaskTime; now_ns() < end;) {
-            }
+    std::vector<Ran> ran(order.size());
+    std::vector<double> samples = collect([&](std::vector<double>& out) {
+        team.run("", order, [&](std::size_t task, int thread) {
+            const double begin = now_ns();
+            double now = begin;
+            while (now < begin + kTaskTime) now = now_ns();
+            ran[task] = {begin, now, thread};
         });
-        return (now_ns() - begin) / kLevels;
+        for (std::size_t first = 0; first < ran.size(); first += 3)
+            for (const std::size_t task : {first + 1, first + 2})
+                if (ran[task].thread != ran[first].thread) out.push_back(ran[task].begin - ran[first].end);
     });
+    if (samples.empty()) return kAssumedCosts.hand_over; // one thread did it all
+    return undisturbed(std::move(samples));
 }
 
 } // namespace
@@ -83,18 +95,9 @@ double level_time(Team& team, const TaskOrder& order) {
 std::vector<ThreadCosts> measure_costs(int widest) {
     std::vector<ThreadCosts> costs;
     if (widest < 2) return costs;
-    const TaskOrder order = ladder();
-    Team one;
-    const double task = level_time(one, order) / 3;
     for (int threads = 2;; threads = std::min(widest, threads + std::max(1, threads / 8))) {
         Team team({threads});
-        ThreadCosts c;
-        c.threads = threads;
-        c.fork_join = fork_join(team);
-        c.barrier = barrier_round(team);
-        // Of three tasks two run side by side; what is left beside two tasks is the hand-over.
-        c.hand_over = std::max(0.0, level_time(team, order) - 2 * task);
-        costs.push_back(c);
+        costs.push_back({threads, fork_join(team), barrier_round(team), hand_over(team)});
         if (threads == widest) return costs;
     }
 }

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "parallel/parallel_for.hpp"
 #include "parallel/sweep_width.hpp"
 
 namespace flotilla {
@@ -342,7 +343,8 @@ class ScheduleMaker {
           table_(record),
           phases_(phases_in_order(record)),
           rows_(widths.size()),
-          one_thread_(record.threads.size() == 1) {
+          one_thread_(record.threads.size() == 1),
+          scratch_(widths.size()) {
         out_.widths = std::move(widths);
     }
 
@@ -404,8 +406,10 @@ class ScheduleMaker {
         const auto wall = static_cast<double>(record.end - record.begin);
         const double work = region_work(region), path = region_critical_path(region);
         const double gaps = one_thread_ && region.kind == RegionKind::sweeps ? std::max(0.0, wall - work) : 0;
-        std::vector<double> time;
-        for (const int width : out_.widths) time.push_back(region_time(region, width, costs_, scratch_));
+        std::vector<double> time(out_.widths.size());
+        constexpr std::int64_t kLarge = 1 << 14; // tasks that are worth threads
+        parallel_for(time.size(), region.durations.size() < kLarge ? 1 : default_threads(),
+                     [&](std::size_t w) { time[w] = region_time(region, out_.widths[w], costs_, scratch_[w]); });
         const int phase = innermost();
         if (phase == RowTree::kRoot)
             rows_.row(phase).wall += wall;
@@ -433,7 +437,7 @@ class ScheduleMaker {
     std::vector<Open> open_;
     RowTree rows_;
     bool one_thread_;
-    ScheduleScratch scratch_;
+    std::vector<ScheduleScratch> scratch_; ///< by width
     Schedule out_;
 };
 

@@ -65,6 +65,12 @@ TEST(TraceCommand, SaysWhatToKeepInMind) {
     info.costs.clear();
     io::write_trace(folder.path() / "one.json", info, record_sample(1).record());
     EXPECT_NE(run_flotilla("trace " + (folder.path() / "one.json").string()).err.find("assumed"), std::string::npos);
+    const CommandOutput assumed = run_flotilla("trace --assume-costs " + write_sample(folder, "three.json", 1));
+    EXPECT_NE(assumed.out.find("assumed for 2 cores"), std::string::npos) << assumed.out;
+    EXPECT_EQ(assumed.err.find("assumed"), std::string::npos) << "was asked for: " << assumed.err;
+    info.costs = {{2, 2e6, 1e6, 1e6}};
+    io::write_trace(folder.path() / "busy.json", info, record_sample(1).record());
+    EXPECT_NE(run_flotilla("trace " + (folder.path() / "busy.json").string()).err.find("too busy"), std::string::npos);
     EXPECT_NE(run_flotilla("trace --help").out.find("log2"), std::string::npos);
 }
 
@@ -106,6 +112,17 @@ TEST(RunTrace, RecordsWhatAnalysisAndViewersUnderstand) {
             EXPECT_LE(region.begin, s.begin);
             EXPECT_LE(s.end, region.end);
         }
+    // A second recording of the same run has the same graph.
+    const std::string again = (folder.path() / "again.json.gz").string();
+    ASSERT_EQ(run_flotilla(run + "1 --trace " + again + " " + scene).exit_code, 0);
+    const CommandOutput both = run_flotilla("trace " + file + " " + again);
+    EXPECT_EQ(both.exit_code, 0) << both.err;
+    EXPECT_NE(both.out.find("40 steps (every 1) in 2 recordings, "), std::string::npos) << both.out;
+    const std::string other = write_sample(folder, "other.json", 1);
+    const CommandOutput refused = run_flotilla("trace " + file + " " + other);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.err.find(other + ": not a recording of the same run"), std::string::npos) << refused.err;
+
     const auto lines = split(run_flotilla("trace --csv --cores 1,8 " + file).out, '\n');
     const auto total = split(lines.back(), ',');
     ASSERT_EQ(total.size(), 12u);

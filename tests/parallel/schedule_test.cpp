@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "parallel/measure_costs.hpp"
+#include "parallel/merge_records.hpp"
 #include "parallel/sweep_width.hpp"
 #include "parallel/task_order.hpp"
 
@@ -246,6 +247,51 @@ TEST(Schedule, WhatSweepsSpendOutsideTheirGroupsIsSerial) {
     // With more threads, busy times overlap, and the region's own time says nothing.
     record.threads.resize(2);
     EXPECT_EQ(make_schedule(record, kFree, {1, 2}).total.serial, 200);
+}
+
+TEST(MergeRecords, KeepsTheShortestTimesOfEverything) {
+    // One was interrupted in a task, the other in a serial stretch and in another task.
+    TaskRecord a = two_steps(), b = two_steps();
+    const auto delay = [](TaskRecord& r, std::int64_t after, std::int64_t by) {
+        const auto shift = [&](std::int64_t& t) { t += t > after ? by : 0; };
+        for (RegionRecord& x : r.regions) shift(x.begin), shift(x.end);
+        for (TaskSpan& x : r.threads[0]) shift(x.begin), shift(x.end);
+        for (PhaseSpan& x : r.phases) shift(x.begin), shift(x.end);
+    };
+    delay(a, 300, 5000); // in task 1 of "pairs" of the first step
+    delay(b, 2050, 700); // before "collisions" of the second
+    delay(b, 2, 300);
+    delay(b, 590 + 300, 40); // in a task of "bounds"
+    const Schedule expected = make_schedule(two_steps(), kFree, {1, 2});
+    EXPECT_GT(make_schedule(a, kFree, {1, 2}).total.work, 6999);
+    ASSERT_TRUE(keep_shortest(a, b));
+    const Schedule merged = make_schedule(a, kFree, {1, 2});
+    ASSERT_EQ(merged.rows.size(), expected.rows.size());
+    for (std::size_t i = 0; i < merged.rows.size(); ++i) {
+        EXPECT_EQ(merged.rows[i].name, expected.rows[i].name);
+        EXPECT_EQ(merged.rows[i].depth, expected.rows[i].depth);
+        EXPECT_EQ(merged.rows[i].count, expected.rows[i].count);
+        EXPECT_EQ(merged.rows[i].wall, expected.rows[i].wall);
+        EXPECT_EQ(merged.rows[i].serial, expected.rows[i].serial);
+        EXPECT_EQ(merged.rows[i].critical_path, expected.rows[i].critical_path);
+        EXPECT_EQ(merged.rows[i].time, expected.rows[i].time);
+    }
+    ASSERT_TRUE(keep_shortest(a, two_steps()));
+    EXPECT_EQ(make_schedule(a, kFree, {1, 2}).total.time, expected.total.time);
+}
+
+TEST(MergeRecords, RefusesOtherGraphs) {
+    const auto refused = [](auto change) {
+        TaskRecord a = two_steps(), b = two_steps();
+        change(b);
+        return !keep_shortest(a, b) && make_schedule(a, kFree, {1}).total.work == 2000;
+    };
+    EXPECT_FALSE(refused([](TaskRecord&) {}));
+    EXPECT_TRUE(refused([](TaskRecord& r) { r.links[0] = {1, -1}; }));
+    EXPECT_TRUE(refused([](TaskRecord& r) { r.regions[1].name = "other"; }));
+    EXPECT_TRUE(refused([](TaskRecord& r) { r.phases.pop_back(); }));
+    EXPECT_TRUE(refused([](TaskRecord& r) { r.threads.resize(2); }));
+    EXPECT_TRUE(refused([](TaskRecord& r) { std::swap(r.threads[0][0].task, r.threads[0][1].task); }));
 }
 
 TEST(Schedule, RegionsOutsideAllPhasesCount) {
