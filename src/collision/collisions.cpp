@@ -127,7 +127,8 @@ int sweep(StepData& data, const std::vector<ListedPair>& list, int rounds, Stage
 
 StageCounters handle_collisions(StepData& data) {
     StageCounters counters;
-    std::vector<ListedPair> active;
+    std::vector<ListedPair>& active = data.lists.active;
+    active.clear();
     const int limit = data.model.settings.collision_iterations;
     const auto left = [&] { return limit - static_cast<int>(counters.sweeps); };
     while (left() > 0) {

@@ -61,6 +61,7 @@ struct ListBuffers {
     std::vector<PairRecord*> record; ///< of each candidate pair; null: there is none yet
     std::vector<std::uint8_t> wanted;
     std::vector<ListedPair> listed;
+    std::vector<ListedPair> active; ///< stage 1: pairs with an impulse in this step
     TaskOrder order;
     struct SweepTask {
         std::int32_t place, round; ///< in the list

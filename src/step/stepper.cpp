@@ -113,8 +113,8 @@ StepReport Stepper::step() {
     report.step = state_.step + 1;
     const double dt = model_.settings.time_step;
     report.time = static_cast<double>(report.step) * dt;
-    std::vector<Pose> end(model_.size());
-    std::vector<Motion> collided, half, next;
+    auto& [end, collided, half, next] = buffers_;
+    end.resize(model_.size());
     DynamicContactStats dynamic;
     FailsafeStats failsafe;
     {
@@ -130,7 +130,7 @@ StepReport Stepper::step() {
             add_counters(c, report);
             report.collisions = c.impulses;
             if (c.limit) report.warnings |= kCollisionLimit;
-            collided = clusters_.motion();
+            collided.assign(clusters_.motion().begin(), clusters_.motion().end());
         }
         { // 2) v^{n+1/2} = v^ + dt/2 a
             const PhaseWatch watch(report, Phase::half_velocity, team_);

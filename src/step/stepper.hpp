@@ -65,6 +65,12 @@ class Stepper {
     Clusters clusters_;
     PairTable pairs_;
     Broadphase broadphase_;
+    /// What one step hands from stage to stage; kept, so that a steady scene allocates nothing.
+    struct StepBuffers {
+        std::vector<Pose> end;
+        std::vector<Motion> collided, half, next;
+    };
+    StepBuffers buffers_;
     StaticStageScratch static_;
     ContactSearchScratch search_;
     ContactSet contacts_;
