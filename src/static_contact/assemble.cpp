@@ -137,6 +137,35 @@ ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBo
     return row;
 }
 
+constexpr std::size_t kPairGrain = 32; // body pairs of a task
+
+// Blocks and rows of all pairs, in `pair_order`.
+void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
+                 std::span<const Vec3> impulses, ContactScratch& s) {
+    s.blocks.resize(s.pair_order.size());
+    s.rows.resize(s.order.size());
+    s.source.resize(s.order.size());
+    std::int32_t first = 0;
+    for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
+        const std::size_t p = index(s.pair_order[k]);
+        s.blocks[k].first = first;
+        first += s.first_contact[p + 1] - s.first_contact[p];
+    }
+    for_each(options.team, "contact rows", s.pair_order.size(), kPairGrain, [&](std::size_t k) {
+        const std::size_t p = index(s.pair_order[k]);
+        ContactBlock block = make_block(s.pairs[p], bodies, s);
+        block.color = s.color[p];
+        block.first = block.end = s.blocks[k].first;
+        for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i, ++block.end) {
+            const std::size_t c = index(s.order[index(i)]);
+            const Vec3 warm = options.warm_start ? impulses[c] : Vec3{};
+            s.rows[index(block.end)] = make_row(contacts[c], block, bodies, s, warm, options);
+            s.source[index(block.end)] = count_of(c);
+        }
+        s.blocks[k] = block;
+    });
+}
+
 } // namespace
 
 void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::vector<std::int32_t>& order,
@@ -155,28 +184,18 @@ int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, con
     gather_bodies(contacts, bodies, s);
     gather_pairs(contacts, s);
     const int num_colors = order_pairs(s);
-    s.blocks.clear();
-    s.rows.clear();
-    s.source.clear();
-    for (const std::int32_t p : s.pair_order) {
-        ContactBlock block = make_block(s.pairs[index(p)], bodies, s);
-        block.color = s.color[index(p)];
-        block.first = count_of(s.rows.size());
-        for (std::int32_t i = s.first_contact[index(p)]; i < s.first_contact[index(p) + 1]; ++i) {
-            const std::size_t k = index(s.order[index(i)]);
-            const Vec3 warm = options.warm_start ? impulses[k] : Vec3{};
-            s.rows.push_back(make_row(contacts[k], block, bodies, s, warm, options));
-            s.source.push_back(count_of(k));
-        }
-        block.end = count_of(s.rows.size());
-        s.blocks.push_back(block);
-    }
+    make_blocks(contacts, bodies, options, impulses, s);
     s.packed.clear();
+    s.color_packets.clear();
     for (ContactScratch::Island& island : s.islands) {
         island.first_packet = count_of(s.packed.packets.size());
-        pack(std::span(s.blocks).subspan(index(island.first), index(island.end - island.first)), s.rows, s.packed);
+        island.first_color = count_of(s.color_packets.size());
+        lay_out_packets(s.blocks, island.first, island.end, s.packed, &s.color_packets);
         island.end_packet = count_of(s.packed.packets.size());
+        island.end_color = count_of(s.color_packets.size());
     }
+    for_each(options.team, "pack contacts", s.packed.packets.size(), kPairGrain,
+             [&](std::size_t p) { fill_packet(s.blocks, s.rows, p, s.packed); });
     return num_colors;
 }
 

@@ -18,9 +18,7 @@ void set_lane(Lanes (&out)[6], std::size_t lane, const Sym3& j) {
     for (std::size_t i = 0; i < 6; ++i) out[i][lane] = values[i];
 }
 
-ContactPacket make_packet(std::span<const ContactBlock> blocks) {
-    ContactPacket p;
-    p.num_pairs = static_cast<std::int32_t>(blocks.size());
+void set_bodies(std::span<const ContactBlock> blocks, ContactPacket& p) {
     std::fill(std::begin(p.a), std::end(p.a), blocks[0].a);
     std::fill(std::begin(p.b), std::end(p.b), blocks[0].b);
     for (std::size_t lane = 0; lane < blocks.size(); ++lane) {
@@ -32,7 +30,6 @@ ContactPacket make_packet(std::span<const ContactBlock> blocks) {
         set_lane(p.inv_inertia_a, lane, block.inv_inertia_a);
         set_lane(p.inv_inertia_b, lane, block.inv_inertia_b);
     }
-    return p;
 }
 
 void set_lane(PacketRow& out, std::size_t lane, int field, const Vec3& v) {
@@ -59,12 +56,12 @@ void set_lane(PacketRow& out, std::size_t lane, const ContactRow& row) {
 }
 
 // Row k of each block; W = 1 keeps the divisions of an idle lane finite.
-void append_row(std::span<const ContactBlock> blocks, std::int32_t k, std::span<const ContactRow> rows,
-                PackedContacts& packed) {
-    PacketRow& out = packed.rows.emplace_back();
+void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, std::span<const ContactRow> rows, PacketRow& out,
+              std::int32_t* source) {
+    out = {};
     for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
         const bool idle = lane >= blocks.size() || blocks[lane].first + k >= blocks[lane].end;
-        packed.source.push_back(idle ? -1 : blocks[lane].first + k);
+        source[lane] = idle ? -1 : blocks[lane].first + k;
         if (idle)
             set_lane(out, lane, PacketRow::kMassDiagonal, {1, 1, 1});
         else
@@ -74,19 +71,41 @@ void append_row(std::span<const ContactBlock> blocks, std::int32_t k, std::span<
 
 } // namespace
 
-void pack(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, PackedContacts& packed) {
-    for (std::size_t first = 0, end = 0; first < blocks.size(); first = end) {
-        const std::size_t limit = std::min(blocks.size(), first + kPacketLanes);
-        while (end < limit && blocks[end].color == blocks[first].color) ++end;
-        const std::span<const ContactBlock> members = blocks.subspan(first, end - first);
-        ContactPacket packet = make_packet(members);
+void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_block, std::int32_t end_block,
+                     PackedContacts& packed, std::vector<std::int32_t>* colors) {
+    std::int32_t rows = packed.packets.empty() ? 0 : packed.packets.back().end;
+    for (std::int32_t first = first_block, end = first; first < end_block; first = end) {
+        const std::int32_t color = blocks[index(first)].color;
+        if (colors != nullptr && (first == first_block || blocks[index(first - 1)].color != color))
+            colors->push_back(static_cast<std::int32_t>(packed.packets.size()));
+        const std::int32_t limit = std::min(end_block, first + kPacketLanes);
         std::int32_t longest = 0;
-        for (const ContactBlock& block : members) longest = std::max(longest, block.end - block.first);
-        packet.first = static_cast<std::int32_t>(packed.rows.size());
-        for (std::int32_t k = 0; k < longest; ++k) append_row(members, k, rows, packed);
-        packet.end = static_cast<std::int32_t>(packed.rows.size());
-        packed.packets.push_back(packet);
+        for (; end < limit && blocks[index(end)].color == color; ++end)
+            longest = std::max(longest, blocks[index(end)].end - blocks[index(end)].first);
+        ContactPacket& packet = packed.packets.emplace_back();
+        packet.num_pairs = end - first;
+        packet.first = rows;
+        packet.end = rows += longest;
+        packed.first_block.push_back(first);
     }
+    packed.rows.resize(index(rows));
+    packed.source.resize(index(rows) * kPacketLanes);
+}
+
+void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t p,
+                 PackedContacts& packed) {
+    ContactPacket& packet = packed.packets[p];
+    const auto members = blocks.subspan(index(packed.first_block[p]), index(packet.num_pairs));
+    set_bodies(members, packet);
+    for (std::int32_t k = 0; k < packet.end - packet.first; ++k) {
+        const std::size_t row = index(packet.first + k);
+        fill_row(members, k, rows, packed.rows[row], packed.source.data() + row * kPacketLanes);
+    }
+}
+
+void pack(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, PackedContacts& packed) {
+    lay_out_packets(blocks, 0, static_cast<std::int32_t>(blocks.size()), packed, nullptr);
+    for (std::size_t p = 0; p < packed.packets.size(); ++p) fill_packet(blocks, rows, p, packed);
 }
 
 void unpack_impulses(const PackedContacts& packed, std::span<ContactRow> rows) {

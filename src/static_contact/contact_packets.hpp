@@ -47,15 +47,24 @@ static_assert(sizeof(PacketRow) == 1024);
 struct PackedContacts {
     std::vector<ContactPacket> packets;
     std::vector<PacketRow> rows;
-    std::vector<std::int32_t> source; ///< row of each lane of `rows` it was packed from; -1: idle
+    std::vector<std::int32_t> source;      ///< row of each lane of `rows` it was packed from; -1: idle
+    std::vector<std::int32_t> first_block; ///< by packet
     void clear() {
         packets.clear();
         rows.clear();
         source.clear();
+        first_block.clear();
     }
 };
 
-/// Appends blocks, given in colour order, as packets: neighbours of one colour share a packet.
+/// Appends packets, without their contents, for the blocks [first, end) given in colour order: neighbours of one colour share a
+/// packet. Appends the first packet of every colour to `colors` if that is not null.
+void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first, std::int32_t end, PackedContacts& packed,
+                     std::vector<std::int32_t>* colors);
+/// Copies the contents of a packet that was laid out; different packets may be filled side by side.
+void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t packet,
+                 PackedContacts& packed);
+/// Both for all blocks.
 void pack(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, PackedContacts& packed);
 
 /// Copies the impulses of all packed rows back to the rows that they came from.

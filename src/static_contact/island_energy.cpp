@@ -26,18 +26,14 @@ bool prescribed_at_rest(const ContactScratch::Island& island, const ContactScrat
     return true;
 }
 
-double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies, ContactScratch& s) {
+double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies, const ContactScratch& s) {
     double twice = 0;
-    ++s.visit;
-    for (std::int32_t k = island.first; k < island.end; ++k)
-        for (const std::int32_t body : {s.blocks[index(k)].a, s.blocks[index(k)].b}) {
-            if (!s.movable[index(body)] || s.visited[index(body)] == s.visit) continue;
-            s.visited[index(body)] = s.visit;
-            const std::size_t id = index(s.bodies[index(body)]);
-            const BodyVelocity& v = s.velocity[index(body)];
-            twice +=
-                length_sq(v.linear) / bodies.inv_mass[id] + angular_energy_twice(bodies.inv_inertia[id], v.angular);
-        }
+    for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
+        const std::int32_t body = s.island_bodies[index(k)];
+        const std::size_t id = index(s.bodies[index(body)]);
+        const BodyVelocity& v = s.velocity[index(body)];
+        twice += length_sq(v.linear) / bodies.inv_mass[id] + angular_energy_twice(bodies.inv_inertia[id], v.angular);
+    }
     return twice / 2;
 }
 

@@ -11,6 +11,6 @@ namespace flotilla {
 
 /// J, with the velocities in `scratch`, summed over the island's movable bodies in the order in which its blocks first name them.
 [[nodiscard]] double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies,
-                                    ContactScratch& scratch);
+                                    const ContactScratch& scratch);
 
 } // namespace flotilla

@@ -45,30 +45,46 @@ bool targets_let_approach(const Island& island, const ContactScratch& s) {
 // take all of it back. Plain sweeps from zero add no energy where no contact asks for separation and what is prescribed
 // rests: an island that came out with more than before is solved again from zero, and then without momentum.
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
-    const auto sweep_and_measure = [&](bool momentum) {
-        sweep_island(island, options, momentum, s);
+    const auto sweep_and_measure = [&](const SweepStart& start) {
+        sweep_island(island, options, start, s);
         island.energy_pgs = kinetic_energy(island, bodies, s);
         return island.energy_pgs > island.energy_before;
     };
     island.energy_before = kinetic_energy(island, bodies, s);
-    if (options.warm_start) apply_impulses(view_of(island, s), options.isa);
-    bool gained = sweep_and_measure(options.momentum);
+    bool gained = sweep_and_measure({options.warm_start, options.momentum});
     if (!gained || !targets_let_approach(island, s) || !prescribed_at_rest(island, s)) return;
     island.cold = options.warm_start;
     if (options.warm_start) {
         forget_warm_start(island, bodies, s);
-        gained = sweep_and_measure(options.momentum);
+        gained = sweep_and_measure({false, options.momentum});
     }
     if (!gained || !options.momentum) return;
     forget_warm_start(island, bodies, s);
-    sweep_and_measure(false);
+    sweep_and_measure({false, false});
+}
+
+// Large islands one after another, each on all threads; small ones side by side. No island writes what another one reads.
+void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
+    s.small_islands.clear();
+    for (std::size_t k = 0; k < s.islands.size(); ++k) {
+        if (options.team == nullptr || is_large(s.islands[k]))
+            solve_island(s.islands[k], bodies, options, s);
+        else
+            s.small_islands.push_back(static_cast<std::int32_t>(k));
+    }
+    if (s.small_islands.empty()) return;
+    options.team->for_each("small islands", s.small_islands.size(), 1, [&](std::size_t i, int) {
+        solve_island(s.islands[static_cast<std::size_t>(s.small_islands[i])], bodies, options, s);
+    });
 }
 
 // The impulses of PGS, in world coordinates and input order.
-void store_impulses(const ContactScratch& s, std::span<Vec3> impulses) {
+void store_impulses(const ContactScratch& s, Team* team, std::span<Vec3> impulses) {
+    constexpr std::size_t kGrain = 512;
     std::fill(impulses.begin(), impulses.end(), Vec3{});
-    for (std::size_t k = 0; k < s.rows.size(); ++k)
+    for_each(team, "store impulses", s.rows.size(), kGrain, [&](std::size_t k) {
         impulses[static_cast<std::size_t>(s.source[k])] = to_world(s.rows[k], s.rows[k].local.impulse);
+    });
 }
 
 void store_velocities(const ContactScratch& s, const ContactBodies& bodies) {
@@ -118,12 +134,10 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     FLOTILLA_ASSERT(impulses.size() == contacts.size());
     scratch.shocked.assign(bodies.velocity.size(), 0);
     const int num_colors = assemble(contacts, bodies, options, impulses, scratch);
-    scratch.visited.assign(scratch.bodies.size(), 0);
-    scratch.visit = 0;
     list_island_bodies(bodies, scratch);
-    for (Island& island : scratch.islands) solve_island(island, bodies, options, scratch);
+    solve_islands(bodies, options, scratch);
     unpack_impulses(scratch.packed, scratch.rows);
-    store_impulses(scratch, impulses);
+    store_impulses(scratch, options.team, impulses);
     propagate_shocks(bodies, options, scratch);
     store_velocities(scratch, bodies);
     return summarize(scratch, num_colors);

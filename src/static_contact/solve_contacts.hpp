@@ -17,6 +17,7 @@
 
 #include "islands/coloring.hpp"
 #include "islands/contact_graph.hpp"
+#include "parallel/team.hpp"
 #include "state/contact.hpp"
 #include "static_contact/contact_packets.hpp"
 
@@ -49,6 +50,7 @@ struct ContactSolveOptions {
     Tangents tangents = Tangents::random;
     std::uint64_t seed = 0, step = 0; ///< key of the random tangents
     Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any
+    Team* team = nullptr;             ///< null: the calling thread does all; the same bits with any
 };
 
 struct ContactSolveStats {
@@ -69,8 +71,10 @@ struct ContactScratch {
     struct Island {
         std::int32_t first = 0, end = 0; ///< blocks
         std::int32_t first_packet = 0, end_packet = 0;
-        std::int32_t first_body = 0, end_body = 0; ///< in island_bodies
+        std::int32_t first_color = 0, end_color = 0; ///< in color_packets
+        std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
         int iterations = 0;
+        int last_sweeps = 0; ///< of the last time it was swept
         double residual = 0;
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
@@ -98,16 +102,24 @@ struct ContactScratch {
     PackedContacts packed, shock_packed;
     std::vector<std::int32_t> source; ///< contact of each row
     std::vector<Island> islands;
-    std::vector<std::int32_t> island_bodies;               ///< movable, by island
-    std::vector<std::uint8_t> listed;                      ///< per body in contact
-    std::vector<BodyVelocity> before_sweep, sweep_start;   ///< per body in contact
-    std::vector<Weight> weight;                            ///< per body in contact
+    std::vector<std::int32_t> island_bodies;             ///< movable, by island
+    std::vector<std::uint8_t> listed;                    ///< per body in contact
+    std::vector<BodyVelocity> before_sweep, sweep_start; ///< per body in contact
+    std::vector<Weight> weight;                          ///< per body in contact
+    std::vector<double> sums;                ///< parts of sums, at the place of their first body in island_bodies
+    std::vector<std::int32_t> color_packets; ///< first packet of each colour, by island
+    std::vector<std::int32_t> small_islands;
+    /// What a thread that sweeps a large island tells the others. Those of one sweep and of the next lie apart: a fast thread may be
+    /// there already.
+    struct alignas(64) Seen {
+        double worst[2] = {}; ///< m/s, by parity of the sweep
+        double residual = 0;  ///< m/s
+    };
+    std::vector<Seen> seen;                                ///< by thread
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     std::vector<ContactBlock> shock_blocks;
     std::vector<ContactRow> shock_rows;
     std::vector<BodyVelocity> before_shock;
-    std::vector<std::int64_t> visited; ///< per body in contact: the sum of energies that last took it
-    std::int64_t visit = 0;            ///< number of that sum
 };
 
 /// Solves all contacts. impulses[k] of contacts[k], N s in the world, on b: in, the warm start (zero if cold; projected

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "parallel/sweep_width.hpp"
 #include "static_contact/assemble.hpp"
 
 namespace flotilla {
@@ -18,14 +19,12 @@ constexpr double kMostMomentum = 0.9;
 constexpr double kMostRise = 2;
 /// Sweeps between two looks at the residual: one costs about half a sweep.
 constexpr int kLookEvery = 10;
+/// Bodies whose parts of a sum are added up by one thread.
+constexpr std::size_t kBodiesPerSum = 64;
 /// An island that stalls: its least residual fell by less than a fifth in `patience` sweeps.
 constexpr double kLeastFall = 0.8;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-std::span<const std::int32_t> bodies_of(const Island& island, const ContactScratch& s) {
-    return std::span(s.island_bodies).subspan(index(island.first_body), index(island.end_body - island.first_body));
-}
 
 // Remembers the velocities x and moves them on to y.
 void extrapolate(std::span<const std::int32_t> bodies, double m, ContactScratch& s) {
@@ -92,6 +91,7 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
     s.before_sweep.resize(s.bodies.size());
     s.sweep_start.resize(s.bodies.size());
     s.weight.resize(s.bodies.size());
+    s.sums.resize(s.bodies.size());
     s.listed.assign(s.bodies.size(), 0);
     for (Island& island : s.islands) {
         island.first_body = static_cast<std::int32_t>(s.island_bodies.size());
@@ -109,6 +109,11 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
     }
 }
 
+bool is_large(const Island& island) {
+    return sweep_width(index(island.end_packet - island.first_packet), index(island.end_color - island.first_color),
+                       2) > 1;
+}
+
 SweepView view_of(const Island& island, ContactScratch& s) {
     return {.packets = s.packed.packets.data() + island.first_packet,
             .num_packets = island.end_packet - island.first_packet,
@@ -116,34 +121,234 @@ SweepView view_of(const Island& island, ContactScratch& s) {
             .bodies = s.velocity.data()};
 }
 
+namespace {
+
+using Seen = ContactScratch::Seen;
+
+/// The packets of one colour, cut into shares of about equally many rows, one per thread.
+std::span<const ContactPacket> share_of(std::span<const ContactPacket> packets, int thread, int threads) {
+    if (threads == 1 || packets.empty()) return packets;
+    const std::int32_t first = packets.front().first, rows = packets.back().end - first;
+    const auto cut = [&](int t) {
+        const auto row = first + static_cast<std::int32_t>(static_cast<std::int64_t>(rows) * t / threads);
+        return std::partition_point(packets.begin(), packets.end(),
+                                    [&](const ContactPacket& p) { return p.first < row; });
+    };
+    const auto begin = cut(thread), end = thread + 1 == threads ? packets.end() : cut(thread + 1);
+    return {begin, end};
+}
+
+} // namespace
+
+/// The sweeps of one island on several threads. All of them go through run() and come to the same decisions, because what those rest
+/// on does not depend on the number of threads: packets of one colour touch different bodies, sums of bodies are cut at fixed places
+/// and added up in their order, and the rest are maxima.
+class IslandSweeps {
+  public:
+    IslandSweeps(Island& island, const ContactSolveOptions& options, const SweepStart& start, int threads,
+                 ContactScratch& s)
+        : island_(island),
+          options_(options),
+          start_(start),
+          threads_(threads),
+          cone_(cone_of(options)),
+          s_(s),
+          bodies_(
+              std::span(s.island_bodies).subspan(index(island.first_body), index(island.end_body - island.first_body))),
+          packets_(std::span(s.packed.packets)
+                       .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
+          colors_(std::span(s.color_packets)
+                      .subspan(index(island.first_color), index(island.end_color - island.first_color))),
+          seen_(threads > 1 ? std::span(s.seen) : std::span(&alone_, 1)),
+          recorder_(options.team != nullptr ? options.team->recorder() : nullptr) {
+        if (recorder_ != nullptr) busy_.assign(index(threads) * num_groups(), 0);
+    }
+
+    void run(int thread, SpinBarrier& barrier) {
+        if (start_.apply_impulses) apply_impulses(thread, barrier);
+        if (start_.momentum) remember(thread);
+        Progress progress(options_);
+        double m = 0, residual = 0;
+        bool known = false, stalled = false;
+        int sweeps = 0;
+        while (sweeps < options_.iterations && !stalled) {
+            if (start_.momentum) {
+                move_on(thread, m);
+                barrier.wait();
+            }
+            const double worst = sweep_colors(thread, m, sweeps % 2, barrier);
+            ++sweeps;
+            known = worst <= options_.tolerance || sweeps % kLookEvery == 0;
+            if (start_.momentum) add_up(thread);
+            if (known) look(thread);
+            if (known || start_.momentum) barrier.wait();
+            if (known) {
+                residual = largest([](const Seen& seen) { return seen.residual; });
+                if (residual <= options_.tolerance) break;
+                progress.saw(residual);
+            }
+            stalled = progress.stalls(sweeps);
+            if (start_.momentum) m = progress.momentum(progress.rose() || turned_back_sum() > 0);
+        }
+        if (!known) {
+            barrier.wait(); // others may still read what look() writes
+            look(thread);
+            barrier.wait();
+            residual = largest([](const Seen& seen) { return seen.residual; });
+        }
+        if (thread == 0) finish(sweeps, residual);
+    }
+
+    void record(std::int32_t region, int sweeps) const {
+        if (recorder_ == nullptr) return;
+        for (std::size_t g = 0; g < num_groups(); ++g) {
+            GroupSpan span{region, tasks_of(g), sweeps, 0};
+            for (std::size_t t = 0; t < index(threads_); ++t) span.busy += busy_[t * num_groups() + g];
+            recorder_->add_group(span);
+        }
+    }
+
+  private:
+    // Groups of the record: one per colour, then the loops over bodies (a task per kBodiesPerSum of them) and the looks.
+    [[nodiscard]] std::size_t num_groups() const { return colors_.size() + 2; }
+    [[nodiscard]] std::int32_t tasks_of(std::size_t group) const {
+        if (group < colors_.size()) return static_cast<std::int32_t>(packets_of(group).size());
+        return group == colors_.size() ? static_cast<std::int32_t>(num_sums())
+                                       : static_cast<std::int32_t>(packets_.size());
+    }
+    /// Adds the time of a scope to a group of the record.
+    template <class Work>
+    void timed(int thread, std::size_t group, Work&& work) {
+        if (recorder_ == nullptr) return work();
+        const std::int64_t begin = recorder_->now();
+        work();
+        busy_[index(thread) * num_groups() + group] += recorder_->now() - begin;
+    }
+
+    [[nodiscard]] std::span<const ContactPacket> packets_of(std::size_t color) const {
+        const auto at = [&](std::size_t c) {
+            return index((c < colors_.size() ? colors_[c] : island_.end_packet) - island_.first_packet);
+        };
+        return packets_.subspan(at(color), at(color + 1) - at(color));
+    }
+    [[nodiscard]] SweepView view_of(std::span<const ContactPacket> packets, double momentum) const {
+        return {.packets = packets.data(),
+                .num_packets = static_cast<std::int64_t>(packets.size()),
+                .rows = s_.packed.rows.data(),
+                .bodies = s_.velocity.data(),
+                .momentum = momentum};
+    }
+
+    [[nodiscard]] std::size_t num_sums() const { return (bodies_.size() + kBodiesPerSum - 1) / kBodiesPerSum; }
+    /// Calls work(bodies, slot) for the parts of the sum that are this thread's.
+    template <class Work>
+    void for_my_bodies(int thread, Work&& work) {
+        timed(thread, colors_.size(), [&] {
+            const std::size_t first = num_sums() * index(thread) / index(threads_);
+            const std::size_t end = num_sums() * index(thread + 1) / index(threads_);
+            for (std::size_t k = first; k < end; ++k) {
+                const std::size_t begin = k * kBodiesPerSum;
+                work(bodies_.subspan(begin, std::min(kBodiesPerSum, bodies_.size() - begin)),
+                     s_.sums[index(island_.first_body) + begin]);
+            }
+        });
+    }
+
+    void remember(int thread) {
+        for_my_bodies(thread, [&](std::span<const std::int32_t> bodies, double&) {
+            for (const std::int32_t body : bodies) s_.before_sweep[index(body)] = s_.velocity[index(body)];
+        });
+    }
+    void move_on(int thread, double m) {
+        for_my_bodies(thread, [&](std::span<const std::int32_t> bodies, double&) { extrapolate(bodies, m, s_); });
+    }
+    void add_up(int thread) {
+        for_my_bodies(thread,
+                      [&](std::span<const std::int32_t> bodies, double& sum) { sum = turned_back(bodies, s_); });
+    }
+    [[nodiscard]] double turned_back_sum() const {
+        double sum = 0;
+        for (std::size_t k = 0; k < bodies_.size(); k += kBodiesPerSum) sum += s_.sums[index(island_.first_body) + k];
+        return sum;
+    }
+
+    void apply_impulses(int thread, SpinBarrier& barrier) {
+        for (std::size_t c = 0; c < colors_.size(); ++c) {
+            flotilla::apply_impulses(view_of(share_of(packets_of(c), thread, threads_), 0), options_.isa);
+            barrier.wait();
+        }
+    }
+
+    /// One sweep; returns the largest violation that any thread met.
+    double sweep_colors(int thread, double m, int parity, SpinBarrier& barrier) {
+        double& worst = seen_[index(thread)].worst[parity];
+        worst = 0;
+        for (std::size_t c = 0; c < colors_.size(); ++c) {
+            timed(thread, c, [&] {
+                worst =
+                    std::max(worst, sweep(cone_, view_of(share_of(packets_of(c), thread, threads_), m), options_.isa));
+            });
+            barrier.wait();
+        }
+        return largest([parity](const Seen& seen) { return seen.worst[parity]; });
+    }
+    void look(int thread) {
+        timed(thread, colors_.size() + 1, [&] {
+            seen_[index(thread)].residual =
+                largest_violation(cone_, view_of(share_of(packets_, thread, threads_), 0), options_.isa);
+        });
+    }
+    template <class Value>
+    [[nodiscard]] double largest(Value&& value) const {
+        double out = 0;
+        for (const Seen& seen : seen_) out = std::max(out, value(seen));
+        return out;
+    }
+
+    void finish(int sweeps, double residual) {
+        island_.residual = residual;
+        island_.iterations += sweeps;
+        island_.last_sweeps = sweeps;
+        const std::int64_t contacts = s_.blocks[index(island_.end - 1)].end - s_.blocks[index(island_.first)].first;
+        island_.visits += sweeps * contacts;
+    }
+
+    Island& island_;
+    const ContactSolveOptions& options_;
+    SweepStart start_;
+    int threads_;
+    Cone cone_;
+    ContactScratch& s_;
+    std::span<const std::int32_t> bodies_;
+    std::span<const ContactPacket> packets_;
+    std::span<const std::int32_t> colors_; ///< first packet of each
+    Seen alone_;
+    std::span<Seen> seen_; ///< by thread
+    TaskRecorder* recorder_;
+    std::vector<std::int64_t> busy_; ///< ns, by thread and group
+};
+
 // A sweep sees every row at its own turn, which may be just inside the tolerance while the end state is not; so a sweep that passes
 // is confirmed on the state that it left. With momentum it also sees what the extrapolation added, so that one that does not pass is
 // looked at now and then.
-void sweep_island(Island& island, const ContactSolveOptions& options, bool momentum, ContactScratch& s) {
-    SweepView view = view_of(island, s);
-    const Cone cone = cone_of(options);
-    const std::span<const std::int32_t> bodies = bodies_of(island, s);
-    for (const std::int32_t body : bodies) s.before_sweep[index(body)] = s.velocity[index(body)];
-    Progress progress(options);
-    bool known = false, stalled = false;
-    int sweeps = 0;
-    while (sweeps < options.iterations && !stalled) {
-        if (momentum) extrapolate(bodies, view.momentum, s);
-        const double seen = sweep(cone, view, options.isa);
-        ++sweeps;
-        known = seen <= options.tolerance || sweeps % kLookEvery == 0;
-        if (known) {
-            island.residual = largest_violation(cone, view, options.isa);
-            if (island.residual <= options.tolerance) break;
-            progress.saw(island.residual);
-        }
-        stalled = progress.stalls(sweeps);
-        if (momentum) view.momentum = progress.momentum(progress.rose() || turned_back(bodies, s) > 0);
+void sweep_island(Island& island, const ContactSolveOptions& options, const SweepStart& start, ContactScratch& s) {
+    const int threads = is_large(island) && options.team != nullptr
+                            ? sweep_width(index(island.end_packet - island.first_packet),
+                                          index(island.end_color - island.first_color), options.team->size())
+                            : 1;
+    if (threads > 1) s.seen.assign(index(threads), {}); // one large island at a time
+    IslandSweeps sweeps(island, options, start, threads, s);
+    if (!is_large(island) || options.team == nullptr) {
+        SpinBarrier alone(1, false);
+        return sweeps.run(0, alone);
     }
-    if (!known) island.residual = largest_violation(cone, view, options.isa);
-    island.iterations += sweeps;
-    const std::int64_t contacts = s.blocks[index(island.end - 1)].end - s.blocks[index(island.first)].first;
-    island.visits += sweeps * contacts;
+    TaskRecorder* recorder = options.team->recorder();
+    const std::int32_t region =
+        recorder != nullptr ? recorder->begin_region("contact sweeps", RegionKind::sweeps, 0, nullptr) : -1;
+    options.team->together(threads, [&](int thread, SpinBarrier& barrier) { sweeps.run(thread, barrier); });
+    if (recorder == nullptr) return;
+    sweeps.record(region, island.last_sweeps);
+    recorder->end_region(region);
 }
 
 } // namespace flotilla

@@ -22,8 +22,15 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& scratch);
 
 /// Sweeps until the tolerance holds, the limit is reached or, with options.patience, the residual falls no more. Sets the island's
 /// residual and adds to its iterations and visits.
-void sweep_island(ContactScratch::Island& island, const ContactSolveOptions& options, bool momentum,
+struct SweepStart {
+    bool apply_impulses = false; ///< first add the effect of the impulses that the rows hold: the warm start
+    bool momentum = true;
+};
+void sweep_island(ContactScratch::Island& island, const ContactSolveOptions& options, const SweepStart& start,
                   ContactScratch& scratch);
+
+/// Whether several threads may sweep the island together; a property of the island, whatever the team.
+[[nodiscard]] bool is_large(const ContactScratch::Island& island);
 
 /// What sweeps of the island work on.
 [[nodiscard]] SweepView view_of(const ContactScratch::Island& island, ContactScratch& scratch);

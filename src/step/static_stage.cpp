@@ -31,6 +31,8 @@ void append_pair(const StepData& data, Worker& worker, const ListedPair& listed,
     }
 }
 
+constexpr std::size_t kContactGrain = 256, kBodyGrain = 64; // items of a task
+
 /// A feature pair without its face. The face nearest to a vertex changes as the vertex slides, and between faces of equal distance
 /// by rounding; what presses on the vertex stays.
 std::uint64_t without_face(std::uint64_t feature_key) {
@@ -60,26 +62,39 @@ const WarmImpulse* find_warm(std::span<const WarmImpulse> warm, const Contact& c
 }
 
 /// What this stage knows of a contact from the step before; of a contact that is new to it, what the other stage knows.
-void load_warm(const std::vector<Contact>& contacts, std::span<const WarmImpulse> own,
+void load_warm(Team* team, const std::vector<Contact>& contacts, std::span<const WarmImpulse> own,
                std::span<const WarmImpulse> other, double other_factor, std::vector<Vec3>& impulses) {
-    impulses.assign(contacts.size(), {});
-    for (std::size_t i = 0; i < contacts.size(); ++i)
+    impulses.resize(contacts.size());
+    for_each(team, "warm start", contacts.size(), kContactGrain, [&](std::size_t i) {
+        impulses[i] = {};
         if (const WarmImpulse* w = find_warm(own, contacts[i]))
             impulses[i] = w->impulse;
         else if (const WarmImpulse* v = find_warm(other, contacts[i]))
             impulses[i] = other_factor * v->impulse;
+    });
 }
 
 /// Also where a shock pass went over the velocities: these are still the impulses of projected Gauss-Seidel, and with them the
 /// next solve goes on where this one had to stop. Open contacts are stored too: they are not new.
-void store_warm(const StaticStageScratch& scratch, std::vector<WarmImpulse>& warm) {
-    warm.clear();
-    for (std::size_t i = 0; i < scratch.selected.size(); ++i) {
-        const Contact& c = scratch.selected[i];
-        warm.push_back({c.a, c.b, c.feature_key, scratch.impulses[i]});
-    }
-    std::sort(warm.begin(), warm.end(), [](const WarmImpulse& x, const WarmImpulse& y) {
-        return std::tuple(group_key(x), x.feature_key) < std::tuple(group_key(y), y.feature_key);
+void store_warm(Team* team, const StaticStageScratch& scratch, std::vector<WarmImpulse>& warm) {
+    const auto& contacts = scratch.selected;
+    warm.resize(contacts.size());
+    for_each(team, "store warm impulses", contacts.size(), kContactGrain, [&](std::size_t i) {
+        const Contact& c = contacts[i];
+        warm[i] = {c.a, c.b, c.feature_key, scratch.impulses[i]};
+    });
+    // Contacts come pair by pair: what is left to sort are those of one pair, by the contact that begins it.
+    const auto same_pair = [&](std::size_t i, std::size_t j) {
+        return contacts[i].a == contacts[j].a && contacts[i].b == contacts[j].b;
+    };
+    for_each(team, "sort warm impulses", warm.size(), kContactGrain, [&](std::size_t i) {
+        if (i > 0 && same_pair(i - 1, i)) return;
+        std::size_t end = i + 1;
+        while (end < contacts.size() && same_pair(i, end)) ++end;
+        std::sort(warm.begin() + static_cast<std::ptrdiff_t>(i), warm.begin() + static_cast<std::ptrdiff_t>(end),
+                  [](const WarmImpulse& x, const WarmImpulse& y) {
+                      return std::tuple(group_key(x), x.feature_key) < std::tuple(group_key(y), y.feature_key);
+                  });
     });
 }
 
@@ -113,7 +128,7 @@ void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& ou
     for (std::size_t k = 0; k < chunks; ++k) out.append(scratch.parts[k]);
 }
 
-void VelocityArrays::load(const Model& model, std::span<const Pose> poses, std::span<const Motion> motion) {
+void VelocityArrays::load(Team* team, const Model& model, std::span<const Pose> poses, std::span<const Motion> motion) {
     const std::size_t n = model.size();
     position.resize(n);
     velocity.resize(n);
@@ -121,7 +136,7 @@ void VelocityArrays::load(const Model& model, std::span<const Pose> poses, std::
     inverse_mass.resize(n);
     inverse_inertia.resize(n);
     inertia.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
+    for_each(team, "load velocities", n, kBodyGrain, [&](std::size_t i) {
         const RigidShape& shape = model.shape_of(i);
         const bool movable = model.bodies[i].movable();
         position[i] = poses[i].com;
@@ -130,7 +145,7 @@ void VelocityArrays::load(const Model& model, std::span<const Pose> poses, std::
         inverse_inertia[i] = movable ? turned(shape.inverse_inertia, poses[i].rotation) : Mat3{};
         inertia[i] = movable ? turned(shape.inertia, poses[i].rotation) : Mat3{};
         angular_velocity[i] = movable ? inverse_inertia[i] * motion[i].momentum : motion[i].momentum;
-    }
+    });
 }
 
 void VelocityArrays::store(const Model& model, std::span<const Vec3> angular_before, std::span<Motion> motion) const {
@@ -155,9 +170,9 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
         c.target = options.final_stage ? std::min(0.0, full) : full;
         scratch.selected.push_back(c);
     }
-    load_warm(scratch.selected, warm, other, options.warm_factor, scratch.impulses);
+    load_warm(options.team, scratch.selected, warm, other, options.warm_factor, scratch.impulses);
     VelocityArrays& b = scratch.bodies;
-    b.load(model, poses, motion);
+    b.load(options.team, model, poses, motion);
     scratch.angular_before = b.angular_velocity;
     ContactSolveOptions solve;
     solve.iterations = s.static_iterations;
@@ -167,12 +182,13 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     solve.shock = s.shock_propagation;
     solve.tangents = s.tangents;
     solve.seed = s.seed;
+    solve.team = options.team;
     solve.step = 2 * static_cast<std::uint64_t>(options.step) + (options.final_stage ? 1 : 0);
     const ContactSolveStats stats = solve_contacts(
         scratch.selected, {b.position, b.velocity, b.angular_velocity, b.inverse_mass, b.inverse_inertia}, solve,
         scratch.impulses, scratch.solver);
     b.store(model, scratch.angular_before, motion);
-    store_warm(scratch, warm);
+    store_warm(options.team, scratch, warm);
     return {stats, static_cast<std::int64_t>(scratch.selected.size())};
 }
 

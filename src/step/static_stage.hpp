@@ -32,7 +32,7 @@ struct VelocityArrays {
     std::vector<Mat3> inverse_inertia;
     std::vector<Mat3> inertia;
 
-    void load(const Model& model, std::span<const Pose> poses, std::span<const Motion> motion);
+    void load(Team* team, const Model& model, std::span<const Pose> poses, std::span<const Motion> motion);
     /// Writes back; a momentum changes only where the angular velocity did, so that untouched bodies keep theirs to the bit.
     void store(const Model& model, std::span<const Vec3> angular_before, std::span<Motion> motion) const;
 };
@@ -42,6 +42,7 @@ struct StaticStageOptions {
     bool only_processed = false; ///< leave out the pairs that stage 1 did not process
     double warm_factor = 1;      ///< of impulses taken over from the other stage
     std::int64_t step = 0;
+    Team* team = nullptr;
 };
 
 struct StaticStageScratch {

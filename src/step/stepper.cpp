@@ -262,7 +262,7 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
     const StaticStageStats stats =
         solve_static_contact(model_, contacts_, poses, motion, warm, final_stage ? state_.warm_half : state_.warm_final,
-                             {final_stage, only_processed, final_stage ? 2.0 : 0.5, report.step}, static_);
+                             {final_stage, only_processed, final_stage ? 2.0 : 0.5, report.step, &team_}, static_);
     if (!waiting_.empty()) {
         const auto middle = static_cast<std::ptrdiff_t>(warm.size());
         warm.insert(warm.end(), waiting_.begin(), waiting_.end());
