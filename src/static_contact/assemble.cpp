@@ -95,6 +95,7 @@ ContactBlock make_block(const BodyPair& pair, const ContactBodies& bodies, const
     ContactBlock block;
     block.a = pair.a;
     block.b = pair.b;
+    block.offset = bodies.position[a] - bodies.position[b];
     block.inv_mass_a = bodies.inv_mass[a];
     block.inv_mass_b = bodies.inv_mass[b];
     if (block.inv_mass_a > 0) block.inv_inertia_a = symmetric(bodies.inv_inertia[a]);
@@ -124,7 +125,7 @@ ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBo
     ContactRow row;
     row.normal = c.normal;
     row.arm_a = c.point - bodies.position[index(c.a)];
-    row.arm_b = c.point - bodies.position[index(c.b)];
+    row.arm_b = row.arm_a + block.offset;
     const Vec3 velocity = relative_velocity(row, s.velocity[index(block.a)], s.velocity[index(block.b)]);
     const TangentPair t = choose_tangents(c, velocity, warm_impulse, options);
     row.tangent_1 = t.t1;

@@ -29,6 +29,9 @@ void set_bodies(std::span<const ContactBlock> blocks, ContactPacket& p) {
         p.inv_mass_b[lane] = block.inv_mass_b;
         set_lane(p.inv_inertia_a, lane, block.inv_inertia_a);
         set_lane(p.inv_inertia_b, lane, block.inv_inertia_b);
+        p.offset[0][lane] = block.offset.x;
+        p.offset[1][lane] = block.offset.y;
+        p.offset[2][lane] = block.offset.z;
     }
 }
 
@@ -50,9 +53,7 @@ void set_lane(PacketRow& out, std::size_t lane, const ContactRow& row) {
     out.field[PacketRow::kFriction][lane] = c.friction;
     set_lane(out, lane, PacketRow::kNormal, row.normal);
     set_lane(out, lane, PacketRow::kTangent1, row.tangent_1);
-    set_lane(out, lane, PacketRow::kTangent2, row.tangent_2);
     set_lane(out, lane, PacketRow::kArmA, row.arm_a);
-    set_lane(out, lane, PacketRow::kArmB, row.arm_b);
 }
 
 // Row k of each block; W = 1 keeps the divisions of an idle lane finite.

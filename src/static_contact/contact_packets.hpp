@@ -30,19 +30,20 @@ struct ContactPacket {
     std::int32_t pad = 0;
     Lanes inv_mass_a = {}, inv_mass_b = {};
     Lanes inv_inertia_a[6] = {}, inv_inertia_b[6] = {}; ///< xx yy zz xy xz yz
+    Lanes offset[3] = {};                               ///< m: centre of mass of a minus that of b
 };
-static_assert(sizeof(ContactPacket) == 48 + 14 * sizeof(Lanes));
+static_assert(sizeof(ContactPacket) == 48 + 17 * sizeof(Lanes));
 
-/// One contact of each pair: the fields of ContactRow in their order and the impulse before the last visit, 32 doubles per
-/// contact, read in order once per visit; only the impulses are written. A pair with fewer contacts than others of its packet has idle rows below: no
-/// direction, no arm, no impulse, W = 1.
+/// One contact of each pair: fields of ContactRow and the impulse before the last visit, 26 doubles per contact, read in order
+/// once per visit; only the impulses are written. A big pile is bound by this stream, so the second tangent (normal x first) and
+/// the arm from b (the pair's offset + the arm from a) are computed. A pair with fewer contacts than others of its packet
+/// has idle rows below: no direction, no arm, no impulse, W = 1.
 struct PacketRow {
     static constexpr int kMassDiagonal = 0, kInvMassDiagonal = 3, kCoupling = 6, kImpulse = 9, kTarget = 12;
-    static constexpr int kFriction = 13, kNormal = 14, kTangent1 = 17, kTangent2 = 20, kArmA = 23, kArmB = 26;
-    static constexpr int kPrevious = 29;
-    Lanes field[32] = {};
+    static constexpr int kFriction = 13, kNormal = 14, kTangent1 = 17, kArmA = 20, kPrevious = 23;
+    Lanes field[26] = {};
 };
-static_assert(sizeof(PacketRow) == 1024);
+static_assert(sizeof(PacketRow) == 832);
 
 struct PackedContacts {
     std::vector<ContactPacket> packets;

@@ -53,13 +53,14 @@ struct ContactBlock {
     std::int32_t color = 0;                ///< blocks of one colour share no movable body
     double inv_mass_a = 0, inv_mass_b = 0; ///< 1/kg
     Sym3 inv_inertia_a, inv_inertia_b;     ///< 1/(kg m^2), world
+    Vec3 offset;                           ///< m: centre of mass of a minus that of b
 };
 
 /// One contact.
 struct ContactRow {
     LocalContact local;
-    Vec3 normal, tangent_1, tangent_2; ///< unit, right-handed
-    Vec3 arm_a, arm_b;                 ///< m: contact point minus centre of mass
+    Vec3 normal, tangent_1, tangent_2; ///< unit, right-handed: tangent_2 = normal x tangent_1
+    Vec3 arm_a, arm_b;                 ///< m: contact point minus centre of mass; arm_b = arm_a + offset of the pair
 };
 
 /// Components of a world vector in the contact's frame, and back.

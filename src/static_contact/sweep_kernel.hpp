@@ -76,28 +76,39 @@ inline LocalPack<P> load_local(const PacketRow& row, int lane) {
             P::load(row.field[PacketRow::kTarget] + lane),    P::load(row.field[PacketRow::kFriction] + lane)};
 }
 
+/// Where the contacts of a row are and how they lie.
+template <class P>
+struct PackFrame {
+    PackVec<P> normal, tangent_1, tangent_2, arm_a, arm_b;
+};
+template <class P>
+inline PackFrame<P> load_frame(const ContactPacket& packet, const PacketRow& row, int lane) {
+    PackFrame<P> f;
+    f.normal = load_vec<P>(row, PacketRow::kNormal, lane);
+    f.tangent_1 = load_vec<P>(row, PacketRow::kTangent1, lane);
+    f.tangent_2 = cross(f.normal, f.tangent_1);
+    f.arm_a = load_vec<P>(row, PacketRow::kArmA, lane);
+    f.arm_b = f.arm_a + PackVec<P>{P::load(packet.offset[0] + lane), P::load(packet.offset[1] + lane),
+                                   P::load(packet.offset[2] + lane)};
+    return f;
+}
+
 /// Velocity of b against a at the contacts of a row (eq. 15), in their frames.
 template <class P>
-inline PackVec<P> contact_velocity(const PacketRow& row, int lane, const PackBody<P>& a, const PackBody<P>& b) {
-    const PackVec<P> v = (b.linear + cross(b.angular, load_vec<P>(row, PacketRow::kArmB, lane))) -
-                         (a.linear + cross(a.angular, load_vec<P>(row, PacketRow::kArmA, lane)));
-    return {dot(load_vec<P>(row, PacketRow::kNormal, lane), v), dot(load_vec<P>(row, PacketRow::kTangent1, lane), v),
-            dot(load_vec<P>(row, PacketRow::kTangent2, lane), v)};
+inline PackVec<P> contact_velocity(const PackFrame<P>& f, const PackBody<P>& a, const PackBody<P>& b) {
+    const PackVec<P> v = (b.linear + cross(b.angular, f.arm_b)) - (a.linear + cross(a.angular, f.arm_a));
+    return {dot(f.normal, v), dot(f.tangent_1, v), dot(f.tangent_2, v)};
 }
 
 /// V += M^-1 J^T l of eq. 22 (the paper leaves out J^T), for impulses l on b and -l on a in the contacts' frames.
 template <class P>
-inline void apply(const ContactPacket& packet, const PacketRow& row, int lane, const PackVec<P>& l, PackBody<P>& a,
+inline void apply(const ContactPacket& packet, const PackFrame<P>& f, int lane, const PackVec<P>& l, PackBody<P>& a,
                   PackBody<P>& b) {
-    const PackVec<P> world =
-        (l.x * load_vec<P>(row, PacketRow::kNormal, lane) + l.y * load_vec<P>(row, PacketRow::kTangent1, lane)) +
-        l.z * load_vec<P>(row, PacketRow::kTangent2, lane);
+    const PackVec<P> world = (l.x * f.normal + l.y * f.tangent_1) + l.z * f.tangent_2;
     a.linear = a.linear - P::load(packet.inv_mass_a + lane) * world;
-    a.angular = a.angular -
-                load_inertia<P>(packet.inv_inertia_a, lane) * cross(load_vec<P>(row, PacketRow::kArmA, lane), world);
+    a.angular = a.angular - load_inertia<P>(packet.inv_inertia_a, lane) * cross(f.arm_a, world);
     b.linear = b.linear + P::load(packet.inv_mass_b + lane) * world;
-    b.angular = b.angular +
-                load_inertia<P>(packet.inv_inertia_b, lane) * cross(load_vec<P>(row, PacketRow::kArmB, lane), world);
+    b.angular = b.angular + load_inertia<P>(packet.inv_inertia_b, lane) * cross(f.arm_b, world);
 }
 
 template <class P>
@@ -150,9 +161,10 @@ inline double sweep_packets(const SweepView& view) {
                               const PackVec<P> before = load_vec<P>(row, PacketRow::kPrevious, lane);
                               store_vec(local.impulse, lane, PacketRow::kPrevious, row);
                               local.impulse = local.impulse + momentum * (local.impulse - before);
-                              const LocalUpdate<P> update = visit<kCone>(local, contact_velocity(row, lane, a, b));
+                              const PackFrame<P> frame = load_frame<P>(packet, row, lane);
+                              const LocalUpdate<P> update = visit<kCone>(local, contact_velocity(frame, a, b));
                               store_vec(local.impulse + update.change, lane, PacketRow::kImpulse, row);
-                              apply(packet, row, lane, update.change, a, b);
+                              apply(packet, frame, lane, update.change, a, b);
                               worst = max(worst, update.violation);
                           });
     return largest_lane(worst);
@@ -161,18 +173,20 @@ inline double sweep_packets(const SweepView& view) {
 template <class P, Cone kCone>
 inline double largest_violation_of(const SweepView& view) {
     P worst = P::all(0);
-    for_each_row<P, false>(view, [&](const ContactPacket&, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
-        worst = max(worst, violation<kCone>(load_local<P>(row, lane), contact_velocity(row, lane, a, b)));
-    });
+    for_each_row<P, false>(
+        view, [&](const ContactPacket& packet, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
+            const PackFrame<P> frame = load_frame<P>(packet, row, lane);
+            worst = max(worst, violation<kCone>(load_local<P>(row, lane), contact_velocity(frame, a, b)));
+        });
     return largest_lane(worst);
 }
 
 template <class P>
 inline void apply_all(const SweepView& view) {
-    for_each_row<P, true>(view,
-                          [&](const ContactPacket& packet, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
-                              apply(packet, row, lane, load_vec<P>(row, PacketRow::kImpulse, lane), a, b);
-                          });
+    for_each_row<P, true>(
+        view, [&](const ContactPacket& packet, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
+            apply(packet, load_frame<P>(packet, row, lane), lane, load_vec<P>(row, PacketRow::kImpulse, lane), a, b);
+        });
 }
 
 template <class P>
