@@ -39,13 +39,13 @@ std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, 
     const Stopwatch watch(worker.counters.detection_ms);
     const BodyMotion a = data.trajectories.at_end(at(record.a)), b = data.trajectories.at_end(at(record.b));
     const Impulsive body_a = data.clusters.impulsive(record.a), body_b = data.clusters.impulsive(record.b);
-    const CandidateList* list = end_candidates(data, record);
-    const double reach = record.lengths.proximity;
     if (!may_approach(body_a, body_b, a.shape->radius, b.shape->radius, data.approach)) {
-        record.processed = record.processed || any_proximity(a, b, reach, list, worker.proximity);
+        record.processed = record.processed || near_at_end(data, worker, record);
         return std::nullopt;
     }
-    record.processed = find_proximities(a, b, reach, data.angle_cos, list, worker.proximity).near || record.processed;
+    const CandidateList* list = end_candidates(data, record);
+    record.processed = find_proximities(a, b, record.lengths.proximity, data.angle_cos, list, worker.proximity).near ||
+                       record.processed;
     worker.points.clear();
     const auto contact = [&](const ProximityPoint& p) {
         const Vec3 arm_a = p.a - a.at1.pose->com, arm_b = p.b - b.at1.pose->com;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pair/step_data.hpp"
 
+#include <numbers>
+
 #include "ccd/rigid_path.hpp"
 #include "geometry/ccd_cubic.hpp"
 
@@ -86,10 +88,31 @@ double start_distance(const StepData& data, Worker& worker, PairRecord& r) {
     return r.start_distance;
 }
 
+constexpr double kRoundingRoom = 0x1p-20;   // of lengths compared, far above the rounding of either
+constexpr double kVertexRounding = 0x1p-40; // of the largest coordinate: far above that of world vertices
+constexpr double kClearOfSeparation = 2;
+
+/// A bound on how much the distance of the bodies changes in the step, m. Straight paths only.
+double change_of_distance(const BodyMotion& a, const BodyMotion& b) {
+    const double along_axis = relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape,
+                                                    matrix_pose(b.at0), matrix_pose(b.at1));
+    return (1 + kRoundingRoom) * std::numbers::sqrt3 * along_axis +
+           kVertexRounding * std::max(a.max_abs(), b.max_abs());
+}
+
+/// Whether the bodies, whose distance at x^n is known, move too little to come near the separation at any time: a proof of the
+/// same thing as the query's, which then has nothing to find.
+bool stay_apart(const PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
+    if (r.start_distance < 0 || !a.straight() || !b.straight()) return false;
+    const double from = std::min(r.start_distance, r.lengths.proximity); // infinite: not within the proximity distance
+    return (1 - kRoundingRoom) * from - change_of_distance(a, b) > kClearOfSeparation * r.lengths.separation;
+}
+
 PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod method) {
     // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
     if (data.trajectories.still(at(r.a)) && data.trajectories.still(at(r.b))) return {};
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
+    if (method == CcdMethod::conservative && stay_apart(r, a, b)) return {};
     const double separation = method == CcdMethod::cubic ? cubic_tolerance(data.model.settings) : r.lengths.separation;
     const bool turns = !a.straight() || !b.straight();
     const PathCut cut = turns ? cut_path(a, b, {r.lengths.rest, start_distance(data, worker, r)}) : PathCut{};
@@ -151,9 +174,29 @@ const CandidateList* end_candidates(const StepData& data, const PairRecord& reco
     return data.keep_candidates && list.covers({0, list.strayed(a, b).end}) ? &list : nullptr;
 }
 
+bool near_at_end(const StepData& data, Worker& worker, const PairRecord& r) {
+    const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
+    if (r.start_distance >= 0 && r.start_distance < r.lengths.proximity && a.straight() && b.straight() &&
+        r.start_distance + change_of_distance(a, b) < (1 - kRoundingRoom) * r.lengths.proximity)
+        return true;
+    return any_proximity(data.trajectories.at_end(at(r.a)), data.trajectories.at_end(at(r.b)), r.lengths.proximity,
+                         end_candidates(data, r), worker.proximity);
+}
+
 const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity) {
-    return find_pairs(data, "swept bounds", with_proximity,
-                      [&](std::size_t i) { return data.trajectories.motion(i).swept(); });
+    FrozenBounds& frozen = data.lists.frozen;
+    bool same = frozen.pairs != nullptr && frozen.with_proximity == with_proximity;
+    frozen.version.resize(data.model.size());
+    for (std::size_t i = 0; i < frozen.version.size(); ++i) {
+        const std::uint64_t version = data.trajectories.version(i);
+        same = same && frozen.version[i] == version;
+        frozen.version[i] = version;
+    }
+    if (same) return *frozen.pairs;
+    frozen.with_proximity = with_proximity;
+    frozen.pairs = &find_pairs(data, "swept bounds", with_proximity,
+                               [&](std::size_t i) { return data.trajectories.motion(i).swept(); });
+    return *frozen.pairs;
 }
 
 const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity) {
@@ -163,6 +206,7 @@ const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity) {
 }
 
 const std::vector<ListedPair>& end_pairs(StepData& data) {
+    data.lists.frozen.pairs = nullptr;
     const auto& pairs =
         find_pairs(data, "end bounds", true, [&](std::size_t i) { return data.trajectories.at_end(i).swept(); });
     return list_pairs(data, pairs, [](const CandidatePair&, const PairRecord*) { return true; });

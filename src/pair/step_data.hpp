@@ -55,8 +55,16 @@ struct ListedPair {
     friend bool operator==(const ListedPair& p, const ListedPair& q) { return p.pair == q.pair; }
 };
 
+/// What the last list of candidate pairs was made from.
+struct FrozenBounds {
+    std::vector<std::uint64_t> version; ///< of the bodies' end states
+    bool with_proximity = false;
+    const std::vector<CandidatePair>* pairs = nullptr; ///< null: other lists were made since
+};
+
 /// Buffers of the lists that a step makes.
 struct ListBuffers {
+    FrozenBounds frozen;
     std::vector<SweptBody> swept;
     std::vector<PairRecord*> record; ///< of each candidate pair; null: there is none yet
     std::vector<std::uint8_t> wanted;
@@ -110,6 +118,9 @@ const std::vector<ListedPair>& end_pairs(StepData& data);
 /// The pair's candidate list where it covers the present end poses: for queries of the proximity distance at the end of the
 /// step. Null otherwise.
 [[nodiscard]] const CandidateList* end_candidates(const StepData& data, const PairRecord& record);
+
+/// Whether features of the bodies come within the proximity distance at the end of the step.
+[[nodiscard]] bool near_at_end(const StepData& data, Worker& worker, const PairRecord& record);
 
 /// Runs the CCD on a pair of bodies and records a proof where there is one.
 PairHit query(const StepData& data, Worker& worker, PairRecord& record);

@@ -185,6 +185,7 @@ StepReport Stepper::step() {
 }
 
 void Stepper::mark_asleep() {
+    lists_.frozen.pairs = nullptr; // who sleeps pairs with others than who is awake
     for (std::size_t i = 0; i < model_.size(); ++i)
         model_.bodies[i].asleep = model_.bodies[i].dynamic() && asleep(state_, i);
 }
