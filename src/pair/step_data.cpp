@@ -174,6 +174,12 @@ const CandidateList* end_candidates(const StepData& data, const PairRecord& reco
     return data.keep_candidates && list.covers({0, list.strayed(a, b).end}) ? &list : nullptr;
 }
 
+const CandidateList* kept_candidates(const StepData& data, Worker& worker, PairRecord& r) {
+    if (const CandidateList* list = end_candidates(data, r)) return list;
+    const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
+    return a.straight() && b.straight() ? candidates(data, worker, r, a, b) : nullptr;
+}
+
 bool near_at_end(const StepData& data, Worker& worker, const PairRecord& r) {
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
     if (r.start_distance >= 0 && r.start_distance < r.lengths.proximity && a.straight() && b.straight() &&
