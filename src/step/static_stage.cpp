@@ -17,8 +17,8 @@ void append_pair(const StepData& data, Worker& worker, const ListedPair& listed,
     PairRecord& record = *listed.record;
     worker.points.clear();
     const auto result = find_contact_points(data.trajectories.at_end(at(pair.a)), data.trajectories.at_end(at(pair.b)),
-                                            record.lengths.proximity, data.angle_cos, kept_candidates(data, worker, record),
-                                            worker.proximity, worker.points);
+                                            record.lengths.proximity, data.angle_cos,
+                                            kept_candidates(data, worker, record), worker.proximity, worker.points);
     if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
     record.end_distance = result.near ? result.distance : std::numeric_limits<double>::infinity();
     for (const ProximityPoint& p : worker.points) {
