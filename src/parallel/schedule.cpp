@@ -75,9 +75,11 @@ RegionTasks RegionTable::operator[](std::size_t region) const {
     if (r.kind == RegionKind::ordered)
         tasks.successors =
             std::span(record_.links).subspan(static_cast<std::size_t>(r.first_link), static_cast<std::size_t>(r.tasks));
-    if (r.kind == RegionKind::sweeps)
+    if (r.kind == RegionKind::sweeps) {
+        tasks.most_threads = r.tasks;
         tasks.groups =
             std::span(groups_).subspan(first_group_[region], first_group_[region + 1] - first_group_[region]);
+    }
     return tasks;
 }
 
@@ -194,7 +196,8 @@ class OrderedSchedule {
 double sweeps_time(const RegionTasks& region, int cores, const CostModel& costs) {
     std::size_t tasks = 0;
     for (const GroupSpan& g : region.groups) tasks += static_cast<std::size_t>(g.tasks);
-    const int width = sweep_width(tasks, region.groups.size(), cores);
+    const int width = region.most_threads > 0 ? std::clamp(cores, 1, region.most_threads)
+                                              : sweep_width(tasks, region.groups.size(), cores);
     const ThreadCosts c = costs.at(width);
     double time = c.fork_join;
     for (const GroupSpan& g : region.groups) {

@@ -56,6 +56,7 @@ struct RegionTasks {
     std::span<const std::int64_t> durations;      ///< loop, ordered: by task, ns
     std::span<const Successors> successors;       ///< ordered; a successor has a higher number than its task
     std::span<const GroupSpan> groups;            ///< sweeps
+    std::int32_t most_threads = 0;                ///< sweeps; 0: by sweep_width of all groups
     [[nodiscard]] std::int64_t num_tasks() const; ///< sweeps: visits of tasks
 };
 
@@ -92,7 +93,7 @@ struct ScheduleScratch {
 };
 
 /// ns that the region takes on `cores` cores under a greedy schedule that takes the lowest ready task. As the team does, a region never
-/// takes more threads than it has tasks; sweeps follow sweep_width. The order in which a loop's chunks go to threads, own stretch
+/// takes more threads than it has tasks; sweeps never take more than the solver gives them. The order in which a loop's chunks go to threads, own stretch
 /// first, is simplified to list order.
 [[nodiscard]] double region_time(const RegionTasks& region, int cores, const CostModel& costs,
                                  ScheduleScratch& scratch);

@@ -38,7 +38,7 @@ using Successors = std::array<std::int32_t, 2>;
 struct RegionRecord {
     const char* name = "";
     RegionKind kind = RegionKind::loop;
-    std::int32_t tasks = 0;
+    std::int32_t tasks = 0;          ///< sweeps: the most threads that they are given, 0: by sweep_width of all groups
     std::int64_t begin = 0, end = 0; ///< ns, on the thread that began it
     std::int64_t first_link = 0;     ///< ordered: its tasks' successors, in TaskRecord::links
     std::int64_t step = 0;

@@ -343,8 +343,10 @@ void sweep_island(Island& island, const ContactSolveOptions& options, const Swee
         return sweeps.run(0, alone);
     }
     TaskRecorder* recorder = options.team->recorder();
+    const int most_threads = sweep_width(index(island.end_packet - island.first_packet),
+                                         index(island.end_color - island.first_color), std::numeric_limits<int>::max());
     const std::int32_t region =
-        recorder != nullptr ? recorder->begin_region("contact sweeps", RegionKind::sweeps, 0, nullptr) : -1;
+        recorder != nullptr ? recorder->begin_region("contact sweeps", RegionKind::sweeps, most_threads, nullptr) : -1;
     options.team->together(threads, [&](int thread, SpinBarrier& barrier) { sweeps.run(thread, barrier); });
     if (recorder == nullptr) return;
     sweeps.record(region, island.last_sweeps);

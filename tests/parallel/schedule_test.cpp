@@ -124,6 +124,9 @@ TEST(Schedule, SweepsTakeRoundsAndBarriers) {
     EXPECT_EQ(time_of(sweeps, 2, costs), 500 + 10 * (800 + 20) + 10 * (400 + 20));
     EXPECT_EQ(time_of(sweeps, 3, costs), 700 + 10 * (600 + 40) + 10 * (300 + 40));
     EXPECT_EQ(time_of(sweeps, 256, costs), time_of(sweeps, 3, costs)) << "12 tasks in the average group: three threads";
+    RegionTasks told = sweeps;
+    told.most_threads = 2;
+    EXPECT_EQ(time_of(told, 256, costs), time_of(sweeps, 2, costs));
     EXPECT_EQ(sweep_width(24, 2, 256), 3);
     EXPECT_EQ(sweep_width(3, 2, 256), 1);
     EXPECT_EQ(sweep_width(0, 0, 4), 1);
@@ -235,7 +238,7 @@ TEST(Schedule, PhasesAddSerialTimeAndRegions) {
 TEST(Schedule, WhatSweepsSpendOutsideTheirGroupsIsSerial) {
     TaskRecord record;
     record.threads.resize(1);
-    record.regions.push_back({"sweeps", RegionKind::sweeps, 16, 100, 1100, 0, 0});
+    record.regions.push_back({"sweeps", RegionKind::sweeps, 2, 100, 1100, 0, 0});
     record.groups.push_back({0, 8, 10, 500});
     record.groups.push_back({0, 8, 10, 300});
     record.phases.push_back({"step", 0, 1200, 0});
