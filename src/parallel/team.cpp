@@ -92,7 +92,8 @@ void SpinBarrier::wait() {
 }
 
 struct alignas(64) Team::Seat {
-    std::atomic<std::uint32_t> call = 0; ///< goes up by one for every section that this thread has to join
+    enum State : int { idle, called, running };
+    std::atomic<int> state = idle;
     ThreadTimes times;
     std::thread thread;
 };
@@ -312,8 +313,8 @@ Team::Team(const TeamOptions& options)
 Team::~Team() {
     leaving_.store(true, std::memory_order_relaxed);
     for (std::size_t k = 1; k < seats_.size(); ++k) {
-        seats_[k]->call.fetch_add(1, std::memory_order_release);
-        seats_[k]->call.notify_one();
+        seats_[k]->state.store(Seat::called, std::memory_order_release);
+        seats_[k]->state.notify_one();
         seats_[k]->thread.join();
     }
 }
@@ -326,27 +327,35 @@ std::vector<ThreadTimes> Team::times() const {
 
 void Team::serve(int k) {
     Seat& seat = *seats_[static_cast<std::size_t>(k)];
-    std::uint32_t seen = 0;
     for (;;) {
-        for (int turn = 0; !crowded_ && turn < kSpins && seat.call.load(std::memory_order_acquire) == seen; ++turn)
+        for (int turn = 0; !crowded_ && turn < kSpins && seat.state.load(std::memory_order_relaxed) == Seat::idle;
+             ++turn)
             pause_briefly();
-        seat.call.wait(seen, std::memory_order_acquire);
-        ++seen;
+        seat.state.wait(Seat::idle, std::memory_order_relaxed);
+        int expected = Seat::called;
+        if (!seat.state.compare_exchange_strong(expected, Seat::running, std::memory_order_acquire)) continue;
         if (leaving_.load(std::memory_order_relaxed)) return;
         section_(0, k);
+        seat.state.store(Seat::idle, std::memory_order_relaxed); // ordered by what follows
         if (working_.fetch_sub(1, std::memory_order_acq_rel) == 1) working_.notify_one();
     }
 }
 
-void Team::dispatch(int threads, const Call& section) {
+void Team::dispatch(int threads, const Call& section, Join join) {
     section_ = section;
     working_.store(threads - 1, std::memory_order_relaxed);
     for (int k = 1; k < threads; ++k) {
         Seat& seat = *seats_[static_cast<std::size_t>(k)];
-        seat.call.fetch_add(1, std::memory_order_release);
-        seat.call.notify_one();
+        seat.state.store(Seat::called, std::memory_order_release);
+        seat.state.notify_one();
     }
     section(0, 0);
+    for (int k = 1; k < threads && join == Join::those_who_came; ++k) {
+        int expected = Seat::called;
+        if (seats_[static_cast<std::size_t>(k)]->state.compare_exchange_strong(expected, Seat::idle,
+                                                                               std::memory_order_relaxed))
+            working_.fetch_sub(1, std::memory_order_relaxed);
+    }
     int working = working_.load(std::memory_order_acquire);
     for (int turn = 0; working != 0; working = working_.load(std::memory_order_acquire)) {
         if (crowded_ || ++turn > kSpins)
@@ -391,7 +400,7 @@ void Team::run_chunks(const char* name, std::size_t chunks, const Call& work) {
             });
             times.busy_ms += 1e-6 * static_cast<double>(now_ns() - begin);
         };
-        dispatch(threads, Call::of(section));
+        dispatch(threads, Call::of(section), Join::those_who_came);
         error.rethrow();
     }
     if (recorder != nullptr) recorder->end_region(region);
@@ -416,7 +425,7 @@ void Team::run_order(const char* name, const TaskOrder& order, const Call& work)
     } else {
         Ordered run(*this, order, work, threads, region);
         const auto section = [&](std::size_t, int thread) { run.serve(thread); };
-        dispatch(threads, Call::of(section));
+        dispatch(threads, Call::of(section), Join::those_who_came);
         run.rethrow();
     }
     if (recorder != nullptr) recorder->end_region(region);
@@ -431,7 +440,7 @@ void Team::run_together(int threads, const Call& work) {
     if (threads == 1)
         section(0, 0);
     else
-        dispatch(threads, Call::of(section));
+        dispatch(threads, Call::of(section), Join::all);
 }
 
 } // namespace flotilla

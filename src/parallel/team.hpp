@@ -126,8 +126,11 @@ class Team {
     void run_chunks(const char* name, std::size_t chunks, const Call& work);
     void run_order(const char* name, const TaskOrder& order, const Call& work);
     void run_together(int threads, const Call& work);
-    /// Calls section(0, thread) on `threads` threads, the caller being thread 0; returns when all have.
-    void dispatch(int threads, const Call& section);
+    /// Whom the caller waits for when it is through: where sections share work out, a thread that found no free core and never
+    /// came is not needed.
+    enum class Join { all, those_who_came };
+    /// Calls section(0, thread) on `threads` threads, the caller being thread 0; returns when they have.
+    void dispatch(int threads, const Call& section, Join join);
     void serve(int seat);
 
     int size_;
