@@ -75,21 +75,16 @@ void CandidateList::list(const BodyMotion& a, const BodyMotion& b, const Listing
     store({out.data(), n});
 }
 
-int CandidateList::slot(float strayed) const {
-    const float slot = strayed * slots_per_metre_;
-    return static_cast<int>(std::max(0.0f, std::min(slot, float{kSlots - 1}))); // NaN becomes 0
-}
-
-void CandidateList::store(std::span<const ListedFeature> listed) {
-    const auto place = [&](const ListedFeature& f) {
-        return static_cast<std::size_t>(static_cast<int>(f.kind) * kSlots + slot(f.distance));
-    };
+void CandidateList::store(std::span<ListedFeature> listed) {
     begin_ = {};
-    for (const ListedFeature& f : listed) ++begin_[place(f) + 1];
+    for (ListedFeature& f : listed) {
+        f.place = static_cast<int>(f.kind) * kSlots + slot(f.distance);
+        ++begin_[static_cast<std::size_t>(f.place) + 1];
+    }
     for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
     auto next = begin_;
     features_.resize(listed.size());
-    for (const ListedFeature& f : listed) features_[next[place(f)]++] = f.ids;
+    for (const ListedFeature& f : listed) features_[next[static_cast<std::size_t>(f.place)]++] = f.ids;
 }
 
 void CandidateList::drop() {

@@ -11,6 +11,7 @@
 // motion looks at, and the query itself decides by the features' own boxes (pair_query.hpp).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -76,8 +77,11 @@ class CandidateList {
     static constexpr int kSlots = 16;
 
     void list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach, std::vector<ListedFeature>& out);
-    void store(std::span<const ListedFeature> listed);
-    [[nodiscard]] int slot(float strayed) const;
+    void store(std::span<ListedFeature> listed);
+    [[nodiscard]] int slot(float strayed) const {
+        return static_cast<int>(
+            std::max(0.0f, std::min(strayed * slots_per_metre_, float{kSlots - 1}))); // NaN becomes 0
+    }
     [[nodiscard]] int last_slot(FeatureTest test, const BodyMotion& a, const BodyMotion& b) const;
 
     std::array<MatrixPose, 2> start_, end_; ///< of the reference motion

@@ -8,32 +8,17 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-const Triangle& triangle(const BodyMotion& body, std::int32_t t) { return body.shape->mesh.triangles[at(t)]; }
-const Edge& edge(const BodyMotion& body, std::int32_t e) { return body.shape->topology.edges[at(e)]; }
-
-/// The vertex indices of a feature pair in the order of CcdQuery, and the two bodies they belong to.
+/// The corners of a feature pair in the order of CcdQuery, and the two bodies they belong to.
 struct Corners {
     const BodyMotion* first;
     const BodyMotion* second;
-    std::array<std::int32_t, 4> v;
-    int split; ///< corners before it belong to the first body
+    CcdCorners v;
+    std::size_t split; ///< corners before it belong to the first body
 };
 
 Corners corners(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) {
-    switch (f.kind) {
-    case FeatureKind::vertex_face: {
-        const Triangle& t = triangle(b, f.b);
-        return {&a, &b, {f.a, t[0], t[1], t[2]}, 1};
-    }
-    case FeatureKind::face_vertex: {
-        const Triangle& t = triangle(a, f.a);
-        return {&b, &a, {f.b, t[0], t[1], t[2]}, 1};
-    }
-    default: {
-        const Edge &ea = edge(a, f.a), &eb = edge(b, f.b);
-        return {&a, &b, {ea[0], ea[1], eb[0], eb[1]}, 2};
-    }
-    }
+    const bool a_first = f.kind != FeatureKind::face_vertex;
+    return {a_first ? &a : &b, a_first ? &b : &a, ccd_corners(a, b, f), f.kind == FeatureKind::edge_edge ? 2u : 1u};
 }
 
 /// Puts the corners [begin, end) of a turning body where they are at time t, and both ends where the velocity there leads.
@@ -75,14 +60,13 @@ Vec3 blend(const std::array<double, 4>& w, const std::array<Vec3, 4>& x, std::si
 } // namespace
 
 CcdQuery ccd_query(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) {
-    const Corners c = corners(a, b, f);
-    CcdQuery q;
-    for (std::size_t i = 0; i < 4; ++i) {
-        const BodyMotion& body = static_cast<int>(i) < c.split ? *c.first : *c.second;
-        q.x0[i] = body.at0.x[at(c.v[i])];
-        q.x1[i] = body.at1.x[at(c.v[i])];
-    }
-    return q;
+    return ccd_query(ccd_kind(f.kind), ccd_points(a, b, f.kind), ccd_corners(a, b, f));
+}
+
+CcdPoints ccd_points(const BodyMotion& a, const BodyMotion& b, FeatureKind kind) {
+    const bool a_first = kind != FeatureKind::face_vertex;
+    const BodyMotion &first = a_first ? a : b, &second = a_first ? b : a;
+    return {first.at0.x.data(), first.at1.x.data(), second.at0.x.data(), second.at1.x.data()};
 }
 
 FeaturePoints closest_points(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f, double t) {
@@ -90,10 +74,10 @@ FeaturePoints closest_points(const BodyMotion& a, const BodyMotion& b, const Fea
     CcdQuery q = ccd_query(a, b, f);
     std::array<Vec3, 4> x;
     for (std::size_t i = 0; i < 4; ++i) x[i] = q.x0[i] + t * (q.x1[i] - q.x0[i]);
-    if (!c.first->straight()) follow_turn(*c.first, t, c, 0, static_cast<std::size_t>(c.split), q, x);
-    if (!c.second->straight()) follow_turn(*c.second, t, c, static_cast<std::size_t>(c.split), 4, q, x);
+    if (!c.first->straight()) follow_turn(*c.first, t, c, 0, c.split, q, x);
+    if (!c.second->straight()) follow_turn(*c.second, t, c, c.split, 4, q, x);
     const Weights w = closest_weights(f.kind, x);
-    const auto split = static_cast<std::size_t>(c.split);
+    const std::size_t split = c.split;
     FeaturePoints p{blend(w.w, q.x0, 0, split),
                     blend(w.w, q.x1, 0, split),
                     blend(w.w, q.x0, split, 4),

@@ -30,6 +30,20 @@ struct FeaturePair {
 /// Corners at both ends, as if they moved straight. The query's first feature is the vertex, or the edge of body a.
 [[nodiscard]] CcdQuery ccd_query(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f);
 
+/// Where the corners of the queries of a kind stand.
+[[nodiscard]] CcdPoints ccd_points(const BodyMotion& a, const BodyMotion& b, FeatureKind kind);
+/// The corners of a query, in those arrays.
+[[nodiscard]] inline CcdCorners ccd_corners(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) {
+    const auto i = static_cast<std::size_t>(f.a), j = static_cast<std::size_t>(f.b);
+    if (f.kind == FeatureKind::edge_edge) {
+        const Edge &p = a.shape->topology.edges[i], &q = b.shape->topology.edges[j];
+        return {p[0], p[1], q[0], q[1]};
+    }
+    const bool vertex_first = f.kind == FeatureKind::vertex_face;
+    const Triangle& t = vertex_first ? b.shape->mesh.triangles[j] : a.shape->mesh.triangles[i];
+    return {vertex_first ? f.a : f.b, t[0], t[1], t[2]};
+}
+
 /// Turns a direction of a query (second feature to first) into one from a to b.
 [[nodiscard]] constexpr Vec3 from_a_to_b(FeatureKind kind, const Vec3& direction) {
     return kind == FeatureKind::face_vertex ? direction : -direction;

@@ -31,17 +31,20 @@ struct NodeIds {
     std::int32_t a, b;
 };
 
-/// Node pairs that wait. As in bvh_detail::NodePairStack, no more than the sum of the depths and one wait; one slot more is
-/// written and not kept.
+inline constexpr int kListingBlock = 8; // node pairs opened together
+
+/// Node pairs that wait. Each pair of a block is replaced by at most two, one node level further down; so, taking blocks from the
+/// top, no more than a block for each level of both trees wait, and one. One slot more is written and not kept.
 struct ListingStack {
     int size = 0;
-    NodeIds pairs[2 * kMaxBvhDepth + 3];
+    NodeIds pairs[kListingBlock * (2 * kMaxBvhDepth + 2) + 2];
 };
 
 struct ListedFeature {
     FeatureIds ids;
     float distance; ///< that the motion must stray before the pair can matter, m
     FeatureKind kind;
+    std::int32_t place; ///< for the list's use
 };
 
 /// Opens node pairs of the stack until it is empty or `room` pairs of leaves are found; returns how many were. The stack's pairs

@@ -61,24 +61,32 @@ inline long open_node_pairs_by(const ListingArrays& a, const ListingArrays& b, c
     long n = 0;
     int size = stack.size;
     while (size > 0 && n < room) {
-        const NodeIds p = stack.pairs[--size];
-        const BvhNode na = a.nodes[p.a], nb = b.nodes[p.b];
-        if (na.count > 0 && nb.count > 0) {
-            leaves[n++] = p;
-            continue;
-        }
-        const auto offer = [&](NodeIds pair, const MovingPack<B>& box, const MovingPack<B>& turned_box) {
-            stack.pairs[size] = pair; // written in any case, kept or not: no branch to be mispredicted
-            size += near.meet(box, turned_box) ? 1 : 0;
-        };
-        if (nb.count > 0 || (na.count == 0 && a.sizes[p.a] >= b.sizes[p.b])) {
-            const auto box_b = turned(load_moving<B>(b.nodes0, b.nodes1, p.b));
-            offer({na.first, p.b}, load_moving<B>(a.nodes0, a.nodes1, na.first), box_b);
-            offer({p.a + 1, p.b}, load_moving<B>(a.nodes0, a.nodes1, p.a + 1), box_b);
-        } else {
-            const auto box_a = load_moving<B>(a.nodes0, a.nodes1, p.a);
-            offer({p.a, nb.first}, box_a, turned(load_moving<B>(b.nodes0, b.nodes1, nb.first)));
-            offer({p.a, p.b + 1}, box_a, turned(load_moving<B>(b.nodes0, b.nodes1, p.b + 1)));
+        // Several pairs at a time: what a pair leads to is not waited for, as it would be if it were popped next.
+        NodeIds opened[kListingBlock];
+        int few = size < kListingBlock ? size : kListingBlock;
+        if (few > room - n) few = static_cast<int>(room - n);
+        size -= few;
+        for (int k = 0; k < few; ++k) opened[k] = stack.pairs[size + k];
+        for (int k = 0; k < few; ++k) {
+            const NodeIds p = opened[k];
+            const BvhNode na = a.nodes[p.a], nb = b.nodes[p.b];
+            if (na.count > 0 && nb.count > 0) {
+                leaves[n++] = p;
+                continue;
+            }
+            const auto offer = [&](NodeIds pair, const MovingPack<B>& box, const MovingPack<B>& turned_box) {
+                stack.pairs[size] = pair; // written in any case, kept or not: no branch to be mispredicted
+                size += near.meet(box, turned_box) ? 1 : 0;
+            };
+            if (nb.count > 0 || (na.count == 0 && a.sizes[p.a] >= b.sizes[p.b])) {
+                const auto box_b = turned(load_moving<B>(b.nodes0, b.nodes1, p.b));
+                offer({na.first, p.b}, load_moving<B>(a.nodes0, a.nodes1, na.first), box_b);
+                offer({p.a + 1, p.b}, load_moving<B>(a.nodes0, a.nodes1, p.a + 1), box_b);
+            } else {
+                const auto box_a = load_moving<B>(a.nodes0, a.nodes1, p.a);
+                offer({p.a, nb.first}, box_a, turned(load_moving<B>(b.nodes0, b.nodes1, nb.first)));
+                offer({p.a, p.b + 1}, box_a, turned(load_moving<B>(b.nodes0, b.nodes1, p.b + 1)));
+            }
         }
     }
     stack.size = size;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ccd/pair_query.hpp"
 
+#include <algorithm>
+
 #include "ccd/leaf_features.hpp"
 #include "geometry/ccd_cubic.hpp"
 
@@ -33,15 +35,20 @@ class EarliestHit {
             scan(*list);
         else
             traverse();
-        flush(CcdKind::vertex_face);
-        flush(CcdKind::edge_edge);
         return best_;
     }
 
   private:
     void scan(const CandidateList& list) {
         scratch_.counters.box_tests += static_cast<std::int64_t>(list.size());
-        for (const FeaturePair& f : list.select(FeatureTest::swept, a_, b_, node_reach_, scratch_.features_)) add(f);
+        auto left = list.select(FeatureTest::swept, a_, b_, node_reach_, scratch_.features_);
+        while (!left.empty()) {
+            const auto other = [&](const FeaturePair& f) { return f.kind != left[0].kind; };
+            const auto few = left.first(std::min(kBatch, left.size()));
+            const auto n = static_cast<std::size_t>(std::find_if(few.begin(), few.end(), other) - few.begin());
+            examine(left.first(n));
+            left = left.subspan(n);
+        }
     }
 
     void traverse() {
@@ -61,20 +68,20 @@ class EarliestHit {
             [&](std::int32_t i, std::int32_t j, double) {
                 for_each_leaf_feature_pair(a_, b_, i, j, meet, [&](const FeaturePair& f) { add(f); });
             });
+        for (auto& waiting : scratch_.waiting_) flush(waiting);
     }
 
-    /// Takes a feature pair whose moving boxes meet, with the time from which on they do.
     void add(const FeaturePair& f) {
-        float entry = 0;
-        if (!meet(f, entry)) return;
-        const CcdKind kind = ccd_kind(f.kind);
-        auto& batch = scratch_.batch_[static_cast<std::size_t>(kind)];
-        batch.queries.push_back(ccd_query(a_, b_, f));
-        batch.features.push_back(f);
-        batch.entry.push_back(entry);
-        if (batch.queries.size() == kBatch) flush(kind);
+        auto& waiting = scratch_.waiting_[static_cast<std::size_t>(f.kind)];
+        waiting.push_back(f);
+        if (waiting.size() == kBatch) flush(waiting);
+    }
+    void flush(std::vector<FeaturePair>& waiting) {
+        examine(waiting);
+        waiting.clear();
     }
 
+    /// Whether the pair's own moving boxes meet before the earliest hit so far, and the time from which on they do.
     [[nodiscard]] bool meet(const FeaturePair& f, float& entry) const {
         const auto overlap = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
             return coarse_overlap(p, q, feature_reach_, feature_reach_, entry, static_cast<float>(best_.toi));
@@ -90,20 +97,38 @@ class EarliestHit {
         }
     }
 
-    void flush(CcdKind kind) {
-        auto& batch = scratch_.batch_[static_cast<std::size_t>(kind)];
-        batch.results.resize(batch.queries.size());
-        scratch_.counters.feature_queries += static_cast<std::int64_t>(batch.queries.size());
-        if (options_.method == CcdMethod::conservative)
-            ccd_batch(kind, batch.queries, {options_.separation, options_.start}, batch.results, isa_);
-        else
-            for (std::size_t i = 0; i < batch.queries.size(); ++i)
-                batch.results[i] = ccd_cubic(kind, batch.queries[i], options_.separation);
-        for (std::size_t i = 0; i < batch.results.size(); ++i)
-            if (batch.results[i].hit) offer(batch.features[i], batch.results[i], batch.entry[i]);
-        batch.queries.clear();
-        batch.features.clear();
-        batch.entry.clear();
+    /// Looks at feature pairs of one kind. Most are proved apart by a CCD that costs little more than the test of their own boxes,
+    /// so that test comes after it, for the hits; before it only where there is an earliest hit to be late for.
+    void examine(std::span<const FeaturePair> features) {
+        if (features.empty()) return;
+        float entry = 0;
+        if (best_.hit) {
+            scratch_.asked_.clear();
+            for (const FeaturePair& f : features)
+                if (meet(f, entry)) scratch_.asked_.push_back(f);
+            features = scratch_.asked_;
+        }
+        ask(features);
+        for (std::size_t i = 0; i < features.size(); ++i)
+            if (scratch_.results_[i].hit && meet(features[i], entry)) offer(features[i], scratch_.results_[i], entry);
+    }
+
+    /// Fills scratch_.results_.
+    void ask(std::span<const FeaturePair> features) {
+        scratch_.counters.feature_queries += static_cast<std::int64_t>(features.size());
+        auto& results = scratch_.results_;
+        if (results.size() < features.size()) results.resize(features.size());
+        if (options_.method == CcdMethod::cubic) {
+            for (std::size_t i = 0; i < features.size(); ++i)
+                results[i] = ccd_cubic(ccd_kind(features[i].kind), ccd_query(a_, b_, features[i]), options_.separation);
+            return;
+        }
+        scratch_.corners_.clear();
+        for (const FeaturePair& f : features) scratch_.corners_.push_back(ccd_corners(a_, b_, f));
+        if (features.empty()) return;
+        const FeatureKind kind = features[0].kind;
+        ccd_batch(ccd_kind(kind), ccd_points(a_, b_, kind), scratch_.corners_, {options_.separation, options_.start},
+                  std::span(results).first(features.size()), isa_);
     }
 
     void offer(const FeaturePair& f, const CcdResult& r, double entry) {

@@ -44,13 +44,10 @@ class CcdScratch {
 
   private:
     friend class EarliestHit;
-    struct Batch {
-        std::vector<CcdQuery> queries;
-        std::vector<CcdResult> results;
-        std::vector<FeaturePair> features;
-        std::vector<double> entry;
-    };
-    std::array<Batch, 2> batch_; ///< by CcdKind
+    std::array<std::vector<FeaturePair>, 3> waiting_; ///< by kind
+    std::vector<FeaturePair> asked_;
+    std::vector<CcdCorners> corners_; ///< of those
+    std::vector<CcdResult> results_;  ///< of those
     FeatureBuffer features_;
     friend class SegmentedPath;
     std::array<std::array<PlacedBody, 2>, 2> placed_; ///< by body, even and odd ends of segments

@@ -14,13 +14,15 @@
 
 namespace flotilla {
 
+static_assert(sizeof(CcdCorners) == 4 * sizeof(std::int32_t), "the kernels read corners as bare numbers");
+static_assert(sizeof(Vec3) == 3 * sizeof(double), "the kernels read points as three doubles");
 static_assert(sizeof(CcdQuery) == 24 * sizeof(double), "the kernels read a query as 24 doubles");
 static_assert(offsetof(CcdResult, direction) == 0 && offsetof(CcdResult, toi) == 3 * sizeof(double),
               "the kernels write direction and toi as four doubles");
 
 CcdResult ccd(CcdKind kind, const CcdQuery& query, const CcdOptions& options) {
     CcdResult result;
-    const double* const lanes[1] = {reinterpret_cast<const double*>(&query)};
+    const WholeQueries<ScalarPack> lanes{{reinterpret_cast<const double*>(&query)}};
     CcdResult* const results[1] = {&result};
     Progress<ScalarPack> state{{0.0}, {options.separation}};
     const bool relaxed = options.start == CcdStart::relaxed;
@@ -32,7 +34,7 @@ CcdResult ccd(CcdKind kind, const CcdQuery& query, const CcdOptions& options) {
 }
 
 bool certified_along(CcdKind kind, const CcdQuery& query, const Vec3& direction, double separation) {
-    const double* const lanes[1] = {reinterpret_cast<const double*>(&query)};
+    const WholeQueries<ScalarPack> lanes{{reinterpret_cast<const double*>(&query)}};
     const PackVec<ScalarPack> d{{direction.x}, {direction.y}, {direction.z}};
     const ScalarPack s{separation};
     return (kind == CcdKind::vertex_face ? certify_along<CcdKind::vertex_face>(lanes, d, s)
@@ -75,6 +77,30 @@ void ccd_batch(CcdKind kind, std::span<const CcdQuery> queries, const CcdOptions
     if (isa == Isa::avx2) return ccd_batch_avx2(kind, queries.data(), count, options, results.data());
 #endif
     for (std::size_t i = 0; i < queries.size(); ++i) results[i] = ccd(kind, queries[i], options);
+}
+
+CcdQuery ccd_query(CcdKind kind, const CcdPoints& points, const CcdCorners& corners) {
+    const std::size_t split = kind == CcdKind::vertex_face ? 1 : 2;
+    CcdQuery q;
+    for (std::size_t i = 0; i < 4; ++i) {
+        q.x0[i] = (i < split ? points.first0 : points.second0)[corners[i]];
+        q.x1[i] = (i < split ? points.first1 : points.second1)[corners[i]];
+    }
+    return q;
+}
+
+void ccd_batch(CcdKind kind, const CcdPoints& points, std::span<const CcdCorners> corners, const CcdOptions& options,
+               std::span<CcdResult> results, Isa isa) {
+    FLOTILLA_ASSERT(corners.size() == results.size());
+#if defined(__x86_64__)
+    const auto count = static_cast<long>(corners.size());
+    if (count == 0) return;
+    const std::int32_t* const bare = corners.data()->data();
+    if (isa == Isa::avx512) return ccd_corners_avx512(kind, points, bare, count, options, results.data());
+    if (isa == Isa::avx2) return ccd_corners_avx2(kind, points, bare, count, options, results.data());
+#endif
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        results[i] = ccd(kind, ccd_query(kind, points, corners[i]), options);
 }
 
 } // namespace flotilla

@@ -59,4 +59,16 @@ enum class Isa : std::uint8_t { scalar, avx2, avx512 };
 void ccd_batch(CcdKind kind, std::span<const CcdQuery> queries, const CcdOptions& options, std::span<CcdResult> results,
                Isa isa);
 
+/// Where the corners of many queries stand: those of the first feature and those of the second, at t = 0 and t = 1, m.
+struct CcdPoints {
+    const Vec3 *first0, *first1, *second0, *second1;
+};
+/// A query by the places of its corners in these arrays, in the order of CcdQuery.
+using CcdCorners = std::array<std::int32_t, 4>;
+[[nodiscard]] CcdQuery ccd_query(CcdKind kind, const CcdPoints& points, const CcdCorners& corners);
+
+/// The same for queries by their corners: nothing is copied.
+void ccd_batch(CcdKind kind, const CcdPoints& points, std::span<const CcdCorners> corners, const CcdOptions& options,
+               std::span<CcdResult> results, Isa isa);
+
 } // namespace flotilla

@@ -8,7 +8,12 @@ namespace flotilla {
 
 void ccd_batch_avx512(CcdKind kind, const CcdQuery* queries, long count, const CcdOptions& options,
                       CcdResult* results) {
-    run_batch<Avx512Pack>(kind, queries, count, options, results);
+    run_batch<Avx512Pack>(kind, WholeSource{queries}, count, options, results);
+}
+
+void ccd_corners_avx512(CcdKind kind, const CcdPoints& points, const std::int32_t* corners, long count,
+                        const CcdOptions& options, CcdResult* results) {
+    run_batch<Avx512Pack>(kind, CornerSource{&points, corners}, count, options, results);
 }
 
 } // namespace flotilla

@@ -35,6 +35,7 @@
 #include <cstddef>
 
 #include "geometry/ccd.hpp"
+#include "geometry/corner_pack.hpp"
 #include "geometry/pack_vec.hpp"
 
 namespace flotilla {
@@ -67,12 +68,18 @@ struct Differences {
     PackVec<P> w0[kCount], w1[kCount];
 };
 
+/// A pack of queries, each whole in memory.
 template <class P>
-inline void load_points(const double* const* lanes, int first, PackVec<P> (&x)[4]) {
+struct WholeQueries {
+    const double* query[P::kWidth];
+};
+/// The corners at t = 0 or t = 1.
+template <CcdKind kKind, class P>
+inline void load_points(const WholeQueries<P>& queries, int time, PackVec<P> (&x)[4]) {
     P a[4], b[4], c[4];
-    load_transposed(lanes, first, a);
-    load_transposed(lanes, first + 4, b);
-    load_transposed(lanes, first + 8, c);
+    load_transposed(queries.query, 12 * time, a);
+    load_transposed(queries.query, 12 * time + 4, b);
+    load_transposed(queries.query, 12 * time + 8, c);
     x[0] = {a[0], a[1], a[2]};
     x[1] = {a[3], b[0], b[1]};
     x[2] = {b[2], b[3], c[0]};
@@ -91,13 +98,13 @@ inline void subtract(const PackVec<P> (&x)[4], PackVec<P> (&w)[kCount]) {
     }
 }
 
-template <CcdKind kKind, class P>
-inline Differences<P, kKind> load_differences(const double* const* lanes) {
+template <CcdKind kKind, class P, template <class> class Queries>
+inline Differences<P, kKind> load_differences(const Queries<P>& queries) {
     Differences<P, kKind> out;
     PackVec<P> x[4];
-    load_points(lanes, 0, x);
+    load_points<kKind>(queries, 0, x);
     subtract<kKind>(x, out.w0);
-    load_points(lanes, 12, x);
+    load_points<kKind>(queries, 1, x);
     subtract<kKind>(x, out.w1);
     return out;
 }
@@ -307,8 +314,8 @@ inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range
 
 /// True where the direction proves the features apart on all of [0, 1].
 template <CcdKind kKind, class P>
-inline unsigned certify_along(const double* const* lanes, const PackVec<P>& d, P separation) {
-    const auto x = load_differences<kKind, P>(lanes);
+inline unsigned certify_along(const WholeQueries<P>& query, const PackVec<P>& d, P separation) {
+    const auto x = load_differences<kKind>(query);
     const P largest = largest_difference(x);
     const P err = P::all(kErrFactor) * ceil_power_of_two(largest) + P::all(kTiny);
     const P square = dot(d, d);
@@ -327,9 +334,9 @@ struct Loaded {
     P err;
     unsigned in_range;
 };
-template <CcdKind kKind, class P>
-inline Loaded<P, kKind> load(const double* const* lanes) {
-    Loaded<P, kKind> out{load_differences<kKind, P>(lanes), P::all(0), 0}; // in place: a copy is dear
+template <CcdKind kKind, class P, template <class> class Queries>
+inline Loaded<P, kKind> load(const Queries<P>& queries) {
+    Loaded<P, kKind> out{load_differences<kKind>(queries), P::all(0), 0}; // in place: a copy is dear
     const P largest = largest_difference(out.differences);
     out.err = P::all(kErrFactor) * ceil_power_of_two(largest) + P::all(kTiny);
     out.in_range = mask_bits(largest < P::all(kLargest));
@@ -350,9 +357,9 @@ inline void go_on(const Loaded<P, kKind>& x, Progress<P>& state, unsigned active
         active = iterate<false>(x.differences, x.err, x.in_range, false, i, state, active, results);
 }
 template <CcdKind kKind, class P>
-inline void run(const double* const* lanes, bool relaxed, Progress<P>& state, unsigned active,
+inline void run(const WholeQueries<P>& queries, bool relaxed, Progress<P>& state, unsigned active,
                 CcdResult* const* results) {
-    const auto x = load<kKind, P>(lanes);
+    const auto x = load<kKind>(queries);
     active = begin(x, relaxed, state, active, results);
     go_on(x, state, active, results);
 }
@@ -366,28 +373,44 @@ struct Survivors {
     double t[kBlock], separation[kBlock];
 };
 
+/// Queries in a row, each whole.
+struct WholeSource {
+    template <class P>
+    using Pack = WholeQueries<P>;
+    const CcdQuery* queries;
+
+    [[nodiscard]] WholeSource from(long first) const { return {queries + first}; }
+    template <class P>
+    void set(WholeQueries<P>& pack, int lane, long k) const {
+        pack.query[lane] = reinterpret_cast<const double*>(queries + k);
+    }
+    template <class P>
+    WholeQueries<P> begin_pack() const {
+        return {};
+    }
+};
 /// Where the queries and results of a pack are; the idle lanes of an incomplete pack repeat its first query.
-template <class P>
+template <class P, class Source>
 struct Lanes {
-    const double* query[P::kWidth];
+    typename Source::template Pack<P> queries;
     CcdResult* result[P::kWidth];
     unsigned active = 0;
 
     template <class Index>
-    Lanes(const CcdQuery* queries, CcdResult* results, int n, Index&& index) {
+    Lanes(const Source& source, CcdResult* results, int n, Index&& index) : queries(source.template begin_pack<P>()) {
         for (int i = 0; i < P::kWidth; ++i) {
             const long k = index(i < n ? i : 0);
-            query[i] = reinterpret_cast<const double*>(queries + k);
+            source.set(queries, i, k);
             result[i] = results + k;
             active |= i < n ? 1u << i : 0u;
         }
     }
 };
 
-template <CcdKind kKind, class P>
-inline void begin_pack(const Lanes<P>& lanes, bool relaxed, double separation, int first, Survivors& left) {
+template <CcdKind kKind, class P, class Source>
+inline void begin_pack(const Lanes<P, Source>& lanes, bool relaxed, double separation, int first, Survivors& left) {
     Progress<P> state{P::all(0), P::all(separation)};
-    const unsigned rest = begin(load<kKind, P>(lanes.query), relaxed, state, lanes.active, lanes.result);
+    const unsigned rest = begin(load<kKind>(lanes.queries), relaxed, state, lanes.active, lanes.result);
     if (rest == 0) return;
     double t[P::kWidth], s[P::kWidth];
     state.t.store(t);
@@ -403,17 +426,17 @@ inline void begin_pack(const Lanes<P>& lanes, bool relaxed, double separation, i
 /// At most kBlock queries, P::kWidth at a time: one iteration for everybody (that settles nearly all misses), then the survivors
 /// packed together until they are done. A lane's arithmetic never depends on its neighbours. Flattened: a pack handed to a
 /// function travels through memory (a sixth of the time).
-template <CcdKind kKind, class P>
-[[gnu::flatten]] inline void run_block(const CcdQuery* queries, int count, double separation, bool relaxed,
+template <CcdKind kKind, class P, class Source>
+[[gnu::flatten]] inline void run_block(const Source& source, int count, double separation, bool relaxed,
                                        CcdResult* results) {
     Survivors left;
     int first = 0;
     for (; first + P::kWidth <= count; first += P::kWidth)
-        begin_pack<kKind, P>({queries + first, results + first, P::kWidth, [](int i) { return i; }}, relaxed,
-                             separation, first, left);
+        begin_pack<kKind, P, Source>({source.from(first), results + first, P::kWidth, [](int i) { return i; }}, relaxed,
+                                     separation, first, left);
     if (first < count)
-        begin_pack<kKind, P>({queries + first, results + first, count - first, [](int i) { return i; }}, relaxed,
-                             separation, first, left);
+        begin_pack<kKind, P, Source>({source.from(first), results + first, count - first, [](int i) { return i; }},
+                                     relaxed, separation, first, left);
     for (int i = 0; i < left.count; i += P::kWidth) {
         const int n = left.count - i < P::kWidth ? left.count - i : P::kWidth;
         double t[P::kWidth], s[P::kWidth];
@@ -422,26 +445,25 @@ template <CcdKind kKind, class P>
             s[lane] = left.separation[i + (lane < n ? lane : 0)];
         }
         Progress<P> state{P::load(t), P::load(s)};
-        const Lanes<P> lanes(queries, results, n, [&](int lane) { return left.query[i + lane]; });
-        go_on(load<kKind, P>(lanes.query), state, lanes.active, lanes.result);
+        const Lanes<P, Source> lanes(source, results, n, [&](int lane) { return left.query[i + lane]; });
+        go_on(load<kKind>(lanes.queries), state, lanes.active, lanes.result);
     }
 }
 
-template <CcdKind kKind, class P>
-inline void run_batch(const CcdQuery* queries, long count, double separation, bool relaxed, CcdResult* results) {
+template <CcdKind kKind, class P, class Source>
+inline void run_blocks(const Source& source, long count, double separation, bool relaxed, CcdResult* results) {
     for (long first = 0; first < count; first += kBlock)
-        run_block<kKind, P>(queries + first, static_cast<int>(count - first < kBlock ? count - first : kBlock),
+        run_block<kKind, P>(source.from(first), static_cast<int>(count - first < kBlock ? count - first : kBlock),
                             separation, relaxed, results + first);
 }
 
-template <class P>
-inline void run_batch(CcdKind kind, const CcdQuery* queries, long count, const CcdOptions& options,
-                      CcdResult* results) {
+template <class P, class Source>
+inline void run_batch(CcdKind kind, const Source& source, long count, const CcdOptions& options, CcdResult* results) {
     const bool relaxed = options.start == CcdStart::relaxed;
     if (kind == CcdKind::vertex_face)
-        run_batch<CcdKind::vertex_face, P>(queries, count, options.separation, relaxed, results);
+        run_blocks<CcdKind::vertex_face, P>(source, count, options.separation, relaxed, results);
     else
-        run_batch<CcdKind::edge_edge, P>(queries, count, options.separation, relaxed, results);
+        run_blocks<CcdKind::edge_edge, P>(source, count, options.separation, relaxed, results);
 }
 
 } // namespace

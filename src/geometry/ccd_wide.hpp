@@ -8,5 +8,10 @@ namespace flotilla {
 
 void ccd_batch_avx2(CcdKind kind, const CcdQuery* queries, long count, const CcdOptions& options, CcdResult* results);
 void ccd_batch_avx512(CcdKind kind, const CcdQuery* queries, long count, const CcdOptions& options, CcdResult* results);
+/// `corners`: four per query.
+void ccd_corners_avx2(CcdKind kind, const CcdPoints& points, const std::int32_t* corners, long count,
+                      const CcdOptions& options, CcdResult* results);
+void ccd_corners_avx512(CcdKind kind, const CcdPoints& points, const std::int32_t* corners, long count,
+                        const CcdOptions& options, CcdResult* results);
 
 } // namespace flotilla

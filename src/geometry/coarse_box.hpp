@@ -36,14 +36,10 @@ struct MovingCoarseBox {
 /// The smallest coarse box of a point.
 inline CoarseBox coarse_box(const Vec3& p) {
     constexpr float kOut = 0x1p-22f, kTiny = 0x1p-126f;
+    const Float4 f = narrow4(p.x, p.y, p.z, 0), room = both4(kOut) * magnitude(f) + both4_but_last(kTiny);
     CoarseBox box;
-    const auto set = [&](int axis, double x) {
-        const auto f = static_cast<float>(x);
-        const float room = kOut * std::abs(f) + kTiny;
-        box.lower[axis] = f - room;
-        box.neg_upper[axis] = -f - room;
-    };
-    set(0, p.x), set(1, p.y), set(2, p.z);
+    store(box.lower, f - room);
+    store(box.neg_upper, (both4(0) - f) - room);
     return box;
 }
 

@@ -22,6 +22,12 @@ struct Mask4 {
 inline Float4 load4(const float* aligned) { return {_mm_load_ps(aligned)}; }
 inline void store(float* aligned, Float4 a) { _mm_store_ps(aligned, a.v); }
 inline Float4 both4(float x) { return {_mm_set1_ps(x)}; }
+/// The nearest floats.
+inline Float4 narrow4(double a, double b, double c, double d) {
+    return {_mm_movelh_ps(_mm_cvtpd_ps(_mm_set_pd(b, a)), _mm_cvtpd_ps(_mm_set_pd(d, c)))};
+}
+inline Float4 both4_but_last(float x) { return {_mm_set_ps(0, x, x, x)}; }
+inline Float4 magnitude(Float4 a) { return {_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }
 inline Float4 operator+(Float4 a, Float4 b) { return {_mm_add_ps(a.v, b.v)}; }
 inline Float4 operator-(Float4 a, Float4 b) { return {_mm_sub_ps(a.v, b.v)}; }
 inline Float4 operator*(Float4 a, Float4 b) { return {_mm_mul_ps(a.v, b.v)}; }
@@ -78,6 +84,13 @@ inline void store(float* p, Float4 a) {
     for (int i = 0; i < 4; ++i) p[i] = a.v[i];
 }
 inline Float4 both4(float x) { return {{x, x, x, x}}; }
+inline Float4 narrow4(double a, double b, double c, double d) {
+    return {{static_cast<float>(a), static_cast<float>(b), static_cast<float>(c), static_cast<float>(d)}};
+}
+inline Float4 both4_but_last(float x) { return {{x, x, x, 0}}; }
+inline Float4 magnitude(Float4 a) {
+    return float4_detail::lanes([&](int i) { return a.v[i] < 0 ? -a.v[i] : a.v[i]; });
+}
 inline Float4 operator+(Float4 a, Float4 b) {
     return float4_detail::lanes([&](int i) { return a.v[i] + b.v[i]; });
 }

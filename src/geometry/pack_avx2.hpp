@@ -62,6 +62,16 @@ inline void load_transposed(const double* const* lanes, int first, Avx2Pack (&ou
     transpose(Avx2Pack::load(lanes[0] + first), Avx2Pack::load(lanes[1] + first), Avx2Pack::load(lanes[2] + first),
               Avx2Pack::load(lanes[3] + first), out);
 }
+inline void load_transposed(const double* const (&points)[4], Avx2Pack (&xyz)[3]) {
+    const auto two = [&](int low, int high, int i) {
+        return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(points[low] + i)),
+                                    _mm_loadu_pd(points[high] + i), 1);
+    };
+    const __m256d xy02 = two(0, 2, 0), xy13 = two(1, 3, 0), yz02 = two(0, 2, 1), yz13 = two(1, 3, 1);
+    xyz[0] = {_mm256_unpacklo_pd(xy02, xy13)};
+    xyz[1] = {_mm256_unpackhi_pd(xy02, xy13)};
+    xyz[2] = {_mm256_unpackhi_pd(yz02, yz13)};
+}
 inline void store_transposed(const Avx2Pack (&in)[4], unsigned which, double* const* out) {
     Avx2Pack rows[4];
     transpose(in[0], in[1], in[2], in[3], rows);

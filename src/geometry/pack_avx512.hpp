@@ -52,6 +52,12 @@ inline void load_transposed(const double* const* lanes, int first, Avx512Pack (&
     for (int i = 0; i < 4; ++i) out[i] = {_mm512_load_pd(rows[i])};
 }
 
+inline void load_transposed(const double* const (&points)[8], Avx512Pack (&xyz)[3]) {
+    alignas(64) double rows[3][8];
+    for (int lane = 0; lane < 8; ++lane)
+        for (int i = 0; i < 3; ++i) rows[i][lane] = points[lane][i];
+    for (int i = 0; i < 3; ++i) xyz[i] = {_mm512_load_pd(rows[i])};
+}
 inline void store_transposed(const Avx512Pack (&in)[4], unsigned which, double* const* out) {
     alignas(64) double rows[4][8];
     for (int i = 0; i < 4; ++i) in[i].store(rows[i]);

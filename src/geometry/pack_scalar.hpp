@@ -53,7 +53,11 @@ inline unsigned mask_bits(bool a) { return a ? 1u : 0u; }
 inline void load_transposed(const double* const* lanes, int first, ScalarPack (&out)[4]) {
     for (int i = 0; i < 4; ++i) out[i] = {lanes[0][first + i]};
 }
-/// The reverse, for the lanes whose bits are in `which`: out[lane][i] = in[i].
+/// The coordinates of a point of each lane.
+inline void load_transposed(const double* const (&points)[1], ScalarPack (&xyz)[3]) {
+    for (int i = 0; i < 3; ++i) xyz[i] = {points[0][i]};
+}
+/// The reverse of the first, for the lanes whose bits are in `which`: out[lane][i] = in[i].
 inline void store_transposed(const ScalarPack (&in)[4], unsigned which, double* const* out) {
     if ((which & 1u) == 0) return;
     for (int i = 0; i < 4; ++i) out[0][i] = in[i].v;

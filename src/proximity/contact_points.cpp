@@ -6,6 +6,7 @@
 
 #include "ccd/leaf_features.hpp"
 #include "geometry/closest.hpp"
+#include "geometry/plane_test.hpp"
 #include "geometry/ray.hpp"
 
 namespace flotilla {
@@ -13,9 +14,7 @@ namespace {
 
 // A ray starts and ends on the bodies themselves; crossings this near to its ends are those.
 constexpr double kRayMargin = 1e-6;
-// Planes are farther apart than the proximity distance if they are by this factor (of squares).
-constexpr double kPlaneMargin = 1 + 1e-3;
-constexpr double kLeastSine = 1e-5; // of directions whose cross product is a normal, not noise
+constexpr std::size_t kBatch = 64; // feature pairs looked at together
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -110,9 +109,13 @@ class Finder {
             traverse();
             return;
         }
-        for (const FeaturePair& f : list->select(FeatureTest::near, a_, b_, reach_, scratch_.candidates)) {
-            add(f);
-            if (done()) return;
+        auto left = list->select(FeatureTest::near, a_, b_, reach_, scratch_.candidates);
+        while (!left.empty() && !done()) {
+            const auto other = [&](const FeaturePair& f) { return f.kind != left[0].kind; };
+            const auto few = left.first(std::min(kBatch, left.size()));
+            const auto n = static_cast<std::size_t>(std::find_if(few.begin(), few.end(), other) - few.begin());
+            examine(left.first(n));
+            left = left.subspan(n);
         }
     }
 
@@ -125,14 +128,26 @@ class Finder {
             [&](std::int32_t i, std::int32_t j, double&) { return meet(coarse_node(a_, i), coarse_node(b_, j)); },
             [&](double) { return !done(); },
             [&](std::int32_t i, std::int32_t j, double) {
-                for_each_leaf_feature_pair(a_, b_, i, j, meet, [&](const FeaturePair& f) { add(f); });
+                for_each_leaf_feature_pair(a_, b_, i, j, meet, [&](const FeaturePair& f) { examine({&f, 1}); });
             });
     }
 
     [[nodiscard]] bool done() const { return first_only_ && result_.near; }
 
+    /// Looks at feature pairs of one kind, at most kBatch.
+    void examine(std::span<const FeaturePair> features) {
+        std::array<CcdCorners, kBatch> corners;
+        std::array<std::int32_t, kBatch + 1> near;
+        const FeatureKind kind = features[0].kind;
+        for (std::size_t i = 0; i < features.size(); ++i) corners[i] = ccd_corners(a_, b_, features[i]);
+        const long n =
+            near_by_planes(ccd_kind(kind), ccd_points(a_, b_, kind), std::span(corners).first(features.size()),
+                           proximity_, near.data(), features.size() > 1 ? isa_ : Isa::scalar);
+        for (const std::int32_t i : std::span(near).first(static_cast<std::size_t>(n))) add(features[at(i)]);
+    }
+
     void add(const FeaturePair& f) {
-        if (done() || farther_than_proximity(f)) return;
+        if (done()) return;
         const ClosestPoints p = closest(f);
         if (!(p.distance_sq < proximity_ * proximity_)) return;
         ++scratch_.counters.proximities;
@@ -144,29 +159,6 @@ class Finder {
         }
         const Vec3 normal = normalized(p.b - p.a);
         if (normal != Vec3{}) scratch_.found.push_back({f, p.a, p.b, normal, distance});
-    }
-
-    /// Whether the planes that separate the features (the face's, or that of two edges' directions) are too far apart: an eighth
-    /// of the work of the closest points.
-    [[nodiscard]] bool farther_than_proximity(const FeaturePair& f) const {
-        Vec3 first, second, between;
-        if (f.kind == FeatureKind::edge_edge) {
-            const Edge &ea = a_.shape->topology.edges[at(f.a)], &eb = b_.shape->topology.edges[at(f.b)];
-            const Vec3 &p = a_.at0.x[at(ea[0])], &q = b_.at0.x[at(eb[0])];
-            first = a_.at0.x[at(ea[1])] - p;
-            second = b_.at0.x[at(eb[1])] - q;
-            between = q - p;
-        } else {
-            const bool vertex_first = f.kind == FeatureKind::vertex_face;
-            const auto face = vertex_first ? corners(b_, f.b) : corners(a_, f.a);
-            first = face[1] - face[0];
-            second = face[2] - face[0];
-            between = (vertex_first ? a_.at0.x[at(f.a)] : b_.at0.x[at(f.b)]) - face[0];
-        }
-        const Vec3 normal = cross(first, second);
-        const double square = length_sq(normal), d = dot(normal, between);
-        return d * d > kPlaneMargin * (proximity_ * proximity_) * square &&
-               square > kLeastSine * kLeastSine * (length_sq(first) * length_sq(second));
     }
 
     struct ClosestPoints {
@@ -220,6 +212,7 @@ class Finder {
     double proximity_, angle_cos_;
     CoarseReach reach_;
     ProximityScratch& scratch_;
+    Isa isa_ = best_isa();
     ProximityResult result_;
     bool first_only_ = false;
 };

@@ -2,11 +2,13 @@
 // The earliest hit and the proximities of a pair: the same from a loop over all features, a traversal and a candidate list.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/random.hpp"
 #include "base/rotation.hpp"
 #include "ccd/pair_query.hpp"
+#include "geometry/plane_test.hpp"
 #include "mesh/primitives.hpp"
 #include "proximity/contact_points.hpp"
 
@@ -129,6 +131,38 @@ TEST(EarliestHit, IsTheLeastOfAllFeaturePairs) {
     EXPECT_GE(misses, 30);
 }
 
+/// The queries of feature pairs, by their corners, are the same on every instruction set, and those of the copied corners.
+void expect_same_queries(const BodyMotion& a, const BodyMotion& b, FeatureKind kind,
+                         const std::vector<FeaturePair>& features) {
+    const CcdPoints points = ccd_points(a, b, kind);
+    const CcdOptions options{kSeparation, CcdStart::relaxed};
+    std::vector<CcdCorners> corners;
+    for (const FeaturePair& f : features) corners.push_back(ccd_corners(a, b, f));
+    std::vector<CcdResult> scalar(features.size()), wide(features.size());
+    ccd_batch(ccd_kind(kind), points, corners, options, scalar, Isa::scalar);
+    ccd_batch(ccd_kind(kind), points, corners, options, wide, best_isa());
+    for (std::size_t i = 0; i < features.size(); ++i) {
+        const CcdResult expected = ccd(ccd_kind(kind), ccd_query(a, b, features[i]), options);
+        for (const CcdResult& r : {scalar[i], wide[i]}) {
+            EXPECT_EQ(r.hit, expected.hit);
+            EXPECT_EQ(r.toi, expected.toi);
+            EXPECT_EQ(r.direction, expected.direction);
+        }
+    }
+    for (const double distance : {0.02, 0.2}) {
+        std::vector<std::int32_t> near(features.size() + 1), near_wide(features.size() + 1);
+        const long n = near_by_planes(ccd_kind(kind), points, corners, distance, near.data(), Isa::scalar);
+        ASSERT_EQ(near_by_planes(ccd_kind(kind), points, corners, distance, near_wide.data(), best_isa()), n);
+        near.resize(static_cast<std::size_t>(n));
+        near_wide.resize(static_cast<std::size_t>(n));
+        EXPECT_EQ(near_wide, near);
+        for (std::size_t i = 0; i < features.size(); ++i) {
+            if (std::find(near.begin(), near.end(), static_cast<std::int32_t>(i)) != near.end()) continue;
+            EXPECT_GT(closest_points(a, b, features[i], 0).distance_sq, distance * distance);
+        }
+    }
+}
+
 TEST(FeatureKernels, GiveTheSameListsAndSelectionsOnEveryInstructionSet) {
     std::size_t listed = 0, selected = 0;
     for (std::int64_t n = 0; n < 50; ++n) {
@@ -182,6 +216,7 @@ TEST(FeatureKernels, GiveTheSameListsAndSelectionsOnEveryInstructionSet) {
                 const auto kept = select(Isa::scalar);
                 EXPECT_EQ(select(best_isa()), kept);
                 selected += kept.size();
+                expect_same_queries(pair.motion(0), pair.motion(1), kind, kept);
             }
     }
     EXPECT_GE(listed, 1000u);
