@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace flotilla {
 namespace {
@@ -38,7 +39,7 @@ CandidateMargins CandidateList::strayed(const BodyMotion& a, const BodyMotion& b
 }
 
 void CandidateList::build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
-                          const CandidateMargins& margins, ListingScratch& scratch) {
+                          const CandidateMargins& margins, bool refined, ListingScratch& scratch) {
     start_ = {matrix_pose(a.at0), matrix_pose(b.at0)};
     end_ = {matrix_pose(a.at1), matrix_pose(b.at1)};
     margins_ = margins;
@@ -50,11 +51,35 @@ void CandidateList::build(const BodyMotion& a, const BodyMotion& b, const Candid
     // Beyond the range of float everything is listed.
     constexpr float kAll = std::numeric_limits<float>::infinity();
     const bool in_range = max_abs < kLargestListed;
-    list(a, b, {in_range ? r0.distance() : kAll, in_range ? r1.distance() : kAll, scale0_, margin}, scratch.found);
+    std::size_t n =
+        list(a, b, {in_range ? r0.distance() : kAll, in_range ? r1.distance() : kAll, scale0_, margin}, scratch.found);
+    refined_ = refined && in_range && margins.start > 0;
+    if (refined_) n = refine(a, b, reach, std::span(scratch.found).first(n));
+    store(std::span(scratch.found).first(n));
 }
 
-void CandidateList::list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach,
-                         std::vector<ListedFeature>& out) {
+// Straying by x along every axis, both at the start and at the end of the step, moves points of the two bodies by at most sqrt(3) x
+// against each other at any time of it. So features that are d apart where the reference ends
+//  - come within the reach at the end only for x >= (d - reach.end) / sqrt(3), and
+//  - within the other reach at some time only for x >= (d - way - reach.swept) / sqrt(3), with the relative way of the reference.
+// A list is looked at by the larger of both strayings, that at the start counted margins.end / margins.start >= 1 times.
+std::size_t CandidateList::refine(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
+                                  std::span<ListedFeature> listed) const {
+    constexpr double kRoom = 1 - 0x1p-10; // for rounding, here and of what strayed
+    const double way =
+        std::numbers::sqrt3 * relative_displacement(*a.shape, start_[0], end_[0], *b.shape, start_[1], end_[1]);
+    const double beyond = std::max(reach.end, way + reach.swept);
+    std::size_t n = 0;
+    for (ListedFeature& f : listed) {
+        const double d = std::sqrt(closest_points(a, b, {f.kind, f.ids.a, f.ids.b}, 1).distance_sq);
+        f.distance = std::max(f.distance, static_cast<float>(kRoom * (kRoom * d - beyond) / std::numbers::sqrt3));
+        if (!(f.distance > margins_.end)) listed[n++] = f;
+    }
+    return n;
+}
+
+std::size_t CandidateList::list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach,
+                                std::vector<ListedFeature>& out) {
     constexpr std::size_t kLeafPairs = 128; // between two looks at the room left
     const Isa isa = best_isa();
     const ListingArrays arrays_a = listing_arrays(a), arrays_b = listing_arrays(b);
@@ -72,7 +97,7 @@ void CandidateList::list(const BodyMotion& a, const BodyMotion& b, const Listing
         n += static_cast<std::size_t>(
             list_features(arrays_a, arrays_b, reach, leaves.data(), found, out.data() + n, isa));
     }
-    store({out.data(), n});
+    return n;
 }
 
 void CandidateList::store(std::span<ListedFeature> listed) {

@@ -60,9 +60,10 @@ class CandidateList {
         return strayed.start <= margins_.start && strayed.end <= margins_.end;
     }
 
-    /// Finds the pairs anew.
+    /// Finds the pairs anew. `refined`: by the distances of the features themselves where the reference motion ends, not only by
+    /// their boxes. That takes longer and leaves a fraction: for lists that will serve many queries.
     void build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach, const CandidateMargins& margins,
-               ListingScratch& scratch);
+               bool refined, ListingScratch& scratch);
     void drop();
 
     /// All pairs of the list whose coarse boxes come within the reach, which is at most the list's (FeatureTest::near: for bodies
@@ -71,12 +72,16 @@ class CandidateList {
                                                       const CoarseReach& reach, FeatureBuffer& buffer) const;
 
     [[nodiscard]] bool empty() const { return margins_.end < 0; } ///< there is no list
+    [[nodiscard]] bool refined() const { return refined_; }
     [[nodiscard]] std::size_t size() const { return features_.size(); }
 
   private:
     static constexpr int kSlots = 16;
 
-    void list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach, std::vector<ListedFeature>& out);
+    static std::size_t list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach,
+                            std::vector<ListedFeature>& out);
+    std::size_t refine(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
+                       std::span<ListedFeature> listed) const;
     void store(std::span<ListedFeature> listed);
     [[nodiscard]] int slot(float strayed) const {
         return static_cast<int>(
@@ -86,6 +91,7 @@ class CandidateList {
 
     std::array<MatrixPose, 2> start_, end_; ///< of the reference motion
     CandidateMargins margins_{-1, -1};
+    bool refined_ = false;
     float scale0_ = 0, slots_per_metre_ = 0;            ///< of the listing
     std::vector<FeatureIds> features_;                  ///< by kind, and of a kind by slot
     std::array<std::uint32_t, 3 * kSlots + 1> begin_{}; ///< where each kind's slots begin

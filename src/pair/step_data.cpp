@@ -33,14 +33,15 @@ double largest_separation(const StepData& data, const PairRecord& r) {
     return chord + arcs;
 }
 
+// Pairs that move less than this against each other in a step, in proximity distances, keep a list for many steps.
+constexpr double kRestingWay = 1.0 / 16;
+constexpr std::int32_t kUsesBeforeRefining = 4;
 constexpr double kSlowMargin = 0.5, kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
 
 /// How far the motion may stray from the one a new list is made for.
-CandidateMargins choose_margins(const PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
+CandidateMargins choose_margins(const PairRecord& r, double way) {
     const double base = r.lengths.proximity;
-    const bool slow = relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape,
-                                            matrix_pose(b.at0), matrix_pose(b.at1)) < base;
-    if (slow) return {kSlowMargin * base, std::clamp(2 * r.candidates.last_strayed, kSlowMargin * base, base)};
+    if (way < base) return {kSlowMargin * base, std::clamp(2 * r.candidates.last_strayed, kSlowMargin * base, base)};
     // A fast pair starts the next step elsewhere: its list serves this step only, whose start states are fixed.
     return {0, std::clamp(2 * r.candidates.last_strayed, kSmallestMargin * base, kLargestMargin * base)};
 }
@@ -58,22 +59,26 @@ const CandidateList* candidates(const StepData& data, Worker& worker, PairRecord
     }
     ++c.queries;
     const CandidateMargins strayed = c.list.strayed(a, b);
+    const CandidateReach reach{swept_reach(largest_separation(data, r), a, b), r.lengths.proximity};
+    const double way = relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape,
+                                             matrix_pose(b.at0), matrix_pose(b.at1));
+    const bool resting = way < kRestingWay * r.lengths.proximity;
     if (c.list.covers(strayed)) {
-        ++c.uses;
+        if (++c.uses <= kUsesBeforeRefining || c.list.refined() || !resting) return &c.list;
+        c.list.build(a, b, reach, choose_margins(r, way), true, worker.ccd.listing);
         return &c.list;
     }
     const bool live = !c.list.empty();
     if (live) c.paid = c.uses > 0;
     c.last_strayed = live && !first ? strayed.end : 0;
     c.uses = 0;
-    const CandidateMargins margins = choose_margins(r, a, b);
+    const CandidateMargins margins = choose_margins(r, way);
     if ((first && !c.busy && margins.start == 0) || !c.paid) {
         c.list.drop();
         c.paid = true;
         return nullptr;
     }
-    const CandidateReach reach{swept_reach(largest_separation(data, r), a, b), r.lengths.proximity};
-    c.list.build(a, b, reach, margins, worker.ccd.listing);
+    c.list.build(a, b, reach, margins, resting, worker.ccd.listing);
     return &c.list;
 }
 
@@ -175,9 +180,8 @@ const CandidateList* end_candidates(const StepData& data, const PairRecord& reco
 }
 
 const CandidateList* kept_candidates(const StepData& data, Worker& worker, PairRecord& r) {
-    if (const CandidateList* list = end_candidates(data, r)) return list;
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
-    return a.straight() && b.straight() ? candidates(data, worker, r, a, b) : nullptr;
+    return a.straight() && b.straight() ? candidates(data, worker, r, a, b) : end_candidates(data, r);
 }
 
 bool near_at_end(const StepData& data, Worker& worker, const PairRecord& r) {
