@@ -109,7 +109,7 @@ const double* coordinates(const CcdQuery& q) { return reinterpret_cast<const dou
 
 template <CcdKind kKind>
 long count_ccd(const CcdQuery& q) {
-    const double* const lanes[1] = {coordinates(q)};
+    const WholeQueries<CountingPack> lanes{{coordinates(q)}};
     CcdResult result;
     CcdResult* const results[1] = {&result};
     Progress<CountingPack> state{CountingPack::all(0), CountingPack::all(kOptions.separation)};
@@ -120,7 +120,7 @@ long count_ccd(const CcdQuery& q) {
 
 template <CcdKind kKind>
 long count_certificate(const CcdQuery& q, const Vec3& d) {
-    const double* const lanes[1] = {coordinates(q)};
+    const WholeQueries<CountingPack> lanes{{coordinates(q)}};
     CountingPack::operations = 0;
     benchmark::DoNotOptimize(
         certify_along<kKind>(lanes, {CountingPack::all(d.x), CountingPack::all(d.y), CountingPack::all(d.z)},
