@@ -5,8 +5,11 @@
 #include <limits>
 #include <numeric>
 
+#include "parallel/sweep_width.hpp"
 #include "static_contact/assemble.hpp"
 #include "static_contact/island_energy.hpp"
+#include "static_contact/packet_shares.hpp"
+#include "static_contact/sweep_island.hpp"
 
 namespace flotilla {
 namespace {
@@ -34,46 +37,11 @@ ContactBlock freeze(ContactBlock block, bool a, bool b) {
     return block;
 }
 
-// Copies the blocks of one level, with the bodies below it frozen. A block with a body of infinite mass is its own copy.
-void copy_level(std::span<const std::int32_t> level_blocks, ContactScratch& s) {
-    s.shock_blocks.clear();
-    s.shock_rows.clear();
-    for (const std::int32_t k : level_blocks) {
-        const ContactBlock& old = s.blocks[index(k)];
-        const std::int32_t level_a = s.level[index(old.a)], level_b = s.level[index(old.b)];
-        ContactBlock block = freeze(old, level_a < level_b, level_b < level_a);
-        block.first = static_cast<std::int32_t>(s.shock_rows.size());
-        for (std::int32_t i = old.first; i < old.end; ++i) s.shock_rows.push_back(shock_row(block, s.rows[index(i)]));
-        block.end = static_cast<std::int32_t>(s.shock_rows.size());
-        s.shock_blocks.push_back(block);
-    }
-}
-
 // A level of bodies that touch at many points may have no solution with what lies below it frozen; its sweeps end where the
 // violation they meet fell by less than a fifth in twenty of them.
 constexpr int kPatience = 20;
 constexpr double kLeastFall = 0.8;
-
-// Returns the number of visits.
-std::int64_t solve_level(const ContactSolveOptions& options, double tolerance, ContactScratch& s) {
-    s.shock_packed.clear();
-    pack(s.shock_blocks, s.shock_rows, s.shock_packed);
-    const SweepView view{.packets = s.shock_packed.packets.data(),
-                         .num_packets = static_cast<std::int64_t>(s.shock_packed.packets.size()),
-                         .rows = s.shock_packed.rows.data(),
-                         .bodies = s.velocity.data()};
-    int sweeps = 0;
-    double before = std::numeric_limits<double>::infinity();
-    while (sweeps < options.shock_iterations) {
-        const double violation = sweep(Cone::frozen, view, options.isa);
-        ++sweeps;
-        if (violation <= tolerance) break;
-        if (sweeps % kPatience != 0) continue;
-        if (violation > kLeastFall * before) break;
-        before = violation;
-    }
-    return static_cast<std::int64_t>(sweeps) * static_cast<std::int64_t>(s.shock_rows.size());
-}
+constexpr std::size_t kBlockGrain = 32; // body pairs of a task
 
 void restore(const ContactScratch::Island& island, ContactScratch& s) {
     for (std::int32_t k = island.first; k < island.end; ++k)
@@ -99,15 +67,160 @@ std::int32_t order_by_level(const ContactScratch::Island& island, ContactScratch
     return top + 1;
 }
 
+// Copies the blocks level by level, with the bodies below each frozen. A block with a body of infinite mass is its own copy.
+void copy_levels(const ContactSolveOptions& options, ContactScratch& s) {
+    const std::size_t n = s.level_order.size();
+    s.shock_blocks.resize(n);
+    std::int32_t rows = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const ContactBlock& old = s.blocks[index(s.level_order[i])];
+        const std::int32_t level_a = s.level[index(old.a)], level_b = s.level[index(old.b)];
+        ContactBlock& block = s.shock_blocks[i] = freeze(old, level_a < level_b, level_b < level_a);
+        block.first = rows;
+        block.end = rows += old.end - old.first;
+    }
+    s.shock_rows.resize(index(rows));
+    for_each(options.team, "shock rows", n, kBlockGrain, [&](std::size_t i) {
+        const ContactBlock& block = s.shock_blocks[i];
+        const std::int32_t first = s.blocks[index(s.level_order[i])].first;
+        for (std::int32_t k = 0; k < block.end - block.first; ++k)
+            s.shock_rows[index(block.first + k)] = shock_row(block, s.rows[index(first + k)]);
+    });
+}
+
+// Lays the copies out as packets: those of a level one after the other, by colour.
+void pack_levels(const ContactSolveOptions& options, ContactScratch& s) {
+    s.shock_packed.clear();
+    s.shock_colors.clear();
+    s.shock_levels.clear();
+    const auto n = static_cast<std::int32_t>(s.level_order.size());
+    for (std::int32_t first = 0, end = 0; first < n; first = end) {
+        const auto level_of = [&](std::int32_t i) { return s.level_of_block[index(s.level_order[index(i)])]; };
+        while (end < n && level_of(end) == level_of(first)) ++end;
+        const auto color = static_cast<std::int32_t>(s.shock_colors.size());
+        lay_out_packets(s.shock_blocks, first, end, s.shock_packed, &s.shock_colors);
+        s.shock_levels.push_back({color, static_cast<std::int32_t>(s.shock_colors.size()),
+                                  s.shock_blocks[index(end - 1)].end - s.shock_blocks[index(first)].first});
+    }
+    for_each(options.team, "pack shock", s.shock_packed.packets.size(), kBlockGrain,
+             [&](std::size_t p) { fill_packet(s.shock_blocks, s.shock_rows, p, s.shock_packed); });
+}
+
+/// The sweeps of all levels on several threads, which decide alike (see sweep_island.cpp).
+class LevelSweeps {
+  public:
+    LevelSweeps(const ContactSolveOptions& options, double tolerance, int threads, ContactScratch& s)
+        : options_(options),
+          tolerance_(tolerance),
+          threads_(threads),
+          s_(s),
+          seen_(threads > 1 ? std::span(s.seen) : std::span(&alone_, 1)),
+          recorder_(options.team != nullptr ? options.team->recorder() : nullptr) {
+        if (recorder_ != nullptr) busy_.assign(index(threads) * s.shock_colors.size(), 0);
+    }
+
+    /// On thread 0 also counts the visits.
+    void run(int thread, SpinBarrier& barrier) {
+        int parity = 0;
+        for (const ContactScratch::ShockLevel& level : s_.shock_levels) {
+            int sweeps = 0;
+            double before = std::numeric_limits<double>::infinity();
+            while (sweeps < options_.shock_iterations) {
+                const double violation = sweep_level(level, thread, parity, barrier);
+                parity = 1 - parity;
+                ++sweeps;
+                if (violation <= tolerance_) break;
+                if (sweeps % kPatience != 0) continue;
+                if (violation > kLeastFall * before) break;
+                before = violation;
+            }
+            if (thread == 0) {
+                visits_ += static_cast<std::int64_t>(sweeps) * level.rows;
+                if (recorder_ != nullptr) sweeps_.push_back(sweeps);
+            }
+        }
+    }
+    /// A group for each colour of each level.
+    void record(std::int32_t region) const {
+        for (std::size_t l = 0; l < sweeps_.size(); ++l)
+            for (std::int32_t c = s_.shock_levels[l].first_color; c < s_.shock_levels[l].end_color; ++c) {
+                GroupSpan span{region, static_cast<std::int32_t>(packets_of(c).size()), sweeps_[l], 0};
+                for (std::size_t t = 0; t < index(threads_); ++t)
+                    span.busy += busy_[t * s_.shock_colors.size() + index(c)];
+                recorder_->add_group(span);
+            }
+    }
+    [[nodiscard]] std::int64_t visits() const { return visits_; }
+
+  private:
+    double sweep_level(const ContactScratch::ShockLevel& level, int thread, int parity, SpinBarrier& barrier) {
+        double& worst = seen_[index(thread)].worst[parity];
+        worst = 0;
+        for (std::int32_t c = level.first_color; c < level.end_color; ++c) {
+            const auto packets = share_of(packets_of(c), thread, threads_);
+            const std::int64_t begin = recorder_ != nullptr ? recorder_->now() : 0;
+            worst = std::max(worst, sweep(Cone::frozen,
+                                          {.packets = packets.data(),
+                                           .num_packets = static_cast<std::int64_t>(packets.size()),
+                                           .rows = s_.shock_packed.rows.data(),
+                                           .bodies = s_.velocity.data()},
+                                          options_.isa));
+            if (recorder_ != nullptr)
+                busy_[index(thread) * s_.shock_colors.size() + index(c)] += recorder_->now() - begin;
+            barrier.wait();
+        }
+        double out = 0;
+        for (const auto& seen : seen_) out = std::max(out, seen.worst[parity]);
+        return out;
+    }
+    [[nodiscard]] std::span<const ContactPacket> packets_of(std::int32_t color) const {
+        const std::span<const ContactPacket> all = s_.shock_packed.packets;
+        const std::size_t first = index(s_.shock_colors[index(color)]);
+        const std::size_t end =
+            index(color + 1) < s_.shock_colors.size() ? index(s_.shock_colors[index(color + 1)]) : all.size();
+        return all.subspan(first, end - first);
+    }
+
+    const ContactSolveOptions& options_;
+    double tolerance_;
+    int threads_;
+    ContactScratch& s_;
+    ContactScratch::Seen alone_;
+    std::span<ContactScratch::Seen> seen_; ///< by thread
+    std::int64_t visits_ = 0;
+    TaskRecorder* recorder_;
+    std::vector<int> sweeps_;        ///< by level, where recorded
+    std::vector<std::int64_t> busy_; ///< ns, by thread and colour
+};
+
 void run_levels(ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
     // Bodies move with what is left in the levels below them: the sum may reach the tolerance, not each term.
     const double tolerance = options.tolerance / order_by_level(island, s);
-    for (std::size_t first = 0, end = 0; first < s.level_order.size(); first = end) {
-        const std::int32_t level = s.level_of_block[index(s.level_order[first])];
-        while (end < s.level_order.size() && s.level_of_block[index(s.level_order[end])] == level) ++end;
-        copy_level(std::span(s.level_order).subspan(first, end - first), s);
-        island.visits += solve_level(options, tolerance, s);
+    copy_levels(options, s);
+    pack_levels(options, s);
+    const bool together = options.team != nullptr && is_large(island);
+    const auto width = [&](int most) {
+        return sweep_width(s.shock_packed.packets.size(), s.shock_colors.size(), most);
+    };
+    const int threads = together ? width(options.team->size()) : 1;
+    if (threads > 1) s.seen.assign(index(threads), {});
+    LevelSweeps sweeps(options, tolerance, threads, s);
+    if (together) {
+        TaskRecorder* recorder = options.team->recorder();
+        const std::int32_t region = recorder != nullptr
+                                        ? recorder->begin_region("shock sweeps", RegionKind::sweeps,
+                                                                 width(std::numeric_limits<int>::max()), nullptr)
+                                        : -1;
+        options.team->together(threads, [&](int thread, SpinBarrier& barrier) { sweeps.run(thread, barrier); });
+        if (recorder != nullptr) {
+            sweeps.record(region);
+            recorder->end_region(region);
+        }
+    } else {
+        SpinBarrier alone(1, false);
+        sweeps.run(0, alone);
     }
+    island.visits += sweeps.visits();
 }
 
 } // namespace

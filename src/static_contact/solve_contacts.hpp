@@ -119,6 +119,12 @@ struct ContactScratch {
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     std::vector<ContactBlock> shock_blocks;
     std::vector<ContactRow> shock_rows;
+    struct ShockLevel {
+        std::int32_t first_color, end_color; ///< in shock_colors
+        std::int32_t rows;
+    };
+    std::vector<ShockLevel> shock_levels;
+    std::vector<std::int32_t> shock_colors; ///< first packet of each colour of each level
     std::vector<BodyVelocity> before_shock;
 };
 

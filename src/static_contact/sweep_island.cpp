@@ -8,6 +8,7 @@
 
 #include "parallel/sweep_width.hpp"
 #include "static_contact/assemble.hpp"
+#include "static_contact/packet_shares.hpp"
 
 namespace flotilla {
 namespace {
@@ -121,24 +122,7 @@ SweepView view_of(const Island& island, ContactScratch& s) {
             .bodies = s.velocity.data()};
 }
 
-namespace {
-
 using Seen = ContactScratch::Seen;
-
-/// The packets of one colour, cut into shares of about equally many rows, one per thread.
-std::span<const ContactPacket> share_of(std::span<const ContactPacket> packets, int thread, int threads) {
-    if (threads == 1 || packets.empty()) return packets;
-    const std::int32_t first = packets.front().first, rows = packets.back().end - first;
-    const auto cut = [&](int t) {
-        const auto row = first + static_cast<std::int32_t>(static_cast<std::int64_t>(rows) * t / threads);
-        return std::partition_point(packets.begin(), packets.end(),
-                                    [&](const ContactPacket& p) { return p.first < row; });
-    };
-    const auto begin = cut(thread), end = thread + 1 == threads ? packets.end() : cut(thread + 1);
-    return {begin, end};
-}
-
-} // namespace
 
 /// The sweeps of one island on several threads. All of them go through run() and come to the same decisions, because what those rest
 /// on does not depend on the number of threads: packets of one colour touch different bodies, sums of bodies are cut at fixed places
