@@ -108,13 +108,12 @@ int sweep(StepData& data, const std::vector<ListedPair>& list, int rounds, Stage
     };
     const auto count = static_cast<std::size_t>(rounds);
     for (const auto& worker : data.workers) worker->work.assign(count, 0);
-    run_in_order(
-        data, "collide", {list.size(), counters.sweeps % 2 != 0, rounds}, [&](std::size_t i) { return list[i].pair; },
-        current,
-        [&](std::size_t i, int round, Worker& worker) {
-            collide(data, worker, list[i]);
-            ++worker.work[static_cast<std::size_t>(round)];
-        });
+    const auto pair_of = [&](std::size_t i) { return list[i].pair; };
+    run_in_order(data, "collide", {order_by_color(data, list.size(), pair_of), counters.sweeps % 2 != 0, rounds},
+                 pair_of, current, [&](std::size_t i, int round, Worker& worker) {
+                     collide(data, worker, list[i]);
+                     ++worker.work[static_cast<std::size_t>(round)];
+                 });
     collect(data, counters);
     int sweeps = 0;
     for (std::size_t r = 0; r < count; ++r)

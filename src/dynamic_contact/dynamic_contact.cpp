@@ -34,9 +34,10 @@ DynamicContactStats handle_dynamic_contact(StepData& data) {
         if (list.empty()) return stats;
         const bool backwards = sweep % 2 != 0;
         resolutions.assign(list.size(), {});
+        const auto pair_of = [&](std::size_t i) { return list[i]; };
+        const std::span<const std::int32_t> order = order_by_color(data, list.size(), pair_of);
         run_in_order(
-            data, "dynamic contact", {list.size(), backwards}, [&](std::size_t i) { return list[i]; },
-            [](std::size_t) { return false; },
+            data, "dynamic contact", {order, backwards}, pair_of, [](std::size_t) { return false; },
             [&](std::size_t i, int, Worker& worker) {
                 ++worker.counters.pairs;
                 resolutions[i] =
@@ -45,7 +46,7 @@ DynamicContactStats handle_dynamic_contact(StepData& data) {
         collect(data, stats.counters);
         requests.clear();
         for (std::size_t i = 0; i < list.size(); ++i) {
-            const std::size_t k = backwards ? list.size() - 1 - i : i;
+            const auto k = static_cast<std::size_t>(order[backwards ? list.size() - 1 - i : i]);
             const Resolution& r = resolutions[k];
             if (!r.resolved) requests.push_back({list[k].a, list[k].b, r.first_a, r.first_b});
         }

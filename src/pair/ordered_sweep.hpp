@@ -10,6 +10,10 @@
 // memory belongs to threads and is never read before it is written.
 #pragma once
 
+#include <array>
+#include <bit>
+#include <span>
+
 #include "pair/step_data.hpp"
 
 namespace flotilla {
@@ -21,14 +25,44 @@ namespace flotilla {
 
 /// A list run once or several times over, the first time in order or, `backwards`, from its end, then in turn the other way.
 struct SweepPlan {
-    std::size_t size = 0; ///< of the list
+    std::span<const std::int32_t> order; ///< places in the list
     bool backwards = false;
     int rounds = 1;
 
+    [[nodiscard]] std::size_t size() const { return order.size(); }
     [[nodiscard]] std::size_t place(int round, std::size_t i) const {
-        return backwards != (round % 2 != 0) ? size - 1 - i : i;
+        return static_cast<std::size_t>(order[backwards != (round % 2 != 0) ? size() - 1 - i : i]);
     }
 };
+
+/// The order of a frozen list: by colours, and in a colour as listed. No two pairs of a colour share a movable cluster, so that as
+/// many operations wait for one another as there are colours, some tens; in the order of the list itself chains of waiting operations
+/// go through the whole pile. Greedy, in list order: a pure function of the list. Valid until the next call.
+template <class PairOf>
+[[nodiscard]] std::span<const std::int32_t> order_by_color(StepData& data, std::size_t size, PairOf&& pair_of) {
+    constexpr int kColors = 64; // the last takes all that find none free: a chain again
+    ListBuffers& l = data.lists;
+    l.used_colors.assign(data.model.size(), 0);
+    l.color.resize(size);
+    std::array<std::int32_t, kColors + 1> begin{};
+    for (std::size_t i = 0; i < size; ++i) {
+        const CandidatePair p = pair_of(i);
+        const std::int32_t a = shared_cluster(data, p.a), b = shared_cluster(data, p.b);
+        std::uint64_t none = 0;
+        std::uint64_t& used_a = a >= 0 ? l.used_colors[static_cast<std::size_t>(a)] : none;
+        std::uint64_t& used_b = b >= 0 ? l.used_colors[static_cast<std::size_t>(b)] : none;
+        const int color = std::min(std::countr_one(used_a | used_b), kColors - 1);
+        used_a |= std::uint64_t{1} << color;
+        used_b |= std::uint64_t{1} << color;
+        l.color[i] = static_cast<std::uint8_t>(color);
+        ++begin[static_cast<std::size_t>(color) + 1];
+    }
+    for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
+    l.places.resize(size);
+    for (std::size_t i = 0; i < size; ++i)
+        l.places[static_cast<std::size_t>(begin[l.color[i]]++)] = static_cast<std::int32_t>(i);
+    return l.places;
+}
 
 /// Fills the order of tasks of a plan. An operation is left out where its pair is current and no operation before it may change
 /// that: where none of those shares a movable cluster with it.
@@ -36,13 +70,14 @@ template <class PairOf, class Current>
 void order_tasks(StepData& data, const SweepPlan& plan, PairOf&& pair_of, Current&& current) {
     constexpr std::size_t kGrain = 256;
     ListBuffers& l = data.lists;
-    l.flags.resize(plan.size);
-    data.team.for_each("stale pairs", plan.size, kGrain, [&](std::size_t i, int) { l.flags[i] = current(i) ? 0 : 1; });
+    l.flags.resize(plan.size());
+    data.team.for_each("stale pairs", plan.size(), kGrain,
+                       [&](std::size_t i, int) { l.flags[i] = current(i) ? 0 : 1; });
     l.touched.assign(data.model.size(), 0);
     l.tasks.clear();
     l.order.start(data.model.size());
     for (int round = 0; round < plan.rounds; ++round)
-        for (std::size_t i = 0; i < plan.size; ++i) {
+        for (std::size_t i = 0; i < plan.size(); ++i) {
             const std::size_t k = plan.place(round, i);
             const CandidatePair p = pair_of(k);
             const std::int32_t a = shared_cluster(data, p.a), b = shared_cluster(data, p.b);
@@ -66,7 +101,7 @@ void run_in_order(StepData& data, const char* name, const SweepPlan& plan, PairO
     if (data.team.size() == 1 && data.team.recorder() == nullptr) {
         for (int round = 0; round < plan.rounds; ++round) {
             bool any = false;
-            for (std::size_t i = 0; i < plan.size; ++i) {
+            for (std::size_t i = 0; i < plan.size(); ++i) {
                 const std::size_t k = plan.place(round, i);
                 if (current(k)) continue;
                 operate(k, round, data.worker(0));

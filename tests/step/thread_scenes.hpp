@@ -55,6 +55,27 @@ inline SceneDescription changing_islands(bool large) {
     return scene;
 }
 
+/// Groups of two and more dynamic bodies that touch each other, directly or through others.
+inline std::size_t count_islands(const SceneDescription& scene, const World& world) {
+    std::vector<std::size_t> parent(world.size());
+    for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = i;
+    const auto root = [&](std::size_t i) {
+        while (parent[i] != i) i = parent[i];
+        return i;
+    };
+    std::size_t joined = 0;
+    std::vector<bool> touches(world.size());
+    for (const ContactState& c : world.contacts()) {
+        const auto a = static_cast<std::size_t>(c.body_a), b = static_cast<std::size_t>(c.body_b);
+        if (scene.bodies[a].type != BodyType::dynamic || scene.bodies[b].type != BodyType::dynamic) continue;
+        touches[a] = touches[b] = true;
+        if (root(a) == root(b)) continue;
+        parent[std::max(root(a), root(b))] = std::min(root(a), root(b));
+        ++joined;
+    }
+    return static_cast<std::size_t>(std::count(touches.begin(), touches.end(), true)) - joined;
+}
+
 struct ThreadScene {
     const char* name;
     SceneDescription (*make)(bool large);

@@ -18,5 +18,21 @@ TEST_P(Threads, GiveTheSameBitsInEveryStep) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Threads, testing::ValuesIn(thread_scenes()),
                          [](const auto& scene) { return std::string(scene.param.name); });
 
+TEST(ThreadScenes, IslandsMergeAndSplit) {
+    const SceneDescription scene = changing_islands(false);
+    World world(scene);
+    int more = 0, fewer = 0;
+    std::size_t before = 0;
+    for (int n = 0; n < 40; ++n) {
+        world.step();
+        const std::size_t islands = count_islands(scene, world);
+        more += islands > before ? 1 : 0;
+        fewer += islands < before ? 1 : 0;
+        before = islands;
+    }
+    EXPECT_GE(more, 5);
+    EXPECT_GE(fewer, 5);
+}
+
 } // namespace
 } // namespace flotilla::scenario
