@@ -94,6 +94,8 @@ struct ContactScratch {
     std::vector<std::int32_t> color, island_of_pair, level, missing;
     std::vector<std::int32_t> pair_order; ///< pairs by (island, colour, contacts, pair)
     std::vector<std::int32_t> counts, sorted;
+    std::vector<std::int32_t> region, cell, body_order; ///< of bodies in contact
+    std::vector<std::int32_t> region_of_pair;
     ColoringScratch coloring;
     ContactGraphScratch graph;
     std::vector<BodyVelocity> velocity; ///< per body in contact
