@@ -78,12 +78,13 @@ std::int32_t morton_cell(const Vec3& relative) {
 
 // Numbers regions of bodies near each other, so that threads that share out the packets of every colour in that order meet mostly the
 // same bodies in all of them: a velocity that another thread wrote last takes longer to fetch than a contact to solve. Changes no
-// bit.
+// bit, and need not be the island's own.
 int number_regions(const ContactBodies& bodies, ContactScratch& s) {
     const std::size_t n = s.bodies.size(), regions = std::clamp<std::size_t>(n / kBodiesPerRegion, 1, kMostRegions);
     s.region.assign(n, 0);
     if (regions == 1) return 1;
-    Vec3 low = bodies.position[index(s.bodies[0])], high = low;
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    Vec3 low{kFar, kFar, kFar}, high = -low; // what is never movable may be anywhere
     for (std::size_t k = 0; k < n; ++k) {
         if (!s.movable[k]) continue;
         low = min(low, bodies.position[index(s.bodies[k])]);

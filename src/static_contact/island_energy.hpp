@@ -9,7 +9,7 @@ namespace flotilla {
 /// Whether every body of prescribed velocity in the island stands still: impulses then do work on nothing outside it.
 [[nodiscard]] bool prescribed_at_rest(const ContactScratch::Island& island, const ContactScratch& scratch);
 
-/// J, with the velocities in `scratch`, summed over the island's movable bodies in the order in which its blocks first name them.
+/// J, with the velocities in `scratch`, summed over the island's movable bodies, ascending.
 [[nodiscard]] double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies,
                                     const ContactScratch& scratch);
 

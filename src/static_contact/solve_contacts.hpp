@@ -105,7 +105,7 @@ struct ContactScratch {
     std::vector<std::int32_t> source; ///< contact of each row
     std::vector<Island> islands;
     std::vector<std::int32_t> island_bodies;             ///< movable, by island
-    std::vector<std::uint8_t> listed;                    ///< per body in contact
+    std::vector<std::int32_t> island_of_body;            ///< per body in contact, -1: not movable
     std::vector<BodyVelocity> before_sweep, sweep_start; ///< per body in contact
     std::vector<Weight> weight;                          ///< per body in contact
     std::vector<double> sums;                ///< parts of sums, at the place of their first body in island_bodies

@@ -88,25 +88,29 @@ class Progress {
 } // namespace
 
 void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
+    const std::size_t n = s.bodies.size();
+    s.before_sweep.resize(n);
+    s.sweep_start.resize(n);
+    s.weight.resize(n);
+    s.sums.resize(n);
+    s.island_of_body.assign(n, -1);
+    for (std::size_t k = 0; k < s.pairs.size(); ++k)
+        for (const std::int32_t body : {s.pairs[k].a, s.pairs[k].b})
+            if (s.movable[index(body)]) s.island_of_body[index(body)] = s.island_of_pair[k];
     s.island_bodies.clear();
-    s.before_sweep.resize(s.bodies.size());
-    s.sweep_start.resize(s.bodies.size());
-    s.weight.resize(s.bodies.size());
-    s.sums.resize(s.bodies.size());
-    s.listed.assign(s.bodies.size(), 0);
-    for (Island& island : s.islands) {
-        island.first_body = static_cast<std::int32_t>(s.island_bodies.size());
-        for (std::int32_t k = island.first; k < island.end; ++k)
-            for (const std::int32_t body : {s.blocks[index(k)].a, s.blocks[index(k)].b}) {
-                if (!s.movable[index(body)] || s.listed[index(body)]) continue;
-                s.listed[index(body)] = 1;
-                s.island_bodies.push_back(body);
-                const std::size_t id = index(s.bodies[index(body)]);
-                const Mat3& j = bodies.inv_inertia[id];
-                const double trace = j.m[0] + j.m[4] + j.m[8];
-                s.weight[index(body)] = {1 / bodies.inv_mass[id], trace > 0 ? 3 / trace : 0.0};
-            }
-        island.end_body = static_cast<std::int32_t>(s.island_bodies.size());
+    for (std::size_t body = 0; body < n; ++body) {
+        if (!s.movable[body]) continue;
+        s.island_bodies.push_back(static_cast<std::int32_t>(body));
+        const std::size_t id = index(s.bodies[body]);
+        const Mat3& j = bodies.inv_inertia[id];
+        const double trace = j.m[0] + j.m[4] + j.m[8];
+        s.weight[body] = {1 / bodies.inv_mass[id], trace > 0 ? 3 / trace : 0.0};
+    }
+    stable_sort_by_key(s.island_of_body, static_cast<int>(s.islands.size()), s.island_bodies, s.counts, s.sorted);
+    for (std::size_t k = 0; k < s.island_bodies.size(); ++k) {
+        Island& island = s.islands[index(s.island_of_body[index(s.island_bodies[k])])];
+        if (island.end_body == 0) island.first_body = static_cast<std::int32_t>(k);
+        island.end_body = static_cast<std::int32_t>(k + 1);
     }
 }
 

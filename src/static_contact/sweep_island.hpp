@@ -17,7 +17,8 @@
 
 namespace flotilla {
 
-/// Lists the movable bodies of every island in the order in which its blocks first name them, with their weights.
+/// Lists the movable bodies of every island, ascending, with their weights: the order of sums is the island's own, whatever the
+/// order of its blocks.
 void list_island_bodies(const ContactBodies& bodies, ContactScratch& scratch);
 
 /// Sweeps until the tolerance holds, the limit is reached or, with options.patience, the residual falls no more. Sets the island's

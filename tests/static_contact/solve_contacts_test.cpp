@@ -445,18 +445,26 @@ TEST(SolveContacts, TheWidthOfTheVectorsChangesNoBit) {
 }
 
 TEST(SolveContacts, OtherIslandsChangeNoBit) {
-    const ContactWorld all = make_random(6, 60, 12, 0.4, true);
-    ContactWorld together = all, alone = all;
-    std::erase_if(alone.contacts, [](const Contact& c) { return c.b > 12; }); // bodies 1..12 are one island or more
-    alone.impulses.resize(alone.contacts.size());
-    ASSERT_GT(alone.contacts.size(), 10u);
-    ASSERT_LT(alone.contacts.size(), together.contacts.size());
-    const ContactSolveOptions options{.iterations = 200, .tolerance = 1e-3};
-    together.solve(options);
-    alone.solve(options);
-    for (std::size_t i = 0; i <= 12; ++i) {
-        EXPECT_EQ(together.velocity[i], alone.velocity[i]) << i;
-        EXPECT_EQ(together.angular_velocity[i], alone.angular_velocity[i]) << i;
+    struct Sizes {
+        int bodies, island;
+    };
+    for (const Sizes s : {Sizes{60, 12}, Sizes{900, 300}}) { // one region of bodies, and many
+        const ContactWorld all = make_random(6, s.bodies, s.island, 0.4, true);
+        ContactWorld together = all, alone = all;
+        std::erase_if(alone.contacts, [&](const Contact& c) { return c.b > s.island; }); // one island or more
+        alone.impulses.resize(alone.contacts.size());
+        ASSERT_GT(alone.contacts.size(), 10u);
+        ASSERT_LT(alone.contacts.size(), together.contacts.size());
+        const ContactSolveOptions options{.iterations = 200, .tolerance = 1e-3};
+        together.solve(options);
+        alone.solve(options);
+        for (std::size_t i = 0; i <= static_cast<std::size_t>(s.island); ++i) {
+            EXPECT_EQ(together.velocity[i], alone.velocity[i]) << i;
+            EXPECT_EQ(together.angular_velocity[i], alone.angular_velocity[i]) << i;
+        }
+        // The sums that decide, to the last bit.
+        for (std::size_t k = 0; k < alone.scratch.islands.size(); ++k)
+            EXPECT_EQ(together.scratch.islands[k].energy_pgs, alone.scratch.islands[k].energy_pgs);
     }
 }
 
