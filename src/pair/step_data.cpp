@@ -38,6 +38,12 @@ constexpr double kRestingWay = 1.0 / 16;
 constexpr std::int32_t kUsesBeforeRefining = 4;
 constexpr double kSlowMargin = 0.5, kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
 
+/// A bound on how far the bodies move against each other in the step, along any axis, m. Straight paths only.
+double way_of(const BodyMotion& a, const BodyMotion& b) {
+    return relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape, matrix_pose(b.at0),
+                                 matrix_pose(b.at1));
+}
+
 /// How far the motion may stray from the one a new list is made for.
 CandidateMargins choose_margins(const PairRecord& r, double way) {
     const double base = r.lengths.proximity;
@@ -59,12 +65,13 @@ const CandidateList* candidates(const StepData& data, Worker& worker, PairRecord
     }
     ++c.queries;
     const CandidateMargins strayed = c.list.strayed(a, b);
-    const CandidateReach reach{swept_reach(largest_separation(data, r), a, b), r.lengths.proximity};
-    const double way = relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape,
-                                             matrix_pose(b.at0), matrix_pose(b.at1));
+    const bool covers = c.list.covers(strayed);
+    if (covers && (++c.uses <= kUsesBeforeRefining || c.list.refined())) return &c.list;
+    const double way = way_of(a, b);
     const bool resting = way < kRestingWay * r.lengths.proximity;
-    if (c.list.covers(strayed)) {
-        if (++c.uses <= kUsesBeforeRefining || c.list.refined() || !resting) return &c.list;
+    if (covers && !resting) return &c.list;
+    const CandidateReach reach{swept_reach(largest_separation(data, r), a, b), r.lengths.proximity};
+    if (covers) {
         c.list.build(a, b, reach, choose_margins(r, way), true, worker.ccd.listing);
         return &c.list;
     }
@@ -99,16 +106,14 @@ constexpr double kClearOfSeparation = 2;
 
 /// A bound on how much the distance of the bodies changes in the step, m. Straight paths only.
 double change_of_distance(const BodyMotion& a, const BodyMotion& b) {
-    const double along_axis = relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape,
-                                                    matrix_pose(b.at0), matrix_pose(b.at1));
-    return (1 + kRoundingRoom) * std::numbers::sqrt3 * along_axis +
+    return (1 + kRoundingRoom) * std::numbers::sqrt3 * way_of(a, b) +
            kVertexRounding * std::max(a.max_abs(), b.max_abs());
 }
 
 /// Whether the bodies, whose distance at x^n is known, move too little to come near the separation at any time: a proof of the
 /// same thing as the query's, which then has nothing to find.
-bool stay_apart(const PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
-    if (r.start_distance < 0 || !a.straight() || !b.straight()) return false;
+bool stay_apart(const StepData& data, const PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
+    if (!data.keep_candidates || r.start_distance < 0 || !a.straight() || !b.straight()) return false;
     const double from = std::min(r.start_distance, r.lengths.proximity); // infinite: not within the proximity distance
     return (1 - kRoundingRoom) * from - change_of_distance(a, b) > kClearOfSeparation * r.lengths.separation;
 }
@@ -117,7 +122,7 @@ PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod me
     // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
     if (data.trajectories.still(at(r.a)) && data.trajectories.still(at(r.b))) return {};
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
-    if (method == CcdMethod::conservative && stay_apart(r, a, b)) return {};
+    if (method == CcdMethod::conservative && stay_apart(data, r, a, b)) return {};
     const double separation = method == CcdMethod::cubic ? cubic_tolerance(data.model.settings) : r.lengths.separation;
     const bool turns = !a.straight() || !b.straight();
     const PathCut cut = turns ? cut_path(a, b, {r.lengths.rest, start_distance(data, worker, r)}) : PathCut{};
@@ -186,8 +191,8 @@ const CandidateList* kept_candidates(const StepData& data, Worker& worker, PairR
 
 bool near_at_end(const StepData& data, Worker& worker, const PairRecord& r) {
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
-    if (r.start_distance >= 0 && r.start_distance < r.lengths.proximity && a.straight() && b.straight() &&
-        r.start_distance + change_of_distance(a, b) < (1 - kRoundingRoom) * r.lengths.proximity)
+    if (data.keep_candidates && r.start_distance >= 0 && r.start_distance < r.lengths.proximity && a.straight() &&
+        b.straight() && r.start_distance + change_of_distance(a, b) < (1 - kRoundingRoom) * r.lengths.proximity)
         return true;
     return any_proximity(data.trajectories.at_end(at(r.a)), data.trajectories.at_end(at(r.b)), r.lengths.proximity,
                          end_candidates(data, r), worker.proximity);

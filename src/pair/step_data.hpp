@@ -92,10 +92,11 @@ struct StepData {
     Team& team;
     Workers& workers; ///< by thread
     ListBuffers& lists;
-    double dt;                   ///< s
-    double angle_cos;            ///< of theta_proximity
-    double approach;             ///< m/s, slower end proximities are left to static contact
-    bool keep_candidates = true; ///< off: every query traverses the hierarchies; the same answers
+    double dt;        ///< s
+    double angle_cos; ///< of theta_proximity
+    double approach;  ///< m/s, slower end proximities are left to static contact
+    /// Off: every query traverses the hierarchies, whatever is known of the pair; the same answers.
+    bool keep_candidates = true;
 
     [[nodiscard]] Worker& worker(int thread) const { return *workers[static_cast<std::size_t>(thread)]; }
 };

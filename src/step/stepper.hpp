@@ -15,7 +15,7 @@ namespace flotilla {
 
 /// None changes a bit of the results.
 struct StepperOptions {
-    bool keep_candidates = true; ///< of body pairs, between queries: changes cost only
+    bool keep_candidates = true; ///< and distances of body pairs, between queries: changes cost only
     int threads = 1;
     bool pin = false; ///< each thread to a core of its own
 };
