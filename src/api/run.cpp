@@ -50,7 +50,7 @@ class FrameRecorder {
 /// Records the tasks of every k-th step. The world must outlive it.
 class TaskTrace {
   public:
-    TaskTrace(World& world, const RunOptions& options)
+    TaskTrace(World& world, std::vector<ThreadCosts> costs, const RunOptions& options)
         : options_(options), world_(world), team_(WorldAccess::team(world)), recorder_(team_.size()) {
         const io::OutputStream probe(options.trace); // a path that cannot be written is known before the run
         recorder_.set_active(false);
@@ -58,6 +58,7 @@ class TaskTrace {
         info_.threads = team_.size();
         info_.command_line = options.command_line;
         info_.trace_every = options.trace_every;
+        info_.costs = std::move(costs);
     }
     ~TaskTrace() { team_.record_to(nullptr); }
     TaskTrace(const TaskTrace&) = delete;
@@ -78,10 +79,7 @@ class TaskTrace {
         return report;
     }
 
-    void write() {
-        info_.costs = measure_costs(usable_cores());
-        io::write_trace(options_.trace, info_, recorder_.record());
-    }
+    void write() { io::write_trace(options_.trace, info_, recorder_.record()); }
     [[nodiscard]] std::int64_t steps() const { return info_.steps; }
 
   private:
@@ -137,6 +135,9 @@ std::unique_ptr<io::RunWriter> open_writer(const SceneDescription& scene, const 
 } // namespace
 
 RunTotals run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options) {
+    // Before the world's threads are there, perhaps pinned: those that are measured would share their cores.
+    std::vector<ThreadCosts> costs;
+    if (!options.trace.empty()) costs = measure_costs(usable_cores());
     World world(scene, source, options.world);
     RunTotals summary;
     summary.bodies = static_cast<std::int64_t>(world.size());
@@ -147,7 +148,7 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         frames->record();
     }
     std::unique_ptr<TaskTrace> trace;
-    if (!options.trace.empty()) trace = std::make_unique<TaskTrace>(world, options);
+    if (!options.trace.empty()) trace = std::make_unique<TaskTrace>(world, std::move(costs), options);
     bool goes_on = true;
     while (goes_on && summary.steps < options.steps) {
         const StepReport report = trace ? trace->step() : world.step();

@@ -120,12 +120,7 @@ class TraceWriter {
 
     /// Outer ones first, which viewers rely on where two begin at once.
     void write_phases() {
-        std::vector<const PhaseSpan*> phases;
-        for (auto it = record_.phases.rbegin(); it != record_.phases.rend(); ++it) phases.push_back(&*it);
-        std::stable_sort(phases.begin(), phases.end(), [](const PhaseSpan* a, const PhaseSpan* b) {
-            return a->begin != b->begin ? a->begin < b->begin : a->end > b->end;
-        });
-        for (const PhaseSpan* p : phases) {
+        for (const PhaseSpan* p : phases_in_order(record_)) {
             begin_event(p->name, "phase", p->begin, p->end, 0);
             text_ += "\"step\":";
             append_number(text_, p->step);

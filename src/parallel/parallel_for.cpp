@@ -6,13 +6,12 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
-#include <exception>
-#include <limits>
-#include <mutex>
 #include <thread>
 #include <vector>
 
 #include <sched.h>
+
+#include "parallel/first_error.hpp"
 
 namespace flotilla {
 namespace {
@@ -31,33 +30,21 @@ class Queue {
     Queue(std::size_t n, const std::function<void(std::size_t)>& work) : n_(n), work_(work) {}
 
     void run() {
-        for (std::size_t i = next_++; i < n_; i = next_++) {
+        for (std::size_t i = next_++; i < n_ && !error_.any(); i = next_++) {
             try {
                 work_(i);
             } catch (...) {
-                keep_first(i);
-                next_ = n_;
+                error_.keep(i);
             }
         }
     }
-    void rethrow() const {
-        if (error_) std::rethrow_exception(error_);
-    }
+    void rethrow() const { error_.rethrow(); }
 
   private:
-    void keep_first(std::size_t i) {
-        const std::lock_guard guard(lock_);
-        if (i > failed_) return;
-        failed_ = i;
-        error_ = std::current_exception();
-    }
-
     std::size_t n_;
     const std::function<void(std::size_t)>& work_;
     std::atomic<std::size_t> next_ = 0;
-    std::mutex lock_;
-    std::size_t failed_ = std::numeric_limits<std::size_t>::max();
-    std::exception_ptr error_;
+    FirstError error_;
 };
 
 } // namespace

@@ -328,16 +328,6 @@ class RowTree {
     std::vector<Node> nodes_;
 };
 
-/// Outer phases before those inside them; of two equal ones that which ended later is the outer.
-std::vector<const PhaseSpan*> phases_in_order(const TaskRecord& record) {
-    std::vector<const PhaseSpan*> phases;
-    for (auto it = record.phases.rbegin(); it != record.phases.rend(); ++it) phases.push_back(&*it);
-    std::stable_sort(phases.begin(), phases.end(), [](const PhaseSpan* a, const PhaseSpan* b) {
-        return a->begin != b->begin ? a->begin < b->begin : a->end > b->end;
-    });
-    return phases;
-}
-
 class ScheduleMaker {
   public:
     ScheduleMaker(const TaskRecord& record, const CostModel& costs, std::vector<int> widths)

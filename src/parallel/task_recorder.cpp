@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "parallel/task_recorder.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 namespace flotilla {
@@ -12,6 +13,15 @@ std::int64_t clock_ns() {
 }
 
 } // namespace
+
+std::vector<const PhaseSpan*> phases_in_order(const TaskRecord& record) {
+    std::vector<const PhaseSpan*> phases;
+    for (auto it = record.phases.rbegin(); it != record.phases.rend(); ++it) phases.push_back(&*it);
+    std::stable_sort(phases.begin(), phases.end(), [](const PhaseSpan* a, const PhaseSpan* b) {
+        return a->begin != b->begin ? a->begin < b->begin : a->end > b->end;
+    });
+    return phases;
+}
 
 TaskRecorder::TaskRecorder(int threads) : start_(clock_ns()) {
     record_.threads.resize(static_cast<std::size_t>(threads));

@@ -60,6 +60,9 @@ struct TaskRecord {
     std::vector<PhaseSpan> phases; ///< in the order in which they ended
 };
 
+/// Phases by their begin, outer ones before those inside them; of two equal ones that which ended later is the outer.
+[[nodiscard]] std::vector<const PhaseSpan*> phases_in_order(const TaskRecord& record);
+
 /// Owned by whoever asked for the record; written by the team's threads, each to its own list.
 class TaskRecorder {
   public:

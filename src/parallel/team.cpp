@@ -2,14 +2,12 @@
 #include "parallel/team.hpp"
 
 #include <chrono>
-#include <exception>
-#include <limits>
-#include <mutex>
 #include <thread>
 
 #include <pthread.h>
 #include <sched.h>
 
+#include "parallel/first_error.hpp"
 #include "parallel/parallel_for.hpp"
 
 namespace flotilla {
@@ -54,28 +52,6 @@ void idle(int& turn, bool crowded) {
     else
         pause_briefly();
 }
-
-/// The exception of the lowest task.
-class FirstError {
-  public:
-    void keep(std::size_t task) {
-        const std::lock_guard guard(lock_);
-        if (task > task_) return;
-        task_ = task;
-        error_ = std::current_exception();
-        any_.store(true, std::memory_order_relaxed);
-    }
-    [[nodiscard]] bool any() const { return any_.load(std::memory_order_relaxed); }
-    void rethrow() const {
-        if (error_) std::rethrow_exception(error_);
-    }
-
-  private:
-    std::mutex lock_;
-    std::atomic<bool> any_ = false;
-    std::size_t task_ = std::numeric_limits<std::size_t>::max();
-    std::exception_ptr error_;
-};
 
 } // namespace
 
@@ -301,18 +277,33 @@ Team::Team(const TeamOptions& options)
       ordered_(std::make_unique<OrderedMemory>(size_)),
       chunks_(std::make_unique<Chunks>(size_)) {
     for (int k = 0; k < size_; ++k) seats_.push_back(std::make_unique<Seat>());
-    for (int k = 1; k < size_; ++k)
-        seats_[static_cast<std::size_t>(k)]->thread = std::thread([this, k, pin = options.pin] {
-            if (pin) pin_to_core(k);
-            serve(k);
-        });
+    try {
+        for (int k = 1; k < size_; ++k)
+            seats_[static_cast<std::size_t>(k)]->thread = std::thread([this, k, pin = options.pin] {
+                if (pin) pin_to_core(k);
+                serve(k);
+            });
+    } catch (...) { // the system has no more threads
+        dismiss();
+        throw;
+    }
     // Last: threads inherit the cores of the one that makes them.
-    if (options.pin) pin_to_core(0);
+    if (!options.pin) return;
+    caller_cores_ = std::make_unique<cpu_set_t>();
+    CPU_ZERO(caller_cores_.get());
+    if (sched_getaffinity(0, sizeof(cpu_set_t), caller_cores_.get()) != 0) caller_cores_.reset();
+    pin_to_core(0);
 }
 
 Team::~Team() {
+    dismiss();
+    if (caller_cores_) sched_setaffinity(0, sizeof(cpu_set_t), caller_cores_.get());
+}
+
+void Team::dismiss() {
     leaving_.store(true, std::memory_order_relaxed);
     for (std::size_t k = 1; k < seats_.size(); ++k) {
+        if (!seats_[k]->thread.joinable()) continue;
         seats_[k]->state.store(Seat::called, std::memory_order_release);
         seats_[k]->state.notify_one();
         seats_[k]->thread.join();

@@ -19,6 +19,8 @@
 #include <type_traits>
 #include <vector>
 
+#include <sched.h>
+
 #include "parallel/task_order.hpp"
 #include "parallel/task_recorder.hpp"
 
@@ -26,7 +28,7 @@ namespace flotilla {
 
 struct TeamOptions {
     int threads = 1;
-    bool pin = false; ///< each thread stays on one core
+    bool pin = false; ///< each thread stays on one core; the caller until the team is gone
 };
 
 /// What a thread did since the team was made.
@@ -132,6 +134,7 @@ class Team {
     /// Calls section(0, thread) on `threads` threads, the caller being thread 0; returns when they have.
     void dispatch(int threads, const Call& section, Join join);
     void serve(int seat);
+    void dismiss(); ///< ends the helpers
 
     int size_;
     bool crowded_; ///< more threads than cores
@@ -143,6 +146,7 @@ class Team {
     struct OrderedMemory;
     std::unique_ptr<OrderedMemory> ordered_;
     std::unique_ptr<Chunks> chunks_;
+    std::unique_ptr<cpu_set_t> caller_cores_; ///< of the calling thread before it was pinned
 };
 
 /// Calls work(i) for all i in [0, n): on the team, or where there is none in a plain loop.

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "parallel/parallel_for.hpp"
 #include "parallel/team_sort.hpp"
 
 namespace flotilla {
@@ -163,6 +164,15 @@ TEST(Team, BarriersKeepRoundsApart) {
         });
         EXPECT_EQ(wrong, 0);
     }
+}
+
+TEST(Team, PinningEndsWithTheTeam) {
+    const int before = usable_cores();
+    {
+        Team team({2, true});
+        EXPECT_EQ(usable_cores(), 1);
+    }
+    EXPECT_EQ(usable_cores(), before);
 }
 
 TEST(Team, SortsAsOneThreadDoes) {
