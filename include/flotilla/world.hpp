@@ -52,9 +52,10 @@ enum class Executor : std::uint8_t {
 
 /// None changes a bit of the results.
 struct WorldOptions {
-    int threads = 0; ///< 0: FLOTILLA_NUM_THREADS, else OMP_NUM_THREADS, else the cores that the process may use
+    int threads =
+        0; ///< up to 1024; 0: FLOTILLA_NUM_THREADS, else OMP_NUM_THREADS, else the cores that the process may use
     Executor executor = Executor::parallel;
-    bool pin = false; ///< keep each thread on a core of its own
+    bool pin = false; ///< keep each thread on a core of its own, the calling one until the World is gone
 };
 
 /// What a thread of a World did since that was made.
@@ -67,7 +68,7 @@ struct ThreadReport {
 
 class World {
   public:
-    /// Throws InputError for an invalid scene and OverlapError where bodies intersect at the start. `source` starts messages.
+    /// Throws InputError for an invalid scene or number of threads and OverlapError where bodies intersect at the start. `source` starts messages.
     explicit World(const SceneDescription& scene, const std::string& source = "scene",
                    const WorldOptions& options = {});
     ~World();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <flotilla/world.hpp>
 
+#include <flotilla/error.hpp>
+
 #include "api/world_access.hpp"
 #include "parallel/parallel_for.hpp"
 #include "scene/initial_overlap.hpp"
@@ -25,9 +27,14 @@ Scene checked(const SceneDescription& description, const std::string& source) {
     throw OverlapError(message);
 }
 
+constexpr int kMostThreads = 1024;
+
 StepperOptions stepper_options(const WorldOptions& options) {
     StepperOptions out;
     out.threads = options.threads > 0 ? options.threads : default_threads();
+    if (out.threads > kMostThreads)
+        throw InputError(std::to_string(out.threads) + " threads: at most " + std::to_string(kMostThreads) +
+                         " are supported");
     if (options.executor == Executor::serial) out.threads = 1;
     out.pin = options.pin;
     return out;

@@ -79,6 +79,13 @@ TEST_F(RunThreads, TheEnvironmentSetsTheirNumber) {
     EXPECT_EQ(last_.find("\n     3 "), std::string::npos) << last_;
 }
 
+TEST_F(RunThreads, TooManyAreRefused) {
+    const CommandOutput r =
+        run_flotilla("run " + (folder_.path() / "boats.json").string() + " --steps 1 --threads 100000");
+    EXPECT_EQ(r.exit_code, 2);
+    EXPECT_NE(r.err.find("100000 threads: at most 1024"), std::string::npos) << r.err;
+}
+
 TEST_F(RunThreads, AnUnknownExecutorIsRefused) {
     const CommandOutput r =
         run_flotilla("run " + (folder_.path() / "boats.json").string() + " --steps 1 --executor fast");
