@@ -23,8 +23,8 @@ enum class Phase : std::uint8_t {
     velocity,            ///< stage 6
     static_contact,      ///< stage 7
     certificate,         ///< end-of-step check
-    detection,           ///< of collisions, dynamic contact and failsafe
-    response,            ///< of collisions, dynamic contact and failsafe
+    detection,           ///< of collisions, dynamic contact and failsafe: time of all threads together
+    response,            ///< of collisions, dynamic contact and failsafe: time of all threads together
     static_detection,    ///< proximities of stages 3 and 7
     static_response,     ///< contact solves of stages 3 and 7
 };
