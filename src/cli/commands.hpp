@@ -30,6 +30,7 @@ using Action = std::function<int()>;
 
 void register_ccd(CLI::App& app, Action& action);
 void register_check(CLI::App& app, Action& action);
+void register_compare(CLI::App& app, Action& action);
 void register_export(CLI::App& app, Action& action);
 void register_info(CLI::App& app, Action& action);
 void register_picture(CLI::App& app, Action& action);

@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
     cli::Action action;
     cli::register_ccd(app, action);
     cli::register_check(app, action);
+    cli::register_compare(app, action);
     cli::register_export(app, action);
     cli::register_info(app, action);
     cli::register_picture(app, action);

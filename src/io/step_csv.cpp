@@ -66,4 +66,27 @@ std::string step_csv_until(std::string_view text, std::int64_t last_step) {
     return kept;
 }
 
+std::vector<std::string_view> step_csv_fields(std::string_view line) {
+    std::vector<std::string_view> fields;
+    for (std::size_t comma = line.find(','); comma != std::string_view::npos; comma = line.find(',')) {
+        fields.push_back(line.substr(0, comma));
+        line.remove_prefix(comma + 1);
+    }
+    fields.push_back(line);
+    return fields;
+}
+
+StepTable read_step_table(std::string_view text) {
+    StepTable table;
+    std::size_t end = text.find('\n');
+    if (end == std::string_view::npos) return table;
+    for (const std::string_view name : step_csv_fields(text.substr(0, end))) table.columns.emplace_back(name);
+    for (std::size_t begin = end + 1; (end = text.find('\n', begin)) != std::string_view::npos; begin = end + 1) {
+        const std::string_view line = text.substr(begin, end - begin);
+        std::int64_t step = 0;
+        if (parse_number(line.substr(0, line.find(',')), step)) table.rows.emplace_back(step, line);
+    }
+    return table;
+}
+
 } // namespace flotilla::io

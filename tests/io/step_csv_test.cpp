@@ -32,5 +32,18 @@ TEST(StepCsv, RowsAfterAStepAndATornLineAreDropped) {
     EXPECT_EQ(io::step_csv_until(torn, 12), io::step_csv_until(text, 11));
 }
 
+TEST(StepCsv, ATableHasEveryWholeRowAndItsFields) {
+    std::string text = io::step_csv_header();
+    StepReport row;
+    for (row.step = 3; row.step <= 5; ++row.step) text += io::step_csv_row(row);
+    const io::StepTable table = io::read_step_table(text.substr(0, text.size() - 5)); // the last line is torn
+    ASSERT_EQ(table.rows.size(), 2u);
+    EXPECT_EQ(table.rows[1].first, 4);
+    EXPECT_EQ(io::step_csv_fields(table.rows[1].second).size(), table.columns.size());
+    EXPECT_EQ(table.columns[2], "total_ms");
+    EXPECT_EQ(io::step_csv_fields("a,,c"), (std::vector<std::string_view>{"a", "", "c"}));
+    EXPECT_TRUE(io::read_step_table("").columns.empty());
+}
+
 } // namespace
 } // namespace flotilla
