@@ -35,6 +35,7 @@ struct BodyDifference {
     double rotation = 0;         ///< rad, the angle from one to the other
     double velocity = 0;         ///< m/s, of the centre of mass
     double angular_velocity = 0; ///< rad/s
+    bool activity = false;       ///< its recorded contacts, cluster state or cost differ (where both runs have them)
 };
 
 /// A frame that both runs have and that differs.

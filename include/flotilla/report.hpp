@@ -77,4 +77,22 @@ struct StepReport {
     [[nodiscard]] double& ms(Phase phase) { return phase_ms[static_cast<std::size_t>(phase)]; }
 };
 
+/// How a body moved in a step: by itself, or by a rung of the failsafe's ladder.
+enum class ClusterState : std::uint8_t {
+    free,
+    kinematic, ///< with others, keeping their relative motion
+    rigid,     ///< as one rigid body with others
+    held,      ///< not at all
+};
+
+/// What a step did with one body. The same at any number of threads, and in a resumed run.
+struct BodyActivity {
+    std::int64_t contacts =
+        0; ///< contact points with other bodies at the end poses, nearer than the proximity distance
+    ClusterState cluster = ClusterState::free;
+    /// How often the step set the body's end state: 0 for bodies that rest or have infinite mass, 2 for one that nothing touched; the
+    /// more, the more work it was.
+    std::int64_t cost = 0;
+};
+
 } // namespace flotilla

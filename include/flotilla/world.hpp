@@ -86,6 +86,8 @@ class World {
     /// The rotation vector of a body's motion in the last step, with whole turns, radians, world axes.
     [[nodiscard]] Vec3 turn(std::size_t index) const;
     [[nodiscard]] std::vector<ContactState> contacts() const;
+    /// Of every body, in scene order; before the first step only the contacts are known.
+    [[nodiscard]] std::vector<BodyActivity> activity() const;
     [[nodiscard]] std::uint64_t state_hash() const;
     [[nodiscard]] std::vector<ThreadReport> threads() const;
 

@@ -136,12 +136,18 @@ const Vec3* recorded_turn(const io::Frame& frame, std::int32_t body) {
     return found != frame.path.end() && found->body == body ? &found->rotation : nullptr;
 }
 
+bool same_activity(const io::Activity& a, const io::Activity& b, std::size_t i) {
+    return a.empty() || b.empty() ||
+           (a.contacts[i] == b.contacts[i] && a.cluster[i] == b.cluster[i] && a.cost[i] == b.cost[i]);
+}
+
 bool same_body(const io::Frame& a, const io::Frame& b, std::size_t i) {
     const Vec3 *turn_a = recorded_turn(a, static_cast<std::int32_t>(i)),
                *turn_b = recorded_turn(b, static_cast<std::int32_t>(i));
     const bool same_turn = turn_a == nullptr || turn_b == nullptr ? turn_a == turn_b : same_bits(*turn_a, *turn_b);
-    return same_turn && same_bits(a.position[i], b.position[i]) && same_bits(a.rotation[i], b.rotation[i]) &&
-           same_bits(a.velocity[i], b.velocity[i]) && same_bits(a.angular_velocity[i], b.angular_velocity[i]);
+    return same_turn && same_activity(a.activity, b.activity, i) && same_bits(a.position[i], b.position[i]) &&
+           same_bits(a.rotation[i], b.rotation[i]) && same_bits(a.velocity[i], b.velocity[i]) &&
+           same_bits(a.angular_velocity[i], b.angular_velocity[i]);
 }
 
 BodyDifference difference(const io::Frame& a, const io::Frame& b, std::size_t i, const std::string& name) {
@@ -150,7 +156,8 @@ BodyDifference difference(const io::Frame& a, const io::Frame& b, std::size_t i,
             known(length(b.position[i] - a.position[i])),
             known(length(rotation_vector(b.rotation[i] * conjugate(a.rotation[i])))),
             known(length(b.velocity[i] - a.velocity[i])),
-            known(length(b.angular_velocity[i] - a.angular_velocity[i]))};
+            known(length(b.angular_velocity[i] - a.angular_velocity[i])),
+            !same_activity(a.activity, b.activity, i)};
 }
 
 std::optional<DifferentFrame> difference(const io::Frame& a, const io::Frame& b, const io::RunScene& scene) {

@@ -36,8 +36,11 @@ class FrameRecorder {
             angular_[i] = b.angular_velocity;
             turn_[i] = world_.turn(i);
         }
+        activity_.clear();
+        for (const BodyActivity& body : world_.activity()) activity_.append(body);
         writer_.add_frame({world_.steps(), world_.time(), position_, rotation_, velocity_, angular_,
-                           world_.steps() == 0 ? std::span<const Vec3>{} : std::span<const Vec3>(turn_)});
+                           world_.steps() == 0 ? std::span<const Vec3>{} : std::span<const Vec3>(turn_),
+                           activity_.view()});
     }
 
   private:
@@ -45,6 +48,7 @@ class FrameRecorder {
     const World& world_;
     std::vector<Vec3> position_, velocity_, angular_, turn_;
     std::vector<Quat> rotation_;
+    io::Activity activity_;
 };
 
 /// Records the tasks of every k-th step. The world must outlive it.

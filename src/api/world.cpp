@@ -90,6 +90,13 @@ std::vector<ContactState> World::contacts() const {
     return out;
 }
 
+std::vector<BodyActivity> World::activity() const {
+    std::vector<BodyActivity> out = impl_->stepper.activity();
+    for (const Contact& c : impl_->stepper.contacts().contacts)
+        for (const std::int32_t body : {c.a, c.b}) ++out[static_cast<std::size_t>(body)].contacts;
+    return out;
+}
+
 std::vector<ThreadReport> World::threads() const {
     std::vector<ThreadReport> out;
     for (const ThreadTimes& t : impl_->stepper.team().times())

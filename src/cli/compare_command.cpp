@@ -67,7 +67,8 @@ void print_steps(const CompareReport& r) {
 
 void print_body(const char* title, const BodyDifference& d) {
     std::cout << title << d.body << " \"" << d.name << "\" differs by " << d.position << " m, " << d.rotation
-              << " rad, " << d.velocity << " m/s, " << d.angular_velocity << " rad/s\n";
+              << " rad, " << d.velocity << " m/s, " << d.angular_velocity << " rad/s"
+              << (d.activity ? "; contacts, cluster or cost differ\n" : "\n");
 }
 
 void print_frame(const char* title, const DifferentFrame& f) {

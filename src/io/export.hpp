@@ -17,7 +17,8 @@ void export_csv(RunReader& run, const std::function<void(std::string_view)>& wri
 void export_obj(RunReader& run, const std::filesystem::path& folder);
 
 /// For ParaView: bodies.pvd, the collection over time of frames/bodies-<k>.vtp with one point per body, at the mesh's origin;
-/// point data body, shape, type, quaternion (w x y z), velocity, angular_velocity, speed. meshes/<k>-<name>.vtp are the
+/// point data body, shape, type, quaternion (w x y z), velocity, angular_velocity, speed, and
+/// where the run records them contacts, cluster (0 free, 1 kinematic, 2 rigid, 3 held) and cost. meshes/<k>-<name>.vtp are the
 /// shapes in mesh coordinates, for glyphs turned by the quaternion.
 void export_vtp(RunReader& run, const std::filesystem::path& folder);
 

@@ -89,6 +89,14 @@ std::string mesh_file(const TriangleMesh& mesh) {
            cells("Polys", corners, mesh.triangles.size(), 3) + std::string(kFileEnd);
 }
 
+std::string activity_arrays(const Activity& activity) {
+    if (activity.empty()) return "";
+    const auto integers = [](const auto& values) { return std::vector<std::int64_t>(values.begin(), values.end()); };
+    return data_array<std::int64_t>("contacts", 1, integers(activity.contacts)) +
+           data_array<std::int64_t>("cluster", 1, integers(activity.cluster)) +
+           data_array<std::int64_t>("cost", 1, integers(activity.cost));
+}
+
 std::string frame_file(const RunScene& scene, const Frame& frame) {
     const std::size_t n = scene.bodies.size();
     std::vector<std::int64_t> shape, type;
@@ -105,8 +113,8 @@ std::string frame_file(const RunScene& scene, const Frame& frame) {
            data_array<std::int64_t>("type", 1, type) + data_array<double>("quaternion", 4, quaternion) +
            data_array<double>("velocity", 3, flat(frame.velocity)) +
            data_array<double>("angular_velocity", 3, flat(frame.angular_velocity)) +
-           data_array<double>("speed", 1, speed) + "</PointData>\n" + points(frame.position) +
-           cells("Verts", multiples(n, 1, 0), n, 1) + std::string(kFileEnd);
+           data_array<double>("speed", 1, speed) + activity_arrays(frame.activity) + "</PointData>\n" +
+           points(frame.position) + cells("Verts", multiples(n, 1, 0), n, 1) + std::string(kFileEnd);
 }
 
 /// A shape's name as part of a file name.

@@ -76,6 +76,10 @@ hid_t type_of<std::uint64_t>() {
     return H5T_NATIVE_UINT64;
 }
 template <>
+hid_t type_of<std::uint16_t>() {
+    return H5T_NATIVE_UINT16;
+}
+template <>
 hid_t type_of<std::uint8_t>() {
     return H5T_NATIVE_UINT8;
 }
@@ -397,6 +401,7 @@ FLOTILLA_HDF5_ELEMENT(double)
 FLOTILLA_HDF5_ELEMENT(std::int64_t)
 FLOTILLA_HDF5_ELEMENT(std::int32_t)
 FLOTILLA_HDF5_ELEMENT(std::uint64_t)
+FLOTILLA_HDF5_ELEMENT(std::uint16_t)
 FLOTILLA_HDF5_ELEMENT(std::uint8_t)
 #undef FLOTILLA_HDF5_ELEMENT
 

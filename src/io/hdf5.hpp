@@ -24,7 +24,7 @@ struct ByteRange {
     std::uint64_t begin = 0, size = 0;
 };
 
-/// Builds an image. Element types: double, int64_t, int32_t, uint64_t, uint8_t.
+/// Builds an image. Element types: double, int64_t, int32_t, uint64_t, uint16_t, uint8_t.
 class Hdf5Writer {
   public:
     Hdf5Writer();

@@ -113,7 +113,7 @@ bool PosesCsvReader::read_row() {
 bool PosesCsvReader::next(Frame& frame) {
     if (!has_row_) return false;
     const std::size_t n = names_.size();
-    frame = Frame{row_.frame, 0, row_.time, {}, {}, {}, {}, {}};
+    frame = Frame{row_.frame, 0, row_.time, {}, {}, {}, {}, {}, {}};
     frame.position.resize(n), frame.rotation.resize(n), frame.velocity.resize(n), frame.angular_velocity.resize(n);
     std::vector<bool> seen(n, false);
     while (has_row_ && row_.frame == frame.index) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 
 #include <flotilla/error.hpp>
 
@@ -34,7 +36,8 @@ std::span<const double> flat(std::span<const Quat> values) {
     static_assert(sizeof(Quat) == 4 * sizeof(double));
     return {reinterpret_cast<const double*>(values.data()), 4 * values.size()};
 }
-void append(std::vector<double>& to, std::span<const double> values) {
+template <class T>
+void append(std::vector<T>& to, std::type_identity_t<std::span<const T>> values) {
     to.insert(to.end(), values.begin(), values.end());
 }
 
@@ -56,6 +59,12 @@ std::uint64_t frame_checksum(const FrameView& frame, std::span<const PathRotatio
     return of(std::span(parts));
 }
 
+std::uint64_t activity_checksum(const ActivityView& activity) {
+    const auto of = [](auto span) { return checksum(std::as_bytes(span)); };
+    const std::array<std::uint64_t, 3> parts{of(activity.contacts), of(activity.cluster), of(activity.cost)};
+    return of(std::span(parts));
+}
+
 std::vector<PathRotation> long_turns(std::span<const Vec3> path_rotation) {
     std::vector<PathRotation> path;
     for (std::size_t i = 0; i < path_rotation.size(); ++i)
@@ -65,10 +74,23 @@ std::vector<PathRotation> long_turns(std::span<const Vec3> path_rotation) {
 }
 
 FrameView view(const Frame& frame) {
-    return {frame.step, frame.time, frame.position, frame.rotation, frame.velocity, frame.angular_velocity, {}};
+    return {frame.step, frame.time,           frame.position, frame.rotation, frame.velocity, frame.angular_velocity,
+            {},         frame.activity.view()};
+}
+
+std::uint16_t saturated(std::int64_t count) {
+    return static_cast<std::uint16_t>(std::min<std::int64_t>(count, std::numeric_limits<std::uint16_t>::max()));
 }
 
 } // namespace
+
+void Activity::append(const BodyActivity& body) {
+    contacts.push_back(saturated(body.contacts));
+    cluster.push_back(static_cast<std::uint8_t>(body.cluster));
+    cost.push_back(saturated(body.cost));
+}
+
+void Activity::clear() { contacts.clear(), cluster.clear(), cost.clear(); }
 
 RunScene make_run_scene(const Scene& scene) {
     RunScene result;
@@ -147,11 +169,13 @@ void RunWriter::write_run_json(const std::string& status) const {
     write_file(folder_ / kRunJson, run_json_text(info_, bodies_, started_, status, frames()));
 }
 
-std::size_t RunWriter::frame_bytes() const { return bodies_ * 13 * sizeof(double); }
+std::size_t RunWriter::frame_bytes() const { return bodies_ * (13 * sizeof(double) + 5); }
 
 void RunWriter::add_frame(const FrameView& frame) {
     FLOTILLA_ASSERT(frame.position.size() == bodies_ && frame.rotation.size() == bodies_ &&
                     frame.velocity.size() == bodies_ && frame.angular_velocity.size() == bodies_);
+    FLOTILLA_ASSERT(frame.activity.contacts.size() == frame.activity.cluster.size() &&
+                    frame.activity.contacts.size() == frame.activity.cost.size());
     append_frame(frame, long_turns(frame.path_rotation));
     if (steps_.size() >= kSegmentFrames || steps_.size() * frame_bytes() >= kSegmentBytes) write_segment();
 }
@@ -162,6 +186,7 @@ void RunWriter::append_frame(const FrameView& frame, std::span<const PathRotatio
         path_index_.insert(path_index_.end(), {frame_in_segment, turn.body});
         append(path_rotation_, flat(std::span<const Vec3>(&turn.rotation, 1)));
     }
+    append_activity(frame.activity);
     steps_.push_back(frame.step);
     times_.push_back(frame.time);
     append(position_, flat(frame.position));
@@ -169,6 +194,24 @@ void RunWriter::append_frame(const FrameView& frame, std::span<const PathRotatio
     append(velocity_, flat(frame.velocity));
     append(angular_velocity_, flat(frame.angular_velocity));
     checksums_.push_back(frame_checksum(frame, path));
+}
+
+/// A segment has the activity of all its frames or of none: a run that older versions began goes on without it until the next segment.
+void RunWriter::append_activity(const ActivityView& activity) {
+    if (activity.contacts.size() != bodies_ || activity_checksums_.size() != steps_.size()) return;
+    append(activity_.contacts, activity.contacts);
+    append(activity_.cluster, activity.cluster);
+    append(activity_.cost, activity.cost);
+    activity_checksums_.push_back(activity_checksum(activity));
+}
+
+void RunWriter::write_activity(Hdf5Writer& file) const {
+    if (activity_checksums_.size() != steps_.size()) return;
+    const auto checked = Hdf5Writer::Checked::by_owner;
+    file.write<std::uint16_t>("/contacts", activity_.contacts, {steps_.size(), bodies_}, checked);
+    file.write<std::uint8_t>("/cluster", activity_.cluster, {steps_.size(), bodies_}, checked);
+    file.write<std::uint16_t>("/cost", activity_.cost, {steps_.size(), bodies_}, checked);
+    file.write<std::uint64_t>("/activity_checksum", activity_checksums_, {steps_.size()});
 }
 
 void RunWriter::write_segment() {
@@ -186,6 +229,7 @@ void RunWriter::write_segment() {
     file.write<double>("/angular_velocity", angular_velocity_, {frames_here, bodies_, 3},
                        Hdf5Writer::Checked::by_owner);
     file.write<std::uint64_t>("/checksum", checksums_, {frames_here});
+    write_activity(file);
     file.write<std::int32_t>("/path_index", path_index_, {path_index_.size() / 2, 2});
     file.write<double>("/path_rotation", path_rotation_, {path_rotation_.size() / 3, 3});
     const fs::path path = segment_path(folder_, first_frame_, last);
@@ -197,6 +241,8 @@ void RunWriter::write_segment() {
     steps_.clear();
     checksums_.clear();
     path_index_.clear();
+    activity_.clear();
+    activity_checksums_.clear();
 }
 
 /// A segment that begins with the same frame is an older form of the one just written.
@@ -254,8 +300,11 @@ void RunReader::open(const SegmentFile& segment) {
         checksums_ = file_->read<std::uint64_t>("/checksum");
         path_index_ = file_->read<std::int32_t>("/path_index");
         path_rotation_ = file_->read<double>("/path_rotation");
+        activity_checksums_.clear();
+        if (file_->has("/activity_checksum")) activity_checksums_ = file_->read<std::uint64_t>("/activity_checksum");
         const auto count = static_cast<std::size_t>(segment.last - segment.first + 1);
         if (steps_.size() != count || times_.size() != count || checksums_.size() != count ||
+            (!activity_checksums_.empty() && activity_checksums_.size() != count) ||
             path_index_.size() * 3 != path_rotation_.size() * 2)
             throw IoError(segment.path.string() + ": damaged: it does not hold the frames that its name says");
     } catch (const IoError& error) {
@@ -277,7 +326,7 @@ Frame RunReader::frame(std::int64_t k) {
 
 Frame RunReader::read_frame(std::int64_t k, std::size_t row) const {
     const std::size_t n = scene_.bodies.size();
-    Frame frame{k, steps_[row], times_[row], {}, {}, {}, {}, {}};
+    Frame frame{k, steps_[row], times_[row], {}, {}, {}, {}, {}, {}};
     frame.position.resize(n), frame.rotation.resize(n), frame.velocity.resize(n), frame.angular_velocity.resize(n);
     const auto read = [&](const char* name, auto& values) {
         constexpr std::size_t width = sizeof(values[0]) / sizeof(double);
@@ -291,9 +340,22 @@ Frame RunReader::read_frame(std::int64_t k, std::size_t row) const {
         if (path_index_[2 * i] == static_cast<std::int32_t>(row))
             frame.path.push_back({path_index_[2 * i + 1],
                                   {path_rotation_[3 * i], path_rotation_[3 * i + 1], path_rotation_[3 * i + 2]}});
-    if (frame_checksum(view(frame), frame.path) != checksums_[row])
+    frame.activity = read_activity(row);
+    if (frame_checksum(view(frame), frame.path) != checksums_[row] ||
+        (!activity_checksums_.empty() && activity_checksum(frame.activity.view()) != activity_checksums_[row]))
         throw IoError(file_->path().string() + ": damaged: data do not match their checksum");
     return frame;
+}
+
+Activity RunReader::read_activity(std::size_t row) const {
+    Activity activity;
+    if (activity_checksums_.empty()) return activity;
+    const std::size_t n = scene_.bodies.size();
+    activity.contacts.resize(n), activity.cluster.resize(n), activity.cost.resize(n);
+    file_->read_row<std::uint16_t>("/contacts", row, activity.contacts);
+    file_->read_row<std::uint8_t>("/cluster", row, activity.cluster);
+    file_->read_row<std::uint16_t>("/cost", row, activity.cost);
+    return activity;
 }
 
 std::uintmax_t RunReader::frame_file_bytes() const {

@@ -11,6 +11,9 @@
 // A segment holds, float64: position [frames][bodies][3] of the mesh's origin (m), rotation [..][4] as w x y z, velocity
 // [..][3] of the centre of mass (m/s), angular_velocity [..][3] (rad/s); step [frames], time [frames] (s), and
 // checksum [frames] over all of a frame's values, so that one flipped bit costs one frame and is never taken for data.
+// Runs of the solver also have what the step that ended at the frame did with each body, [frames][bodies]: contacts, uint16, contact
+// points of the body; cluster, uint8, 0 free, 1 kinematic, 2 rigid, 3 held by the failsafe; cost, uint16, how often the step set the
+// body's end state (the counts end at 65535); and activity_checksum [frames] over these. A segment has all four or none.
 // The path of a body between two successive steps is its centre of mass on a straight line and the orientation R(t w) q.
 // w is the shortest arc between the two stored rotations, except for the rows of path_index [rows][2] (frame in the segment,
 // body): their w is in path_rotation [rows][3] (rad). Only bodies that turn by nearly half a turn in one step have a row.
@@ -71,6 +74,23 @@ struct RunScene {
 };
 [[nodiscard]] RunScene make_run_scene(const Scene& scene);
 
+/// What a step did with each body (BodyActivity), as it is stored. Empty where it is not known.
+struct ActivityView {
+    std::span<const std::uint16_t> contacts;
+    std::span<const std::uint8_t> cluster;
+    std::span<const std::uint16_t> cost;
+};
+struct Activity {
+    std::vector<std::uint16_t> contacts;
+    std::vector<std::uint8_t> cluster;
+    std::vector<std::uint16_t> cost;
+
+    void append(const BodyActivity& body);
+    void clear();
+    [[nodiscard]] bool empty() const { return contacts.empty(); }
+    [[nodiscard]] ActivityView view() const { return {contacts, cluster, cost}; }
+};
+
 /// One frame to be written: arrays over the bodies in scene order.
 struct FrameView {
     std::int64_t step = 0;
@@ -80,6 +100,7 @@ struct FrameView {
     std::span<const Vec3> velocity;
     std::span<const Vec3> angular_velocity;
     std::span<const Vec3> path_rotation; ///< rad, of the step that ended here; empty: shortest arcs
+    ActivityView activity{};             ///< may be empty
 };
 
 /// The turn of one body over the step that ended at a frame, where it is not the shortest arc.
@@ -97,6 +118,7 @@ struct Frame {
     std::vector<Vec3> velocity;
     std::vector<Vec3> angular_velocity;
     std::vector<PathRotation> path; ///< sorted by body
+    Activity activity{};            ///< empty where the run does not have it
 };
 
 /// A file frames-<first>-<last>.h5.
@@ -138,6 +160,8 @@ class RunWriter {
   private:
     void keep_frames(RunReader& reader, std::int64_t count);
     void append_frame(const FrameView& frame, std::span<const PathRotation> path);
+    void append_activity(const ActivityView& activity);
+    void write_activity(Hdf5Writer& file) const;
     void write_segment();
     void remove_replaced(const std::filesystem::path& written) const;
     void write_run_json(const std::string& status) const;
@@ -158,6 +182,8 @@ class RunWriter {
     std::vector<std::uint64_t> checksums_;
     std::vector<std::int32_t> path_index_;
     std::vector<double> path_rotation_;
+    Activity activity_;
+    std::vector<std::uint64_t> activity_checksums_; ///< shorter than steps_ where a frame's activity is not known
 };
 
 /// Reads a run folder, also one that is still being written. Used from one thread.
@@ -182,6 +208,7 @@ class RunReader {
     [[nodiscard]] const SegmentFile& segment_of(std::int64_t k) const;
     void open(const SegmentFile& segment);
     [[nodiscard]] Frame read_frame(std::int64_t k, std::size_t row) const;
+    [[nodiscard]] Activity read_activity(std::size_t row) const;
 
     std::filesystem::path folder_;
     std::string run_json_;
@@ -195,6 +222,7 @@ class RunReader {
     std::vector<std::uint64_t> checksums_;
     std::vector<std::int32_t> path_index_;
     std::vector<double> path_rotation_;
+    std::vector<std::uint64_t> activity_checksums_; ///< empty: the segment has no activity
 };
 
 /// The turn of every body from frame a to the next frame b: the recorded one or the shortest arc (rad).

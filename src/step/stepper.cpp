@@ -66,6 +66,7 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
     team_.for_each("place bodies", model_.size(), kBodyGrain,
                    [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
     turns_.assign(model_.size(), {});
+    activity_.resize(model_.size());
     StepData d = data();
     find_contacts(d, search_, contacts_);
     if (state_.step > 0) return;
@@ -121,6 +122,8 @@ StepReport Stepper::step() {
         const Stopwatch total(report.total_ms);
         const RecordedSpan recorded("step", team_);
         pairs_.start_step(report.step);
+        first_version_.resize(model_.size());
+        for (std::size_t i = 0; i < model_.size(); ++i) first_version_[i] = trajectories_.version(i);
         StepData d = data();
         { // 1) collisions: v^n becomes v^
             const PhaseWatch watch(report, Phase::collisions, team_);
@@ -350,10 +353,19 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         });
 }
 
+void Stepper::record_activity() {
+    static_assert(static_cast<int>(Rung::held) == static_cast<int>(ClusterState::held));
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        activity_[i].cluster = static_cast<ClusterState>(clusters_[clusters_.of(i)].rung);
+        activity_[i].cost = static_cast<std::int64_t>(trajectories_.version(i) - first_version_[i]);
+    }
+}
+
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
     for (std::int32_t body : failsafe.delayed_scripts)
         state_.script_delay[static_cast<std::size_t>(body)] += model_.settings.time_step;
     for (std::size_t i = 0; i < model_.size(); ++i) turns_[i] = trajectories_.turn(i);
+    record_activity();
     state_.motion.assign(motion.begin(), motion.end());
     state_.pose.assign(end.begin(), end.end());
     ++state_.step;

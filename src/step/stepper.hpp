@@ -36,6 +36,8 @@ class Stepper {
     [[nodiscard]] const std::vector<Vec3>& turns() const { return turns_; }
     /// Contact points at the present poses.
     [[nodiscard]] const ContactSet& contacts() const { return contacts_; }
+    /// Cluster state and cost of every body in the last step; contacts are not counted.
+    [[nodiscard]] const std::vector<BodyActivity>& activity() const { return activity_; }
     /// Bodies that a failsafe event of the last step touched, as flags.
     [[nodiscard]] const std::vector<std::uint8_t>& failsafe_bodies() const { return failsafe_bodies_; }
     [[nodiscard]] QueryCounters query_counters() const;
@@ -53,6 +55,7 @@ class Stepper {
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                          StepReport& report);
     void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
+    void record_activity();
     void measure(StepReport& report) const;
 
     Model model_; ///< its own: who sleeps changes from step to step
@@ -79,6 +82,8 @@ class Stepper {
     std::vector<WarmImpulse> waiting_; ///< of contacts between sleeping bodies
     std::vector<Vec3> turns_;
     std::vector<std::uint8_t> failsafe_bodies_;
+    std::vector<std::uint64_t> first_version_; ///< of the bodies' end states in this step
+    std::vector<BodyActivity> activity_;
 };
 
 } // namespace flotilla

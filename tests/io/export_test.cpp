@@ -20,7 +20,7 @@ class Export : public ::testing::Test {
   protected:
     Export() {
         io::RunWriter writer(folder_.path(), sample_info(), sample_scene(3), io::OpenRun::create);
-        write_sample(writer, 3, 0, 4);
+        write_sample(writer, 3, 0, 4, true);
         writer.close("complete");
     }
     test::TemporaryFolder folder_;
@@ -45,6 +45,9 @@ TEST_F(Export, VtpHasOnePointPerBodyAndACollectionOverTime) {
                         "format=\"binary\">GAAAAAAAAAAAAAAAAAAAAAEAAAAAAAAAAgAAAAAAAAA=<"),
               std::string::npos)
         << text;
+    for (const char* name :
+         {"shape", "type", "quaternion", "velocity", "angular_velocity", "speed", "contacts", "cluster", "cost"})
+        EXPECT_NE(text.find("Name=\"" + std::string(name) + "\""), std::string::npos) << name;
     EXPECT_NE(
         io::read_text(folder / "bodies.pvd").find("timestep=\"0.12\" part=\"0\" file=\"frames/bodies-00000003.vtp\""),
         std::string::npos);

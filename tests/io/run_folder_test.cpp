@@ -102,10 +102,58 @@ TEST(RunFolder, KeepsTurnsThatAreNotTheShortestArc) {
 
 TEST(RunFolder, AFrameOfTenThousandBodiesIsAtMost1100Kilobytes) {
     const test::TemporaryFolder temporary;
-    RunWriter writer(temporary.path(), sample_info(), sample_scene(10000), io::OpenRun::create);
-    write_sample(writer, 10000, 0, 9);
+    RunWriter writer(temporary.path(), sample_info(), sample_scene(10002), io::OpenRun::create);
+    write_sample(writer, 10002, 0, 9, true);
     writer.close("complete");
     EXPECT_LE(RunReader(temporary.path()).frame_file_bytes() / 10, 1'100'000u);
+}
+
+TEST(RunFolder, KeepsWhatTheStepsDidWithTheBodies) {
+    const test::TemporaryFolder temporary;
+    RunWriter writer(temporary.path(), sample_info(), sample_scene(5), io::OpenRun::create);
+    write_sample(writer, 5, 0, 130, true);
+    writer.close("complete");
+    RunReader reader(temporary.path());
+    for (const std::int64_t k : {0, 6, 7, 125}) {
+        const io::Frame frame = reader.frame(k);
+        expect_frame(frame, 5, k);
+        EXPECT_EQ(frame.activity.contacts, (std::vector<std::uint16_t>{0, 1, 2, 3, 4}));
+        EXPECT_EQ(frame.activity.cluster, (std::vector<std::uint8_t>{0, 1, 2, 3, 0}));
+        EXPECT_EQ(frame.activity.cost[4], k < 7 ? 10000 * k : 65535);
+    }
+    // A flipped bit in a body's counts costs the frame, as one in its position does.
+    const fs::path path = temporary.path() / "frames-00000120-00000130.h5";
+    const std::string bytes = io::read_text(path);
+    const std::size_t found = bytes.find(std::string("\0\0\1\0\2\0\3\0\4\0", 10));
+    ASSERT_NE(found, std::string::npos);
+    flip_bit(path, static_cast<std::streamoff>(found) + 2);
+    RunReader damaged(temporary.path());
+    EXPECT_NE(io_error_of([&] { (void)damaged.frame(120); }).find("frame 120 is lost"), std::string::npos);
+    expect_frame(damaged.frame(121), 5, 121);
+}
+
+TEST(RunFolder, ASegmentHasTheActivityOfAllItsFramesOrOfNone) {
+    const test::TemporaryFolder temporary;
+    {
+        RunWriter writer(temporary.path(), sample_info(), sample_scene(2), io::OpenRun::create);
+        write_sample(writer, 2, 0, 60); // as runs of older versions did
+        writer.close("stopped");
+    }
+    {
+        RunWriter writer(temporary.path(), sample_info(), sample_scene(2), 50);
+        write_sample(writer, 2, 51, 150, true);
+        writer.close("complete");
+    }
+    RunReader reader(temporary.path());
+    for (std::int64_t k = 0; k <= 150; ++k) {
+        const io::Frame frame = reader.frame(k);
+        expect_frame(frame, 2, k);
+        EXPECT_EQ(frame.activity.empty(), k < 120) << k;
+    }
+    RunWriter again(temporary.path(), sample_info(), sample_scene(2), 140);
+    write_sample(again, 2, 141, 150, true);
+    again.close("complete");
+    EXPECT_EQ(RunReader(temporary.path()).frame(130).activity.contacts, (std::vector<std::uint16_t>{0, 1}));
 }
 
 TEST(RunFolder, RefusesAFolderWithContent) {

@@ -48,10 +48,22 @@ struct SampleFrame {
     SampleFrame& operator=(const SampleFrame&) = delete;
 };
 
+/// Of frame k: body i has i contacts, the cluster states by turns, and a cost that the files cannot hold whole from frame 7 on.
+inline io::Activity sample_activity(std::size_t bodies, std::int64_t k) {
+    io::Activity activity;
+    for (std::size_t i = 0; i < bodies; ++i)
+        activity.append({static_cast<std::int64_t>(i), static_cast<ClusterState>(i % 4), 10000 * k});
+    return activity;
+}
+
 /// Writes frames first..last and their rows.
-inline void write_sample(io::RunWriter& writer, std::size_t bodies, std::int64_t first, std::int64_t last) {
+inline void write_sample(io::RunWriter& writer, std::size_t bodies, std::int64_t first, std::int64_t last,
+                         bool with_activity = false) {
     for (std::int64_t k = first; k <= last; ++k) {
-        writer.add_frame(SampleFrame(bodies, k).view);
+        SampleFrame frame(bodies, k);
+        const io::Activity activity = sample_activity(bodies, k);
+        if (with_activity) frame.view.activity = activity.view();
+        writer.add_frame(frame.view);
         StepReport row;
         row.step = k;
         if (k > 0) writer.add_step(row);
