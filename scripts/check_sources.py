@@ -33,7 +33,8 @@ MODULES = {
     "audit": ["geometry/exact", "mesh", "state", "parallel"],
     "step": ["collision", "static_contact", "dynamic_contact", "failsafe", "audit"],
     "io": ["state", "audit", "step/report"],
-    "api": ["step", "io"],
+    "report": ["io"],
+    "api": ["step", "report"],
     "cli": [],
     "python": [],
 }
@@ -58,6 +59,7 @@ PUBLIC_HEADERS = {
 LIBRARIES = {
     "parallel": ["threads", "locks", "posix"],
     "io": ["locks", "nlohmann", "hdf5", "xxhash", "random123", "png", "zlib", "zstd", "tinyobj", "tinygltf", "posix"],
+    "report": ["nlohmann", "zlib"],
     "api": ["xxhash", "random123"],
     "cli": ["cli11", "nlohmann", "png", "posix"],
     "python": ["pybind11"],

@@ -35,6 +35,7 @@ void register_export(CLI::App& app, Action& action);
 void register_info(CLI::App& app, Action& action);
 void register_picture(CLI::App& app, Action& action);
 void register_plan(CLI::App& app, Action& action);
+void register_report(CLI::App& app, Action& action);
 /// `command_line` goes into the run folder.
 void register_run(CLI::App& app, Action& action, const std::vector<std::string>& command_line);
 void register_scene(CLI::App& app, Action& action);
@@ -43,5 +44,7 @@ void register_verify(CLI::App& app, Action& action);
 
 /// What verify does with a run folder, for run --audit: prints the report and returns the exit code.
 int audit_run(const std::filesystem::path& folder, int threads, bool quiet);
+/// For VerifyOptions::progress: shows the part done on stderr.
+std::function<void(double)> verify_progress();
 
 } // namespace flotilla::cli

@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
     cli::register_info(app, action);
     cli::register_picture(app, action);
     cli::register_plan(app, action);
+    cli::register_report(app, action);
     cli::register_run(app, action, std::vector<std::string>(argv, argv + argc));
     cli::register_scene(app, action);
     cli::register_trace(app, action);

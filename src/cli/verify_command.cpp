@@ -27,20 +27,6 @@ struct VerifyArguments {
 
 constexpr std::size_t kFaultsShown = 20;
 
-/// A line that is rewritten on a terminal; elsewhere one line for each tenth.
-std::function<void(double)> make_progress() {
-    const bool terminal = isatty(STDERR_FILENO) == 1;
-    auto shown = std::make_shared<int>(-1);
-    return [terminal, shown](double part) {
-        const int percent = static_cast<int>(100 * part);
-        const int now = terminal ? percent : percent / 10 * 10;
-        if (now == *shown) return;
-        *shown = now;
-        std::fprintf(stderr, terminal ? "\rverifying: %d %%%s" : "verifying: %d %%%s", now,
-                     !terminal || percent == 100 ? "\n" : "");
-    };
-}
-
 void print_summary(const VerifyReport& r) {
     std::cout << "frames checked:       " << r.frames << " (" << r.bodies << " bodies)\n"
               << "motions checked:      " << r.motions;
@@ -92,17 +78,31 @@ int print_report(const VerifyReport& report) {
 }
 
 int run_verify(VerifyArguments& arguments) {
-    if (!arguments.quiet) arguments.options.progress = make_progress();
+    if (!arguments.quiet) arguments.options.progress = verify_progress();
     return print_report(arguments.poses.empty() ? verify_run(arguments.subject, arguments.options)
                                                 : verify_poses(arguments.subject, arguments.poses, arguments.options));
 }
 
 } // namespace
 
+// A line that is rewritten on a terminal; elsewhere one line for each tenth.
+std::function<void(double)> verify_progress() {
+    const bool terminal = isatty(STDERR_FILENO) == 1;
+    auto shown = std::make_shared<int>(-1);
+    return [terminal, shown](double part) {
+        const int percent = static_cast<int>(100 * part);
+        const int now = terminal ? percent : percent / 10 * 10;
+        if (now == *shown) return;
+        *shown = now;
+        std::fprintf(stderr, terminal ? "\rverifying: %d %%%s" : "verifying: %d %%%s", now,
+                     !terminal || percent == 100 ? "\n" : "");
+    };
+}
+
 int audit_run(const std::filesystem::path& folder, int threads, bool quiet) {
     VerifyOptions options;
     options.threads = threads;
-    if (!quiet) options.progress = make_progress();
+    if (!quiet) options.progress = verify_progress();
     return print_report(verify_run(folder, options));
 }
 
