@@ -15,7 +15,7 @@
 #include "io/run_files.hpp"
 #include "report/page.hpp"
 #include "report/pose_track.hpp"
-#include "report/step_table.hpp"
+#include "report/step_columns.hpp"
 #include "report/tables.hpp"
 
 namespace flotilla::report {
@@ -87,7 +87,7 @@ Json track_json(const PoseTrack& track) {
 }
 
 /// Columns as float32: a plot needs no more.
-Json plots_json(const StepTable& steps, std::size_t every) {
+Json plots_json(const StepColumns& steps, std::size_t every) {
     Json columns = Json::object();
     for (const auto& [name, values] : steps.columns) {
         if (name == "state_hash") continue;
@@ -127,9 +127,9 @@ std::string script_text(const Json& json) {
     return escaped;
 }
 
-StepTable read_steps(const io::RunReader& run) {
+StepColumns read_steps(const io::RunReader& run) {
     try {
-        return read_step_table(io::read_text(run.folder() / io::kStepsCsv));
+        return read_step_columns(io::read_text(run.folder() / io::kStepsCsv));
     } catch (const IoError& error) {
         return {{}, {}, {error.what()}};
     }
@@ -158,7 +158,7 @@ PageReport write_page(io::RunReader& run, const Verification& verification, std:
                       const std::filesystem::path& output) {
     const DrawOrder order = draw_order(run.scene());
     const PoseTrack track = encode_poses(run, order, frame_every);
-    const StepTable steps = read_steps(run);
+    const StepColumns steps = read_steps(run);
     const std::size_t rows_every = steps.rows() / kPlotRows + 1;
 
     PageReport report{static_cast<std::int64_t>(track.frames.size()), track.position_error, track.rotation_error, 0,

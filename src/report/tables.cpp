@@ -37,7 +37,7 @@ std::string count_text(double value) {
 }
 
 /// "VALUE UNIT at step S".
-std::string at_step(const StepTable& steps, const std::vector<double>& values, std::ptrdiff_t row,
+std::string at_step(const StepColumns& steps, const std::vector<double>& values, std::ptrdiff_t row,
                     const std::string& unit) {
     const auto i = static_cast<std::size_t>(row);
     std::string text = short_number(values[i]) + " " + unit;
@@ -46,7 +46,7 @@ std::string at_step(const StepTable& steps, const std::vector<double>& values, s
     return text;
 }
 
-void add_step_times(Table& table, const StepTable& steps) {
+void add_step_times(Table& table, const StepColumns& steps) {
     const auto& ms = steps.column("total_ms");
     if (ms.empty()) return;
     table.rows.push_back({"mean time per step", short_number(total(ms) / static_cast<double>(ms.size())) + " ms"});
@@ -55,7 +55,7 @@ void add_step_times(Table& table, const StepTable& steps) {
     table.rows.push_back({"time in steps", short_number(total(ms) / 1000) + " s"});
 }
 
-void add_failsafe(Table& table, const StepTable& steps) {
+void add_failsafe(Table& table, const StepColumns& steps) {
     const auto sum = [&](const char* name) { return count_text(total(steps.column(name))); };
     table.rows.push_back({"failsafe, all steps together", sum("merges") + " merges, " + sum("rung_changes") +
                                                               " rung changes, " + sum("held") + " bodies held"});
@@ -95,7 +95,7 @@ std::string short_number(double value) {
     return text;
 }
 
-Table summary_table(const io::RunReader& run, const StepTable& steps) {
+Table summary_table(const io::RunReader& run, const StepColumns& steps) {
     Table table{"Summary", {}};
     table.rows.push_back({"status", run.info().record.status});
     table.rows.push_back({"steps", std::to_string(steps.rows())});
@@ -119,7 +119,7 @@ Table summary_table(const io::RunReader& run, const StepTable& steps) {
     return table;
 }
 
-Table warning_table(const StepTable& steps) {
+Table warning_table(const StepColumns& steps) {
     Table table{"Warnings", {}};
     const auto& warnings = steps.column("warnings");
     for (const WarningText& warning : kWarnings) {

@@ -7,7 +7,7 @@
 
 #include "report/html_report.hpp"
 #include "report/pose_track.hpp"
-#include "report/step_table.hpp"
+#include "report/step_columns.hpp"
 
 namespace flotilla::report {
 
@@ -17,9 +17,9 @@ struct Table {
     std::vector<std::vector<std::string>> rows;
 };
 
-[[nodiscard]] Table summary_table(const io::RunReader& run, const StepTable& steps);
+[[nodiscard]] Table summary_table(const io::RunReader& run, const StepColumns& steps);
 /// Which warnings steps had, in words; one row saying that there were none where that is so.
-[[nodiscard]] Table warning_table(const StepTable& steps);
+[[nodiscard]] Table warning_table(const StepColumns& steps);
 [[nodiscard]] Table provenance_table(const io::RunReader& run);
 [[nodiscard]] Table settings_table(const io::RunInfo& info);
 [[nodiscard]] Table verification_table(const Verification& verification);

@@ -188,8 +188,17 @@ class Page(unittest.TestCase):
             image = self.screenshot(f"{control}-{value}", self.view())
             self.assertNotIn(image.tobytes(), seen, value)
             seen.add(image.tobytes())
+            if value == "speed":
+                self.switch_shadows()  # off at first where the processor draws
+                seen.add(self.screenshot("shadows", self.view()).tobytes())
+                self.assertEqual(len(seen), 3)
+                self.switch_shadows()
         self.run_script("for (const [id, value] of [['colour', 'body'], ['fixed', 'cut']]) {"
                         "const c = document.getElementById(id); c.value = value; c.dispatchEvent(new Event('change')) }")
+
+    def switch_shadows(self):
+        self.run_script("document.getElementById('shadows').click()")
+        self.settle()
 
     def test_draws_plots_with_values_under_the_mouse(self):
         charts = self.driver.find_elements(By.CSS_SELECTOR, ".chart")

@@ -124,7 +124,7 @@ function attachPicking(viewer, data) {
 }
 
 const SLOWEST = 0.06; // s per frame of an animation that still looks like one
-const LEAST_DETAIL = 0.3;
+const LEAST_DETAIL = 0.4;
 
 /** Gives up resolution while playing where drawing is slow; a paused picture is always sharp. */
 class DetailControl {

@@ -83,14 +83,21 @@ function between(a, b, part) {
   return { center: add(scale(1 - part, a.center), scale(part, b.center)), radius: (1 - part) * a.radius + part * b.radius };
 }
 
-/** slow: drawn by the processor; smooth edges and shadows would multiply the time. */
+/** True where the processor draws: smooth edges and shadows would multiply the time there. */
+function drawnByProcessor() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (!gl) return false;
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  const renderer = gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer);
+}
+
 function openContext(canvas) {
-  const wanted = { alpha: true, antialias: true, powerPreference: "high-performance", failIfMajorPerformanceCaveat: true };
-  const fast = canvas.getContext("webgl2", wanted);
-  if (fast) return { gl: fast, slow: false };
-  const gl = canvas.getContext("webgl2", { alpha: true, antialias: false });
+  const slow = drawnByProcessor();
+  const gl = canvas.getContext("webgl2", { alpha: true, antialias: !slow, powerPreference: "high-performance" });
   if (!gl) throw new Error("This browser offers no WebGL2, so the animation cannot be shown.");
-  return { gl, slow: true };
+  return { gl, slow };
 }
 
 class Viewer {

@@ -11,7 +11,7 @@
 namespace flotilla::report {
 
 /// Numbers by column name; nan where a field is empty. All columns have the same length.
-struct StepTable {
+struct StepColumns {
     std::map<std::string, std::vector<double>, std::less<>> columns;
     std::string last_state_hash;
     std::vector<std::string> problems; ///< lines that were left out
@@ -22,6 +22,6 @@ struct StepTable {
 };
 
 /// A torn last line, as a run that was killed leaves it, is dropped silently; other lines that are no rows are problems.
-[[nodiscard]] StepTable read_step_table(std::string_view csv);
+[[nodiscard]] StepColumns read_step_columns(std::string_view csv);
 
 } // namespace flotilla::report

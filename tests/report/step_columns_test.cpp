@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "report/step_table.hpp"
+#include "report/step_columns.hpp"
 
 #include <cmath>
 
@@ -10,7 +10,7 @@
 namespace flotilla {
 namespace {
 
-TEST(StepTable, ReadsWhatRunsWrite) {
+TEST(StepColumns, ReadsWhatRunsWrite) {
     StepReport row;
     row.step = 1;
     row.time = 0.25;
@@ -20,7 +20,7 @@ TEST(StepTable, ReadsWhatRunsWrite) {
     row.step = 2;
     row.min_distance = 1e-3;
     csv += io::step_csv_row(row);
-    const report::StepTable table = report::read_step_table(csv + "3,0.7"); // torn
+    const report::StepColumns table = report::read_step_columns(csv + "3,0.7"); // torn
     EXPECT_TRUE(table.problems.empty());
     EXPECT_EQ(table.rows(), 2u);
     EXPECT_EQ(table.column("step"), (std::vector<double>{1, 2}));
@@ -31,12 +31,12 @@ TEST(StepTable, ReadsWhatRunsWrite) {
     EXPECT_TRUE(table.column("absent").empty());
 }
 
-TEST(StepTable, NamesDamagedLinesAndKeepsTheOthers) {
-    const report::StepTable table = report::read_step_table("step,time\n1,0.1\n2;0.2\n3,x\n4,0.4\n");
+TEST(StepColumns, NamesDamagedLinesAndKeepsTheOthers) {
+    const report::StepColumns table = report::read_step_columns("step,time\n1,0.1\n2;0.2\n3,x\n4,0.4\n");
     EXPECT_EQ(table.column("step"), (std::vector<double>{1, 4}));
     ASSERT_EQ(table.problems.size(), 2u);
     EXPECT_NE(table.problems[0].find("line 3"), std::string::npos);
-    EXPECT_EQ(report::read_step_table("").problems.size(), 1u);
+    EXPECT_EQ(report::read_step_columns("").problems.size(), 1u);
 }
 
 } // namespace
