@@ -8,7 +8,7 @@ function showHeader(data) {
   byId("name").textContent = data.name;
   const verdictClass = { proved: "proved", failed: "failed" }[data.verdict] ?? "unsure";
   const verdict = element("span", `badge ${verdictClass}`,
-    data.verdict === "proved" ? "verified: free of intersections" : data.verdict === "failed" ? "verification FAILED"
+    data.verdict === "proved" ? `verified: ${data.verdict_text}` : data.verdict === "failed" ? "verification FAILED"
       : data.verdict === "incomplete" ? "verification incomplete" : "not verified");
   verdict.title = data.verdict_text;
   const frames = data.track.frames.length;
@@ -85,6 +85,7 @@ function attachViewControls(viewer) {
     set("colour", event.target.value);
     byId("ramp").hidden = event.target.value !== "speed";
   });
+  byId("ramp-middle").textContent = shortNumber(viewer.speedTop / 4); // the colours go with the root of the speed
   byId("ramp-top").textContent = `${shortNumber(viewer.speedTop)} m/s`;
   byId("fixed").addEventListener("change", (event) => set("fixed", event.target.value));
   byId("follow").addEventListener("change", (event) => set("follow", event.target.checked));

@@ -23,7 +23,7 @@ flat out int body;
 vec3 rotate(vec4 q, vec3 v) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }
 vec3 linear(vec3 c) { return pow(c, vec3(2.2)); }
 
-vec3 ramp(float t) { // as in the legend
+vec3 ramp(float t) { // as in the legend; t is a root, so that slow motion in a pile shows beside free fall
   vec3 c[5] = vec3[5](vec3(43, 63, 140), vec3(47, 127, 184), vec3(73, 179, 138), vec3(227, 198, 74), vec3(217, 72, 43));
   float x = 4.0 * clamp(t, 0.0, 1.0);
   int i = min(int(x), 3);
@@ -36,7 +36,7 @@ void main() {
   vec4 place = mix(place0, place1, part);
   world = low + extent * place.xyz + rotate(turn, vertex);
   body = firstBody + gl_InstanceID;
-  albedo = linear(speedScale > 0.0 ? ramp(place.w * place.w * speedScale) : tint.rgb);
+  albedo = linear(speedScale > 0.0 ? ramp(place.w * sqrt(speedScale)) : tint.rgb);
   if (body == pickedBody) albedo = vec3(1.0, 0.95, 0.7);
   gl_Position = projection * vec4(world, 1.0);
 }`;
