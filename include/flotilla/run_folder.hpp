@@ -34,10 +34,11 @@ enum class ExportFormat : std::uint8_t {
     vtp, ///< ParaView: one point per body with its rotation, the meshes, and a .pvd over time
     obj, ///< one file per frame, all bodies in the world
     glb, ///< one animated node per body, single precision
+    usd, ///< one point instancer with time samples, as text, single precision
 };
 /// Writes a CSV to a stream.
 void export_csv(const std::filesystem::path& folder, std::ostream& out);
-/// Writes `output`: a file for csv and glb, a folder for vtp and obj. Existing files are replaced. IoError where something
+/// Writes `output`: a file for csv, glb and usd, a folder for vtp and obj. Existing files are replaced. IoError where something
 /// cannot be read or written.
 void export_run(const std::filesystem::path& folder, ExportFormat format, const std::filesystem::path& output);
 

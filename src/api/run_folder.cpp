@@ -87,6 +87,7 @@ void export_run(const std::filesystem::path& folder, ExportFormat format, const 
     case ExportFormat::vtp: return io::export_vtp(reader, output);
     case ExportFormat::obj: return io::export_obj(reader, output);
     case ExportFormat::glb: return io::export_glb(reader, output);
+    case ExportFormat::usd: return io::export_usd(reader, output);
     }
 }
 

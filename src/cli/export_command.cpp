@@ -21,18 +21,22 @@ struct ExportArguments {
 };
 
 const std::map<std::string, ExportFormat>& formats() {
-    static const std::map<std::string, ExportFormat> all{
-        {"csv", ExportFormat::csv}, {"vtp", ExportFormat::vtp}, {"obj", ExportFormat::obj}, {"glb", ExportFormat::glb}};
+    static const std::map<std::string, ExportFormat> all{{"csv", ExportFormat::csv},
+                                                         {"vtp", ExportFormat::vtp},
+                                                         {"obj", ExportFormat::obj},
+                                                         {"glb", ExportFormat::glb},
+                                                         {"usd", ExportFormat::usd}};
     return all;
 }
 
-/// Beside the run's own files: DIR/vtp, DIR/obj, DIR/run.glb.
+/// Beside the run's own files: DIR/vtp, DIR/obj, DIR/run.glb, DIR/run.usda.
 std::filesystem::path default_output(const ExportArguments& arguments) {
     const std::filesystem::path folder = arguments.folder;
     switch (arguments.format) {
     case ExportFormat::vtp: return folder / "vtp";
     case ExportFormat::obj: return folder / "obj";
     case ExportFormat::glb: return folder / "run.glb";
+    case ExportFormat::usd: return folder / "run.usda";
     case ExportFormat::csv: break;
     }
     return {};
@@ -54,13 +58,14 @@ int run_export(const ExportArguments& arguments) {
 
 void register_export(CLI::App& app, Action& action) {
     const auto arguments = std::make_shared<ExportArguments>();
-    CLI::App* command = app.add_subcommand("export", "Convert a run: csv, vtp (ParaView), obj or glb (glTF)");
+    CLI::App* command =
+        app.add_subcommand("export", "Convert a run: csv, vtp (ParaView), obj, glb (glTF) or usd (usda text)");
     command->add_option("DIR", arguments->folder, "Run folder")->required();
-    command->add_option("--format", arguments->format, "csv, vtp, obj or glb")
+    command->add_option("--format", arguments->format, "csv, vtp, obj, glb or usd")
         ->transform(CLI::CheckedTransformer(formats()))
         ->default_str("csv");
     command->add_option("--output", arguments->output,
-                        "File (csv, glb) or folder (vtp, obj); default: stdout for csv, else inside DIR");
+                        "File (csv, glb, usd) or folder (vtp, obj); default: stdout for csv, else inside DIR");
     command->callback([arguments, &action] { action = [arguments] { return run_export(*arguments); }; });
 }
 

@@ -26,4 +26,9 @@ void export_vtp(RunReader& run, const std::filesystem::path& folder);
 /// through the root node.
 void export_glb(RunReader& run, const std::filesystem::path& file);
 
+/// USD as text (.usda), z up, metres: /run/bodies is a UsdGeomPointInstancer with an instance per body and a prototype mesh per shape;
+/// time samples of positions, orientations (in half and single precision), velocities and angularVelocities (degrees/s); time code k is
+/// frame k. ids are body numbers, primvars:name their names.
+void export_usd(RunReader& run, const std::filesystem::path& file);
+
 } // namespace flotilla::io

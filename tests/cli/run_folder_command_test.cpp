@@ -142,11 +142,12 @@ TEST(ExportCommand, WritesEveryFormat) {
     const std::string file = folder + "/poses.csv";
     EXPECT_EQ(run_flotilla("export " + folder + " --format csv --output " + file).exit_code, 0);
     EXPECT_EQ(fs::file_size(file), csv.size());
-    for (const char* format : {"vtp", "obj", "glb"})
+    for (const char* format : {"vtp", "obj", "glb", "usd"})
         EXPECT_EQ(run_flotilla("export " + folder + " --format " + format).exit_code, 0) << format;
     EXPECT_TRUE(fs::exists(folder + "/vtp/bodies.pvd"));
     EXPECT_TRUE(fs::exists(folder + "/obj/frame-00000005.obj"));
     EXPECT_TRUE(fs::exists(folder + "/run.glb"));
+    EXPECT_TRUE(fs::exists(folder + "/run.usda"));
     EXPECT_EQ(run_flotilla("export " + folder + " --format xyz").exit_code, 2);
     EXPECT_EQ(run_flotilla("export " + folder + " --output /proc/none/poses.csv").exit_code, 5);
     EXPECT_EQ(run_flotilla("export " + run.folder.path().string()).exit_code, 5) << "no run folder";

@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -73,6 +74,76 @@ TEST_F(Export, GlbHasOneAnimatedNodePerBody) {
     EXPECT_EQ(json["animations"][0]["channels"].size(), 6u); // translation and rotation of three bodies
     EXPECT_EQ(json["accessors"][0]["max"], (std::vector<double>{1, 1, 0}));
     EXPECT_EQ(20 + words[3] + 8 + json["buffers"][0]["byteLength"].get<std::size_t>(), bytes.size());
+}
+
+/// Fails on text that is not balanced outside of its strings.
+void expect_balanced(const std::string& text) {
+    std::string open;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const std::size_t bracket = std::string("([{").find(text[i]);
+        if (text[i] == '"') {
+            for (++i; i < text.size() && text[i] != '"'; ++i)
+                if (text[i] == '\\') ++i;
+        } else if (bracket != std::string::npos) {
+            open += ")]}"[bracket];
+        } else if (std::string(")]}").find(text[i]) != std::string::npos) {
+            ASSERT_FALSE(open.empty()) << "at " << i;
+            ASSERT_EQ(open.back(), text[i]) << "at " << i;
+            open.pop_back();
+        }
+    }
+    EXPECT_EQ(open, "");
+}
+
+/// All numbers of the list that follows `name`, brackets left out.
+std::vector<double> numbers_after(const std::string& text, const std::string& name) {
+    std::vector<double> numbers;
+    const std::size_t begin = text.find('[', text.find(name) + name.size()), end = text.find(']', begin);
+    std::string list = text.substr(begin + 1, end - begin - 1);
+    for (char& c : list)
+        if (c == '(' || c == ')' || c == ',') c = ' ';
+    std::istringstream in(list);
+    for (double value = 0; in >> value;) numbers.push_back(value);
+    return numbers;
+}
+
+TEST_F(Export, UsdHasAnInstancerWithSamplesOfEveryFrame) {
+    io::RunReader run(folder_.path());
+    const fs::path path = folder_.path() / "run.usda";
+    io::export_usd(run, path);
+    const std::string text = io::read_text(path);
+    EXPECT_TRUE(text.starts_with("#usda 1.0\n("));
+    expect_balanced(text);
+    for (const char* line :
+         {"defaultPrim = \"run\"", "upAxis = \"Z\"", "metersPerUnit = 1\n", "endTimeCode = 4\n",
+          "timeCodesPerSecond = 25\n", "def PointInstancer \"bodies\"",
+          "rel prototypes = [</run/bodies/prototypes/shape_0_plate>]\n", "def Mesh \"shape_0_plate\"",
+          "int64[] ids = [0,1,2]\n", "int[] protoIndices = [0,0,0]\n",
+          "string[] primvars:name = [\"body \\\"0\\\", plate\",", "uniform token subdivisionScheme = \"none\""})
+        EXPECT_NE(text.find(line), std::string::npos) << line;
+    EXPECT_EQ(numbers_after(text, "int[] faceVertexCounts ="), (std::vector<double>{3}));
+    EXPECT_EQ(numbers_after(text, "int[] faceVertexIndices ="), (std::vector<double>{0, 1, 2}));
+    EXPECT_EQ(numbers_after(text, "point3f[] points ="), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}));
+    for (const char* attribute : {"point3f[] positions", "quath[] orientations", "quatf[] orientationsf",
+                                  "vector3f[] velocities", "vector3f[] angularVelocities"}) {
+        const std::size_t begin = text.find(std::string(attribute) + ".timeSamples = {\n");
+        ASSERT_NE(begin, std::string::npos) << attribute;
+        const std::string samples = text.substr(begin, text.find('}', begin) - begin);
+        EXPECT_EQ(std::count(samples.begin(), samples.end(), ':'), 5) << attribute;
+        const SampleFrame frame(3, 2);
+        const auto values = numbers_after(samples, "\n            2:");
+        if (samples.starts_with("point3f")) {
+            EXPECT_EQ(values, (std::vector<double>{0, 2, 0.1, 1, 2, 0.1, 2, 2, 0.1}));
+        }
+        if (samples.starts_with("quat")) {
+            ASSERT_EQ(values.size(), 12u);
+            EXPECT_NEAR(values[8], frame.rotation[2].w, 1e-7);
+            EXPECT_NEAR(values[11], frame.rotation[2].z, 1e-7);
+        }
+        if (samples.find("angularVelocities") != std::string::npos) {
+            EXPECT_NEAR(values[2], 0.01 * 180 / 3.14159265, 1e-6);
+        }
+    }
 }
 
 } // namespace
