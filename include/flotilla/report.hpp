@@ -95,4 +95,14 @@ struct BodyActivity {
     std::int64_t cost = 0;
 };
 
+/// A contact point at the present poses.
+struct ContactState {
+    std::int32_t body_a = 0, body_b = 0; ///< a < b
+    Vec3 point;                          ///< m, world
+    Vec3 normal;                         ///< unit, from a to b
+    double distance = 0;                 ///< m
+    Vec3
+        impulse; ///< on b, N s, world; of the last step's stage 7, zero where that left the contact out. a got its opposite
+};
+
 } // namespace flotilla

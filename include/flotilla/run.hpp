@@ -27,6 +27,9 @@ struct RunOptions {
     /// the name ends with .gz.
     std::filesystem::path trace;
     int trace_every = 1; ///< steps per recorded step; a step of many bodies in impact has 100,000 tasks of 30 bytes
+    /// Where the contact points of every step and their impulses are written as CSV (io/contacts_csv.hpp); empty: nowhere. There when the
+    /// run ends, compressed where the name ends with .gz. A resumed run has the contacts from there on.
+    std::filesystem::path contacts;
     /// Called after every step; returning false ends the run early.
     std::function<bool(const StepReport&)> after_step;
 };

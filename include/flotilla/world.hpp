@@ -36,14 +36,6 @@ struct BodyState {
     Vec3 angular_velocity; ///< rad/s, world axes
 };
 
-/// A contact point at the present poses.
-struct ContactState {
-    std::int32_t body_a = 0, body_b = 0; ///< a < b
-    Vec3 point;                          ///< m, world
-    Vec3 normal;                         ///< unit, from a to b
-    double distance = 0;                 ///< m
-};
-
 /// How operations that share no body are executed. The same bits in any case.
 enum class Executor : std::uint8_t {
     parallel, ///< on all threads
@@ -85,6 +77,7 @@ class World {
     [[nodiscard]] BodyState body(std::size_t index) const;
     /// The rotation vector of a body's motion in the last step, with whole turns, radians, world axes.
     [[nodiscard]] Vec3 turn(std::size_t index) const;
+    /// Sorted by bodies. Contacts of sleeping bodies with each other or with infinite mass are not looked for and not among them.
     [[nodiscard]] std::vector<ContactState> contacts() const;
     /// Of every body, in scene order; before the first step only the contacts are known.
     [[nodiscard]] std::vector<BodyActivity> activity() const;

@@ -5,10 +5,12 @@
 #include <chrono>
 #include <ctime>
 #include <memory>
+#include <optional>
 
 #include <flotilla/world.hpp>
 
 #include "api/world_access.hpp"
+#include "io/contacts_csv.hpp"
 #include "io/file_stream.hpp"
 #include "io/run_folder.hpp"
 #include "io/trace_file.hpp"
@@ -153,10 +155,13 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
     }
     std::unique_ptr<TaskTrace> trace;
     if (!options.trace.empty()) trace = std::make_unique<TaskTrace>(world, std::move(costs), options);
+    std::optional<io::ContactsCsv> contacts;
+    if (!options.contacts.empty()) contacts.emplace(options.contacts);
     bool goes_on = true;
     while (goes_on && summary.steps < options.steps) {
         const StepReport report = trace ? trace->step() : world.step();
         add(summary, report);
+        if (contacts) contacts->add(report.step, report.time, world.contacts());
         if (writer) {
             writer->add_step(report);
             if (world.steps() % options.frame_every == 0) frames->record();
@@ -164,6 +169,7 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         if (options.after_step) goes_on = options.after_step(report);
     }
     summary.threads = world.threads();
+    if (contacts) contacts->close();
     if (writer) writer->close(goes_on ? "complete" : "stopped");
     if (trace) {
         trace->write();

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <flotilla/world.hpp>
 
+#include <algorithm>
+#include <utility>
+
 #include <flotilla/error.hpp>
 
 #include "api/world_access.hpp"
@@ -85,8 +88,16 @@ Vec3 World::turn(std::size_t index) const { return impl_->stepper.turns()[index]
 
 std::vector<ContactState> World::contacts() const {
     std::vector<ContactState> out;
-    for (const Contact& c : impl_->stepper.contacts().contacts)
-        out.push_back({c.a, c.b, c.point, c.normal, c.distance});
+    const std::vector<WarmImpulse>& solved = impl_->stepper.state().warm_final;
+    auto pair = solved.begin(); // both lists are sorted by bodies
+    for (const Contact& c : impl_->stepper.contacts().contacts) {
+        pair = std::find_if(pair, solved.end(),
+                            [&](const WarmImpulse& w) { return std::pair(w.a, w.b) >= std::pair(c.a, c.b); });
+        ContactState state{c.a, c.b, c.point, c.normal, c.distance, {}};
+        for (auto w = pair; w != solved.end() && w->a == c.a && w->b == c.b; ++w)
+            if (w->feature_key == c.feature_key) state.impulse = w->impulse;
+        out.push_back(state);
+    }
     return out;
 }
 

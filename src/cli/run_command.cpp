@@ -31,7 +31,7 @@ struct RunArguments {
     int threads = 0; ///< 0: as many as the process may use
     std::string executor = "parallel";
     bool pin = false;
-    std::string trace;
+    std::string trace, contacts;
     int trace_every = 1;
     bool overwrite = false, quiet = false, audit = false;
     std::vector<std::string> command_line;
@@ -112,6 +112,7 @@ int run_run(const RunArguments& arguments) {
     run.world.executor = arguments.executor == "serial" ? Executor::serial : Executor::parallel;
     run.world.pin = arguments.pin;
     run.trace = arguments.trace;
+    run.contacts = arguments.contacts;
     run.trace_every = arguments.trace_every;
     RunTotals summary;
     {
@@ -159,6 +160,8 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
     command->add_option("--trace-every", arguments->trace_every, "steps per recorded step")
         ->needs(trace)
         ->check(CLI::PositiveNumber);
+    command->add_option("--contacts", arguments->contacts,
+                        "write the contact points of every step and their impulses into FILE as CSV (.gz: compressed)");
     command->add_flag("--pin", arguments->pin, "keep each thread on a core of its own");
     command->add_flag("--audit", arguments->audit, "prove the written frames free of intersections afterwards");
     command->add_flag("--quiet", arguments->quiet, "no progress");

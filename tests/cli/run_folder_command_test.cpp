@@ -2,8 +2,12 @@
 // flotilla verify, export and info on run folders written here: exit codes, verdicts and messages.
 #include <gtest/gtest.h>
 
+#include <sstream>
+
+#include "io/file_stream.hpp"
 #include "io/run_folder.hpp"
 #include "io/sample_run.hpp"
+#include "io/step_csv.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {
@@ -167,6 +171,41 @@ TEST(InfoCommand, DescribesARun) {
     const CommandOutput damaged = run_flotilla("info " + folder);
     EXPECT_EQ(damaged.exit_code, 5);
     EXPECT_NE(damaged.err.find("frames 0 to 5 are lost"), std::string::npos) << damaged.err;
+}
+
+TEST(RunCommand, WritesContactsOnRequest) {
+    const TemporaryFolder folder;
+    const std::string in = folder.path().string() + "/", scene = folder.write("block.json", R"({"flotilla_scene": 1,
+        "settings": {"time_step": 0.02, "sleeping": false},
+        "shapes": [{"name": "block", "vertices": [[0,0,0],[1,0,0],[0,1,0],[0.3,0.3,1]], "triangles": [[0,2,1],[0,1,3],[1,2,3],[2,0,3]], "mass": 2},
+                   {"name": "ground", "vertices": [[-9,-9,0],[9,-9,0],[0,9,0]], "triangles": [[0,1,2]]}],
+        "bodies": [{"name": "block", "shape": "block", "position": [0, 0, 0.001]}, {"name": "ground", "shape": "ground", "type": "static"}]})");
+    ASSERT_EQ(run_flotilla("run --quiet --steps 40 --contacts " + in + "contacts.csv " + scene).exit_code, 0);
+    ASSERT_EQ(run_flotilla("run --quiet --steps 40 --contacts " + in + "contacts.csv.gz " + scene).exit_code, 0);
+    const std::string text = io::read_text(in + "contacts.csv");
+    std::istringstream lines(text);
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line, "step,time,body_a,body_b,px,py,pz,nx,ny,nz,gap,normal_impulse,tangential_impulse");
+    double carried = 0;
+    int rows = 0;
+    while (std::getline(lines, line)) {
+        const auto fields = io::step_csv_fields(line);
+        ASSERT_EQ(fields.size(), 13u) << line;
+        if (fields[0] != "40") continue;
+        ++rows;
+        EXPECT_EQ(fields[1], "0.8");
+        EXPECT_EQ(fields[2], "0");
+        EXPECT_EQ(fields[3], "1");
+        EXPECT_EQ(fields[9], "-1") << "from the block down to the ground";
+        carried += std::stod(std::string(fields[11]));
+        EXPECT_LE(std::stod(std::string(fields[12])), 0.1 * std::sqrt(2.0) * std::stod(std::string(fields[11])) + 1e-9);
+    }
+    EXPECT_GE(rows, 3);
+    EXPECT_NEAR(carried, 2 * 9.8 * 0.02, 0.01 * 2 * 9.8 * 0.02);
+    io::InputStream packed(in + "contacts.csv.gz");
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(packed.stream()), {}), text);
+    EXPECT_EQ(run_flotilla("run --quiet --steps 1 --contacts /proc/none/contacts.csv " + scene).exit_code, 5);
 }
 
 TEST(RunCommand, RecordsItsCommandLine) {
