@@ -37,7 +37,9 @@ using Report = std::function<void(const std::string& path, const Json* a, const 
 void find_differences(const std::string& path, const Json* a, const Json* b, const Report& report) {
     const bool both = a != nullptr && b != nullptr;
     if (both && *a == *b) return;
-    if (both && a->is_array() && b->is_array() && a->size() == b->size()) {
+    // A vector or a command line is one value; a list of bodies is not.
+    const auto is_list = [](const Json& json) { return json.is_array() && !json.empty() && json[0].is_structured(); };
+    if (both && is_list(*a) && is_list(*b) && a->size() == b->size()) {
         for (std::size_t i = 0; i < a->size(); ++i)
             find_differences(path + "/" + std::to_string(i), &(*a)[i], &(*b)[i], report);
         return;
