@@ -18,9 +18,14 @@ namespace flotilla {
 struct RunOptions {
     std::filesystem::path output; ///< run folder; empty: nothing is written
     bool overwrite = false;       ///< replace what an earlier run left in the folder
-    std::int64_t steps = 0;       ///< total
-    int frame_every = 1;          ///< steps per frame
-    WorldOptions world;           ///< threads and their use
+    /// Go on from the last checkpoint in the folder, with the bits of a run that was never interrupted; from the beginning where there
+    /// is none. Needs the same scene, settings and frame_every.
+    bool resume = false;
+    std::int64_t steps = 0; ///< total, the steps before a resumption included
+    int frame_every = 1;    ///< steps per frame
+    int checkpoint_every =
+        0; ///< steps per checkpoint; 0: 100, and at least one in five minutes. The last step has one in any case.
+    WorldOptions world; ///< threads and their use
     std::vector<std::string> command_line;
     std::string scene_json; ///< the scene file's text, for the record
     /// Where the executed tasks are recorded (flotilla/trace.hpp reads it); empty: nowhere. Written when the run ends, compressed where
@@ -30,13 +35,17 @@ struct RunOptions {
     /// Where the contact points of every step and their impulses are written as CSV (io/contacts_csv.hpp); empty: nowhere. There when the
     /// run ends, compressed where the name ends with .gz. A resumed run has the contacts from there on.
     std::filesystem::path contacts;
-    /// Called after every step; returning false ends the run early.
+    /// Called after every step; returning false ends the run early. Where there is a folder, the run can then be resumed.
     std::function<bool(const StepReport&)> after_step;
+    std::function<void(const std::string&)>
+        note; ///< called with what the user should know, one line each; may be empty
 };
 
-/// Sums over a run.
+/// Sums over a run, or over its part since it was resumed.
 struct RunTotals {
     std::int64_t steps = 0;
+    std::int64_t resumed_after = 0; ///< steps that were there already
+    bool complete = false;          ///< false: after_step ended it
     std::int64_t bodies = 0;
     double total_ms = 0, worst_ms = 0; ///< wall time in steps; of the slowest
     std::array<double, kNumPhases> phase_ms{};

@@ -21,13 +21,21 @@ struct InitialIntersection {
     std::vector<std::array<Vec3, 3>> triangles_a, triangles_b; ///< those that take part, each once, world coordinates
 };
 
+/// A body that `initial_overlap: separate` will move.
+struct InitialRepair {
+    std::string body;
+    Vec3 by; ///< m
+};
+
 struct SceneCheck {
     std::int64_t dynamic_bodies = 0, static_bodies = 0, kinematic_bodies = 0;
     std::int64_t shapes = 0;    ///< identical ones counted once
     std::int64_t triangles = 0; ///< of all bodies
     double mass = 0;            ///< kg, of the dynamic bodies
     std::vector<std::string> warnings;
-    std::vector<InitialIntersection> intersections; ///< the scene cannot start with these
+    /// The scene cannot start with these. With `initial_overlap: separate` they are listed only where no moves free all bodies.
+    std::vector<InitialIntersection> intersections;
+    std::vector<InitialRepair> repairs; ///< with `initial_overlap: separate`: the moves that free all bodies
     /// Between bodies of infinite mass (static, kinematic): allowed, nothing keeps them apart.
     std::vector<InitialIntersection> ignored_intersections;
 };

@@ -6,7 +6,9 @@
 //     const flotilla::BodyState boat = world.body(0);
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -36,6 +38,12 @@ struct BodyState {
     Vec3 angular_velocity; ///< rad/s, world axes
 };
 
+/// A body that `initial_overlap: separate` moved, so that it intersects no other at the start.
+struct MovedBody {
+    std::int32_t body = 0;
+    Vec3 by; ///< m
+};
+
 /// How operations that share no body are executed. The same bits in any case.
 enum class Executor : std::uint8_t {
     parallel, ///< on all threads
@@ -60,9 +68,14 @@ struct ThreadReport {
 
 class World {
   public:
-    /// Throws InputError for an invalid scene or number of threads and OverlapError where bodies intersect at the start. `source` starts messages.
+    /// Throws InputError for an invalid scene or number of threads and OverlapError where bodies intersect at the start and, with
+    /// `initial_overlap: separate`, no move of at most their own size frees them. `source` starts messages.
     explicit World(const SceneDescription& scene, const std::string& source = "scene",
                    const WorldOptions& options = {});
+    /// Goes on from a snapshot of a World of the same scene and settings, with the same bits as that one, whatever the number of threads of
+    /// either. Throws InputError for an invalid scene and for a snapshot that is damaged or of another scene.
+    World(const SceneDescription& scene, std::span<const std::byte> snapshot, const std::string& source = "scene",
+          const WorldOptions& options = {});
     ~World();
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
@@ -81,7 +94,13 @@ class World {
     [[nodiscard]] std::vector<ContactState> contacts() const;
     /// Of every body, in scene order; before the first step only the contacts are known.
     [[nodiscard]] std::vector<BodyActivity> activity() const;
+    /// What was moved before the start; empty for a World made from a snapshot.
+    [[nodiscard]] const std::vector<MovedBody>& moved_bodies() const;
     [[nodiscard]] std::uint64_t state_hash() const;
+    /// Of all that the bits of every step depend on: settings, shapes, bodies and their start.
+    [[nodiscard]] std::uint64_t scene_hash() const;
+    /// Everything that can change a later bit; about 150 bytes a body and 80 bytes a contact.
+    [[nodiscard]] std::vector<std::byte> snapshot() const;
     [[nodiscard]] std::vector<ThreadReport> threads() const;
 
   private:

@@ -7,9 +7,13 @@
 #include <memory>
 #include <optional>
 
+#include <flotilla/error.hpp>
 #include <flotilla/world.hpp>
 
 #include "api/world_access.hpp"
+#include "base/text.hpp"
+#include "base/vec3.hpp"
+#include "io/checkpoint.hpp"
 #include "io/contacts_csv.hpp"
 #include "io/file_stream.hpp"
 #include "io/run_folder.hpp"
@@ -121,22 +125,134 @@ std::string settings_json(const Settings& settings) {
     return text + "}";
 }
 
-std::unique_ptr<io::RunWriter> open_writer(const SceneDescription& scene, const World& world,
-                                           const RunOptions& options) {
-    if (options.output.empty()) return nullptr;
+io::RunInfo run_info(const SceneDescription& scene, const World& world, const RunOptions& options) {
     io::RunInfo info;
     info.command_line = options.command_line;
     info.seed = scene.settings.seed;
     info.settings_json = settings_json(scene.settings);
     info.scene_json = options.scene_json;
-    info.scene_hash = world.state_hash();
+    info.scene_hash = world.scene_hash();
     info.trajectory = scene.settings.trajectory;
     info.time_step = scene.settings.time_step;
     info.frame_every = options.frame_every;
     info.threads = static_cast<int>(world.threads().size());
-    return std::make_unique<io::RunWriter>(options.output, info, io::make_run_scene(build_scene(scene)),
-                                           options.overwrite ? io::OpenRun::overwrite : io::OpenRun::create);
+    return info;
 }
+
+void note(const RunOptions& options, const std::string& text) {
+    if (options.note) options.note(text);
+}
+
+std::string moved_text(const SceneDescription& scene, const MovedBody& m) {
+    return "body " + in_quotes(scene.bodies[static_cast<std::size_t>(m.body)].name) +
+           " intersected another at the start and was moved by " + to_text(length(m.by)) + " m: (" + to_text(m.by.x) +
+           ", " + to_text(m.by.y) + ", " + to_text(m.by.z) + ")";
+}
+
+std::optional<io::Checkpoint> find_checkpoint(const RunOptions& options) {
+    if (!options.resume) return {};
+    if (!io::is_run_folder(options.output)) {
+        note(options, options.output.string() + ": no run to resume: starting from the beginning");
+        return {};
+    }
+    std::optional<io::Checkpoint> checkpoint = io::read_last_checkpoint(options.output);
+    if (!checkpoint)
+        note(options, options.output.string() + ": no checkpoint to resume from: starting from the beginning");
+    else
+        for (const std::string& warning : checkpoint->warnings) note(options, warning + "; using an older checkpoint");
+    return checkpoint;
+}
+
+World make_world(const SceneDescription& scene, const std::string& source, const RunOptions& options,
+                 const std::optional<io::Checkpoint>& checkpoint) {
+    if (!checkpoint) {
+        World world(scene, source, options.world);
+        for (const MovedBody& m : world.moved_bodies()) note(options, moved_text(scene, m));
+        return world;
+    }
+    try {
+        return World(scene, checkpoint->state, source, options.world);
+    } catch (const InputError& e) {
+        throw InputError(options.output.string() + ": cannot resume: " + e.what());
+    }
+}
+
+std::unique_ptr<io::RunWriter> open_writer(const SceneDescription& scene, const World& world, const RunOptions& options,
+                                           const std::optional<io::Checkpoint>& checkpoint) {
+    if (options.output.empty()) return nullptr;
+    const io::RunInfo info = run_info(scene, world, options);
+    const io::RunScene bodies = io::make_run_scene(build_scene(scene));
+    if (checkpoint) return std::make_unique<io::RunWriter>(options.output, info, bodies, checkpoint->step);
+    const io::OpenRun mode = options.resume      ? io::OpenRun::restart
+                             : options.overwrite ? io::OpenRun::overwrite
+                                                 : io::OpenRun::create;
+    return std::make_unique<io::RunWriter>(options.output, info, bodies, mode);
+}
+
+/// Decides when the folder gets a checkpoint, and writes it.
+class Checkpoints {
+  public:
+    Checkpoints(io::RunWriter& writer, const World& world, const RunOptions& options)
+        : writer_(writer), world_(world), options_(options), last_step_(world.steps()) {}
+
+    void after_step() {
+        if (due()) write();
+    }
+    void write() {
+        if (world_.steps() == last_step_ && last_step_ > 0) return;
+        writer_.flush(); // a checkpoint may not be newer than the frames
+        io::write_checkpoint(options_.output, world_.steps(), world_.snapshot());
+        last_step_ = world_.steps();
+        last_time_ = Clock::now();
+    }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr std::int64_t kDefaultSteps = 100;
+    static constexpr std::chrono::minutes kLongest{5};
+
+    [[nodiscard]] bool due() const {
+        const std::int64_t steps = world_.steps() - last_step_;
+        if (options_.checkpoint_every > 0) return steps >= options_.checkpoint_every;
+        return steps >= kDefaultSteps || Clock::now() - last_time_ >= kLongest;
+    }
+
+    io::RunWriter& writer_;
+    const World& world_;
+    const RunOptions& options_;
+    std::int64_t last_step_;
+    Clock::time_point last_time_ = Clock::now();
+};
+
+/// What is written into the run folder, step by step.
+class RunRecorder {
+  public:
+    RunRecorder(std::unique_ptr<io::RunWriter> writer, const World& world, const RunOptions& options)
+        : world_(world),
+          options_(options),
+          writer_(std::move(writer)),
+          frames_(*writer_, world),
+          checkpoints_(*writer_, world, options) {
+        if (world.steps() == 0) frames_.record();
+    }
+
+    void after_step(const StepReport& report) {
+        writer_->add_step(report);
+        if (world_.steps() % options_.frame_every == 0) frames_.record();
+        checkpoints_.after_step();
+    }
+    void close(bool complete) {
+        checkpoints_.write();
+        writer_->close(complete ? "complete" : "stopped");
+    }
+
+  private:
+    const World& world_;
+    const RunOptions& options_;
+    std::unique_ptr<io::RunWriter> writer_;
+    FrameRecorder frames_;
+    Checkpoints checkpoints_;
+};
 
 } // namespace
 
@@ -144,33 +260,30 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
     // Before the world's threads are there, perhaps pinned: those that are measured would share their cores.
     std::vector<ThreadCosts> costs;
     if (!options.trace.empty()) costs = measure_costs(usable_cores());
-    World world(scene, source, options.world);
+    const std::optional<io::Checkpoint> checkpoint = find_checkpoint(options);
+    World world = make_world(scene, source, options, checkpoint);
     RunTotals summary;
     summary.bodies = static_cast<std::int64_t>(world.size());
-    const auto writer = open_writer(scene, world, options);
-    std::unique_ptr<FrameRecorder> frames;
-    if (writer) {
-        frames = std::make_unique<FrameRecorder>(*writer, world);
-        frames->record();
-    }
+    summary.resumed_after = world.steps();
+    std::optional<RunRecorder> recorder;
+    if (auto writer = open_writer(scene, world, options, checkpoint))
+        recorder.emplace(std::move(writer), world, options);
     std::unique_ptr<TaskTrace> trace;
     if (!options.trace.empty()) trace = std::make_unique<TaskTrace>(world, std::move(costs), options);
     std::optional<io::ContactsCsv> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
     bool goes_on = true;
-    while (goes_on && summary.steps < options.steps) {
+    while (goes_on && world.steps() < options.steps) {
         const StepReport report = trace ? trace->step() : world.step();
         add(summary, report);
         if (contacts) contacts->add(report.step, report.time, world.contacts());
-        if (writer) {
-            writer->add_step(report);
-            if (world.steps() % options.frame_every == 0) frames->record();
-        }
+        if (recorder) recorder->after_step(report);
         if (options.after_step) goes_on = options.after_step(report);
     }
+    summary.complete = world.steps() >= options.steps;
     summary.threads = world.threads();
     if (contacts) contacts->close();
-    if (writer) writer->close(goes_on ? "complete" : "stopped");
+    if (recorder) recorder->close(summary.complete);
     if (trace) {
         trace->write();
         summary.traced_steps = trace->steps();

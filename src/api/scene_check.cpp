@@ -7,6 +7,7 @@
 #include "base/text.hpp"
 #include "io/file.hpp"
 #include "scene/initial_overlap.hpp"
+#include "scene/separate_overlaps.hpp"
 
 namespace flotilla {
 
@@ -72,6 +73,14 @@ void write_group(std::ostream& out, const std::string& name, const std::vector<s
         out << "f " << vertices + 1 << ' ' << vertices + 2 << ' ' << vertices + 3 << '\n';
 }
 
+bool repaired(Scene scene, std::vector<InitialRepair>& repairs) {
+    const SeparatedStart start = separate_overlaps(scene);
+    if (!start.not_freed.empty()) return false;
+    for (const InitialMove& m : start.moves)
+        repairs.push_back({scene.bodies[static_cast<std::size_t>(m.body)].name, m.by});
+    return true;
+}
+
 } // namespace
 
 SceneCheck check_scene(const SceneDescription& scene, const std::string& source) {
@@ -80,7 +89,8 @@ SceneCheck check_scene(const SceneDescription& scene, const std::string& source)
     SceneCheck check;
     count_bodies(built, check);
     check.warnings = built.warnings;
-    check.intersections = describe(built, overlaps.movable);
+    if (built.settings.initial_overlap != InitialOverlap::separate || !repaired(built, check.repairs))
+        check.intersections = describe(built, overlaps.movable);
     check.ignored_intersections = describe(built, overlaps.fixed);
     return check;
 }

@@ -7,28 +7,59 @@
 #include <flotilla/error.hpp>
 
 #include "api/world_access.hpp"
+#include "base/text.hpp"
 #include "parallel/parallel_for.hpp"
 #include "scene/initial_overlap.hpp"
+#include "scene/separate_overlaps.hpp"
 #include "state/build_model.hpp"
+#include "state/snapshot.hpp"
 #include "step/stepper.hpp"
 
 namespace flotilla {
 namespace {
 
-/// The checks that come before the first step: exact, because continuous detection cannot see an overlap that is there already.
-Scene checked(const SceneDescription& description, const std::string& source) {
-    Scene scene = build_scene(description, source);
-    const InitialOverlaps overlaps = find_initial_overlaps(scene);
-    if (overlaps.movable.empty()) return scene;
+std::string name_of(const Scene& scene, std::int32_t body) {
+    return in_quotes(scene.bodies[static_cast<std::size_t>(body)].name);
+}
+
+[[noreturn]] void refuse(const Scene& scene, const std::string& source, const std::vector<BodyOverlap>& overlaps) {
     std::string message;
-    for (const BodyOverlap& o : overlaps.movable) {
+    for (const BodyOverlap& o : overlaps) {
         if (!message.empty()) message += '\n';
-        message += source + ": bodies \"" + scene.bodies[static_cast<std::size_t>(o.a)].name + "\" and \"" +
-                   scene.bodies[static_cast<std::size_t>(o.b)].name + "\" intersect at t = 0 (" +
-                   std::to_string(o.triangles.size()) + " triangle pairs)";
+        message += source + ": bodies " + name_of(scene, o.a) + " and " + name_of(scene, o.b) +
+                   " intersect at t = 0 (" + std::to_string(o.triangles.size()) + " triangle pairs)";
     }
     throw OverlapError(message);
 }
+
+std::vector<MovedBody> separate(Scene& scene, const std::string& source) {
+    const SeparatedStart start = separate_overlaps(scene);
+    if (!start.not_freed.empty()) {
+        std::string message;
+        for (const std::int32_t body : start.not_freed)
+            message += (message.empty() ? "" : "\n") + source + ": body " + name_of(scene, body) +
+                       " intersects others at t = 0, and no move of at most its own size frees it";
+        throw OverlapError(message);
+    }
+    std::vector<MovedBody> moved;
+    for (const InitialMove& m : start.moves) moved.push_back({m.body, m.by});
+    return moved;
+}
+
+/// A scene whose movable bodies do not intersect at the start. Exact, because continuous detection cannot see an overlap that is there
+/// already.
+struct CheckedStart {
+    CheckedStart(const SceneDescription& description, const std::string& source)
+        : described(build_scene(description, source)), scene(described) {
+        if (scene.settings.initial_overlap == InitialOverlap::separate) moved = separate(scene, source);
+        const InitialOverlaps overlaps = find_initial_overlaps(scene);
+        if (!overlaps.movable.empty()) refuse(scene, source, overlaps.movable);
+    }
+    Scene described, scene;
+    std::vector<MovedBody> moved;
+};
+
+std::uint64_t hash_of(const Scene& scene, const Model& model) { return scene_hash(model, initial_state(scene, model)); }
 
 constexpr int kMostThreads = 1024;
 
@@ -46,17 +77,29 @@ StepperOptions stepper_options(const WorldOptions& options) {
 } // namespace
 
 struct World::Impl {
-    Impl(const Scene& scene, const WorldOptions& options)
-        : model(make_model(scene)), stepper(model, initial_state(scene, model), stepper_options(options)) {}
+    Impl(const CheckedStart& start, const WorldOptions& options)
+        : model(make_model(start.scene)),
+          scene_hash(hash_of(start.described, model)),
+          moved(start.moved),
+          stepper(model, initial_state(start.scene, model), stepper_options(options)) {}
+    Impl(const Scene& scene, std::span<const std::byte> snapshot, const WorldOptions& options)
+        : model(make_model(scene)),
+          scene_hash(hash_of(scene, model)),
+          stepper(model, read_snapshot(snapshot, scene_hash), stepper_options(options)) {}
 
     Model model;
+    std::uint64_t scene_hash; ///< of the scene as it was described
+    std::vector<MovedBody> moved;
     Stepper stepper;
 };
 
 Team& WorldAccess::team(World& world) { return world.impl_->stepper.team(); }
 
 World::World(const SceneDescription& scene, const std::string& source, const WorldOptions& options)
-    : impl_(std::make_unique<Impl>(checked(scene, source), options)) {}
+    : impl_(std::make_unique<Impl>(CheckedStart(scene, source), options)) {}
+World::World(const SceneDescription& scene, std::span<const std::byte> snapshot, const std::string& source,
+             const WorldOptions& options)
+    : impl_(std::make_unique<Impl>(build_scene(scene, source), snapshot, options)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -116,5 +159,8 @@ std::vector<ThreadReport> World::threads() const {
 }
 
 std::uint64_t World::state_hash() const { return flotilla::state_hash(impl_->stepper.state()); }
+const std::vector<MovedBody>& World::moved_bodies() const { return impl_->moved; }
+std::uint64_t World::scene_hash() const { return impl_->scene_hash; }
+std::vector<std::byte> World::snapshot() const { return write_snapshot(impl_->stepper.state(), impl_->scene_hash); }
 
 } // namespace flotilla

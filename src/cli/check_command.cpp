@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -49,6 +50,13 @@ void print_pairs(const char* kind, const std::vector<InitialIntersection>& pairs
     if (shown < pairs.size()) std::cerr << kind << ": and " << pairs.size() - shown << " more pairs of bodies\n";
 }
 
+void print_repairs(const std::vector<InitialRepair>& repairs) {
+    for (const InitialRepair& r : repairs)
+        std::cerr << "note: body \"" << r.body << "\" intersects another at t = 0 and will be moved by "
+                  << std::hypot(r.by.x, r.by.y, r.by.z) << " m: (" << r.by.x << ", " << r.by.y << ", " << r.by.z
+                  << ")\n";
+}
+
 std::filesystem::path overlap_file(const CheckArguments& arguments) {
     if (!arguments.output.empty()) return arguments.output;
     return std::filesystem::path(arguments.scene).replace_extension(".overlap.obj");
@@ -59,6 +67,7 @@ int run_check(const CheckArguments& arguments) {
     const SceneCheck check = check_scene(scene, arguments.scene);
     for (const std::string& warning : check.warnings) std::cerr << "warning: " << warning << '\n';
     print_pairs("warning", check.ignored_intersections);
+    print_repairs(check.repairs);
     if (check.intersections.empty()) {
         print_summary(check);
         return kOk;

@@ -16,6 +16,7 @@
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
+#include "cli/stop_request.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -33,7 +34,9 @@ struct RunArguments {
     bool pin = false;
     std::string trace, contacts;
     int trace_every = 1;
-    bool overwrite = false, quiet = false, audit = false;
+    bool overwrite = false, resume = false, quiet = false, audit = false;
+    int checkpoint_every = 0; ///< 0: the library's own rule
+    std::string time_limit;   ///< H:M:S
     std::vector<std::string> command_line;
 };
 
@@ -68,8 +71,13 @@ void print_threads(const std::vector<ThreadReport>& threads) {
 
 void print_summary(const RunTotals& s) {
     const double n = s.steps > 0 ? static_cast<double>(s.steps) : 1;
-    std::printf("%ld bodies, %ld steps, %.3f s simulated\n", static_cast<long>(s.bodies), static_cast<long>(s.steps),
-                s.last.time);
+    std::printf("%ld bodies, %ld steps", static_cast<long>(s.bodies), static_cast<long>(s.steps));
+    if (s.resumed_after > 0) std::printf(" after the %ld that were there", static_cast<long>(s.resumed_after));
+    if (s.steps == 0) {
+        std::printf("\n");
+        return;
+    }
+    std::printf(", %.3f s simulated\n", s.last.time);
     std::printf("time per step: mean %.2f ms, slowest %.2f ms\n", s.total_ms / n, s.worst_ms);
     for (std::size_t p = 0; p < kNumPhases; ++p)
         if (s.phase_ms[p] / n >= 0.005)
@@ -96,14 +104,23 @@ std::string file_text(const std::string& path) {
 }
 
 int run_run(const RunArguments& arguments) {
-    if (arguments.audit && arguments.output.empty())
-        throw InputError("run: --audit needs --output, the frames to audit");
+    const auto needs_output = [&](bool given, const char* option, const char* what) {
+        if (given && arguments.output.empty())
+            throw InputError(std::string("run: ") + option + " needs --output, " + what);
+    };
+    needs_output(arguments.audit, "--audit", "the frames to audit");
+    needs_output(arguments.resume, "--resume", "the folder of the run to go on with");
+    needs_output(!arguments.time_limit.empty(), "--time-limit", "the folder for the checkpoint");
     SceneFileOptions options = arguments.options.resolve();
     if (arguments.dt > 0) options.overrides.emplace_back("time_step", exact_text(arguments.dt));
     const SceneDescription scene = read_scene(arguments.scene, options);
+    StopRequest stop(parse_time_limit(arguments.time_limit), !arguments.output.empty());
     RunOptions run;
     run.output = arguments.output;
     run.overwrite = arguments.overwrite;
+    run.resume = arguments.resume;
+    run.checkpoint_every = arguments.checkpoint_every;
+    run.note = [](const std::string& text) { std::cerr << "flotilla: " << text << '\n'; };
     run.steps = total_steps(arguments, scene.settings.time_step);
     run.frame_every = arguments.frame_every;
     run.command_line = arguments.command_line;
@@ -119,13 +136,18 @@ int run_run(const RunArguments& arguments) {
         Progress progress("step", run.steps, arguments.quiet);
         run.after_step = [&](const StepReport& r) {
             progress.update(r.step, note(r));
-            return true;
+            return !stop.asked(r.total_ms / 1000);
         };
         summary = run_scene(scene, arguments.scene, run);
     }
     print_summary(summary);
     if (!arguments.trace.empty())
         std::printf("trace of %ld steps: %s\n", static_cast<long>(summary.traced_steps), arguments.trace.c_str());
+    if (!summary.complete) {
+        std::cerr << "flotilla: stopped after step " << summary.last.step << " of " << run.steps << " ("
+                  << stop.reason() << "); --resume goes on\n";
+        return kResumable;
+    }
     return arguments.audit ? audit_run(arguments.output, arguments.threads, arguments.quiet) : kOk;
 }
 
@@ -145,7 +167,15 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
         ->excludes(steps);
     command->add_option("--dt", arguments->dt, "time step, s; replaces the scene's")->check(CLI::PositiveNumber);
     command->add_option("--frame-every", arguments->frame_every, "steps per written frame")->check(CLI::PositiveNumber);
-    command->add_flag("--overwrite", arguments->overwrite, "replace an earlier run in the folder");
+    auto* overwrite = command->add_flag("--overwrite", arguments->overwrite, "replace an earlier run in the folder");
+    command->add_flag("--resume", arguments->resume, "go on from the folder's last checkpoint, with the same bits")
+        ->excludes(overwrite);
+    command
+        ->add_option("--checkpoint-every", arguments->checkpoint_every,
+                     "steps per checkpoint (default 100, and one in five minutes)")
+        ->check(CLI::PositiveNumber);
+    command->add_option("--time-limit", arguments->time_limit,
+                        "H:M:S; stop with a checkpoint before so much time has passed (exit code 6)");
     command
         ->add_option("--threads", arguments->threads,
                      "threads (default FLOTILLA_NUM_THREADS, else OMP_NUM_THREADS, else all usable cores)")

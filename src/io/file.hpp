@@ -31,6 +31,19 @@ void sync_folder(const std::filesystem::path& folder);
 /// Creates the folder and its parents where they are missing.
 void create_folder(const std::filesystem::path& folder);
 
+/// Keeps other processes from writing into a folder while it lives; the system gives it up with the process, however that ends.
+class FolderLock {
+  public:
+    /// IoError where another process (or another lock of this one) has it. File systems without locks are left unlocked.
+    explicit FolderLock(const std::filesystem::path& folder);
+    ~FolderLock();
+    FolderLock(const FolderLock&) = delete;
+    FolderLock& operator=(const FolderLock&) = delete;
+
+  private:
+    int descriptor_;
+};
+
 /// Names that an interrupted write_file left behind end with this.
 inline constexpr std::string_view kTemporarySuffix = ".tmp";
 

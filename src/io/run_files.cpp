@@ -140,8 +140,20 @@ std::string run_json_text(const RunInfo& info, std::size_t bodies, const std::st
               {"frame_every", info.frame_every},
               {"time_step", info.time_step},
               {"trajectory", info.trajectory == Trajectory::rigid ? "rigid" : "linear"}};
+    json["resumed"] = Json::parse(info.record.resumed);
     json["settings"] = Json::parse(info.settings_json);
     return json.dump(2) + "\n";
+}
+
+std::string resumed_json(const std::string& earlier, const RunInfo& info, std::int64_t step) {
+    Json list = Json::parse(earlier);
+    list.push_back({{"after_step", step},
+                    {"time", utc_now()},
+                    {"commit", build_info().commit},
+                    {"machine", machine()},
+                    {"threads", info.threads},
+                    {"command_line", info.command_line}});
+    return list.dump();
 }
 
 RunInfo parse_run_json(const fs::path& path, const std::string& text) {
@@ -160,7 +172,7 @@ RunInfo parse_run_json(const fs::path& path, const std::string& text) {
         const auto text_of = [&json](const char* key) { return json.at(key).get<std::string>(); };
         info.record = {text_of("status"),   text_of("version"), text_of("commit"),
                        text_of("compiler"), text_of("flags"),   json.at("machine").at("processor").get<std::string>(),
-                       text_of("started"),  text_of("updated")};
+                       text_of("started"),  text_of("updated"), json.value("resumed", Json::array()).dump()};
         return info;
     } catch (const Json::exception& error) {
         throw IoError(path.string() + ": damaged: " + error.what());

@@ -30,6 +30,8 @@ void remove_run_files(const std::filesystem::path& folder);
 
 [[nodiscard]] std::string run_json_text(const RunInfo& info, std::size_t bodies, const std::string& started,
                                         const std::string& status, std::int64_t frames);
+/// `earlier`, a JSON array, with an entry for the process that goes on after step `step`.
+[[nodiscard]] std::string resumed_json(const std::string& earlier, const RunInfo& info, std::int64_t step);
 [[nodiscard]] RunInfo parse_run_json(const std::filesystem::path& path, const std::string& text);
 /// As the system calls it.
 [[nodiscard]] std::string processor_name();

@@ -109,12 +109,8 @@ bool is_run_folder(const fs::path& folder) {
 RunWriter::RunWriter(const fs::path& folder, const RunInfo& info, const RunScene& scene, OpenRun mode)
     : folder_(folder), info_(info), bodies_(scene.bodies.size()), started_(utc_now()) {
     create_folder(folder);
-    if (mode == OpenRun::overwrite) {
-        remove_run_files(folder);
-    } else if (std::error_code error; !fs::is_empty(folder, error) || error) {
-        throw InputError(folder.string() +
-                         ": the folder is not empty; --resume continues the run in it, --overwrite replaces it");
-    }
+    lock_ = std::make_unique<FolderLock>(folder);
+    clear_folder(mode);
     write_meshes(folder / kMeshes, scene);
     write_file(folder / kSceneJson, info.scene_json);
     write_file(folder / kStepsCsv, step_csv_header());
@@ -124,16 +120,33 @@ RunWriter::RunWriter(const fs::path& folder, const RunInfo& info, const RunScene
 
 RunWriter::RunWriter(const fs::path& folder, const RunInfo& info, const RunScene& scene, std::int64_t step)
     : folder_(folder), info_(info), bodies_(scene.bodies.size()), started_(utc_now()) {
+    lock_ = std::make_unique<FolderLock>(folder);
     RunReader reader(folder);
+    check_same_run(reader.info());
     if (reader.info().frame_every != info.frame_every)
         throw InputError(folder.string() + ": the run writes a frame every " +
                          std::to_string(reader.info().frame_every) + " steps; --resume cannot change that");
-    if (reader.info().scene_hash != info.scene_hash)
-        throw InputError(folder.string() + ": was made from another scene or other settings; --resume needs the same");
+    started_ = reader.info().record.started;
+    info_.record.resumed = resumed_json(reader.info().record.resumed, info, step);
     keep_frames(reader, step / info.frame_every + 1);
     write_file(folder / kStepsCsv, step_csv_until(read_text(folder / kStepsCsv), step));
     write_run_json("running");
     steps_csv_ = std::make_unique<AppendFile>(folder / kStepsCsv);
+}
+
+void RunWriter::clear_folder(OpenRun mode) const {
+    if (mode == OpenRun::restart && is_run_folder(folder_))
+        check_same_run(parse_run_json(folder_ / kRunJson, read_text(folder_ / kRunJson)));
+    if (mode != OpenRun::create) remove_run_files(folder_);
+    std::error_code error;
+    if (mode != OpenRun::overwrite && (!fs::is_empty(folder_, error) || error))
+        throw InputError(folder_.string() +
+                         ": the folder is not empty; --resume continues the run in it, --overwrite replaces it");
+}
+
+void RunWriter::check_same_run(const RunInfo& earlier) const {
+    if (earlier.scene_hash != info_.scene_hash)
+        throw InputError(folder_.string() + ": was made from another scene or other settings; --resume needs the same");
 }
 
 /// Removes the frames from `count` on. A segment on both sides of the border goes back into the buffer and is replaced when
@@ -154,6 +167,9 @@ void RunWriter::keep_frames(RunReader& reader, std::int64_t count) {
             first_frame_ = segment.last + 1;
         }
     }
+    if (frames() < count)
+        throw IoError(folder_.string() + ": frames " + std::to_string(frames()) + " to " + std::to_string(count - 1) +
+                      " are missing, which come before the checkpoint; --overwrite starts again");
 }
 
 RunWriter::~RunWriter() {

@@ -42,6 +42,7 @@ struct RunRecord {
     std::string status; ///< "running", "complete" or why the run ended
     std::string version, commit, compiler, flags, processor;
     std::string started, updated; ///< UTC, ISO 8601
+    std::string resumed = "[]";   ///< JSON array: what went on with the run, and after which step
 };
 
 /// What run.json says about a run.
@@ -132,15 +133,16 @@ class RunReader;
 enum class OpenRun {
     create,    ///< the folder is missing or empty
     overwrite, ///< what an earlier run wrote is removed first
+    restart, ///< as overwrite, for an earlier run of the same scene and settings only, and with nothing else in the folder
 };
 
 /// Writes a run folder. Used from one thread.
 class RunWriter {
   public:
-    /// Starts a run. InputError where the folder has content and `mode` is create.
+    /// Starts a run. InputError where the folder has content that `mode` excludes, IoError where another process writes into it.
     RunWriter(const std::filesystem::path& folder, const RunInfo& info, const RunScene& scene, OpenRun mode);
     /// Goes on with the run in the folder after step `step`: frames and rows of later steps are removed.
-    /// InputError where that run had another scene, other settings or another frame_every.
+    /// InputError where that run had another scene, other settings or another frame_every; IoError where frames are missing.
     RunWriter(const std::filesystem::path& folder, const RunInfo& info, const RunScene& scene, std::int64_t step);
     /// Writes what is left and swallows errors; close() reports them.
     ~RunWriter();
@@ -158,6 +160,8 @@ class RunWriter {
     [[nodiscard]] std::int64_t frames() const { return first_frame_ + static_cast<std::int64_t>(steps_.size()); }
 
   private:
+    void clear_folder(OpenRun mode) const;
+    void check_same_run(const RunInfo& earlier) const;
     void keep_frames(RunReader& reader, std::int64_t count);
     void append_frame(const FrameView& frame, std::span<const PathRotation> path);
     void append_activity(const ActivityView& activity);
@@ -168,6 +172,7 @@ class RunWriter {
     [[nodiscard]] std::size_t frame_bytes() const;
 
     std::filesystem::path folder_;
+    std::unique_ptr<FolderLock> lock_;
     RunInfo info_;
     std::size_t bodies_ = 0;
     std::string started_;

@@ -18,6 +18,20 @@ struct ContactSet {
 
     void clear();
     void append(const ContactSet& other);
+    /// Removes the contacts that are not wanted; the smallest distance stays.
+    template <typename Wanted>
+    void keep(Wanted&& wanted) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+            if (!wanted(contacts[i])) continue;
+            contacts[kept] = contacts[i];
+            rest[kept] = rest[i];
+            processed[kept++] = processed[i];
+        }
+        contacts.resize(kept);
+        rest.resize(kept);
+        processed.resize(kept);
+    }
 };
 /// What the tasks of a contact search found.
 struct ContactSearchScratch {

@@ -222,6 +222,11 @@ void Stepper::put_to_sleep() {
         if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
     fall_asleep(model_, rule, touching_, sleep_, state_);
     mark_asleep();
+    // Contacts of bodies that sleep now are no longer searched for: those at hand would make the next step depend on more than State.
+    contacts_.keep([&](const Contact& c) {
+        return model_.bodies[static_cast<std::size_t>(c.a)].movable() ||
+               model_.bodies[static_cast<std::size_t>(c.b)].movable();
+    });
 }
 
 void Stepper::start_clusters(std::span<const Motion> motion) {

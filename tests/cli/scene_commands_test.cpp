@@ -97,6 +97,23 @@ TEST(CheckCommand, EveryKindOfBadSceneExitsWithTwoAndItsMessages) {
     }
 }
 
+TEST(CheckCommand, AnOverlapCanBeRepaired) {
+    const TemporaryFolder folder;
+    const std::string scene = folder.write("s.json", kCrossing), option = " --set initial_overlap=separate";
+    const CommandOutput check = run_flotilla("check " + scene + option);
+    EXPECT_EQ(check.exit_code, 0) << check.err;
+    EXPECT_NE(check.err.find("intersects another at t = 0 and will be moved by "), std::string::npos) << check.err;
+    const std::string run = "run " + scene + " --quiet --output " + (folder.path() / "run").string();
+    EXPECT_EQ(run_flotilla(run + " --steps 2").exit_code, 4);
+    const CommandOutput repaired = run_flotilla(run + " --audit --steps 3" + option);
+    EXPECT_EQ(repaired.exit_code, 0) << repaired.err;
+    EXPECT_NE(repaired.err.find("intersected another at the start and was moved by "), std::string::npos);
+    EXPECT_NE(repaired.out.find("frames checked:       4 "), std::string::npos) << repaired.out;
+    const CommandOutput on = run_flotilla(run + " --resume --steps 5" + option);
+    EXPECT_EQ(on.exit_code, 0) << on.err;
+    EXPECT_NE(on.out.find("2 steps after the 3"), std::string::npos) << on.out;
+}
+
 TEST(CheckCommand, IntersectingBodiesExitWithFourAndAreWritten) {
     const TemporaryFolder folder;
     const CommandOutput r = run_flotilla("check " + folder.write("s.json", kCrossing));

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "state/snapshot.hpp"
+
+#include <bit>
+#include <cstring>
+#include <type_traits>
+
+#include <flotilla/error.hpp>
+
+#include "base/hasher.hpp"
+
+namespace flotilla {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+// Arrays are copied as they lie in memory, so none may have padding: those bytes would be anything.
+static_assert(sizeof(Pose) == 10 * sizeof(double) && sizeof(Motion) == 6 * sizeof(double));
+static_assert(sizeof(Sleep) == 8 && sizeof(RestDistance) == 16 && sizeof(WarmImpulse) == 40);
+
+constexpr std::uint64_t kMagic = 0x50414e534c464c46; // "FLFLSNAP"
+constexpr std::uint64_t kVersion = 1;
+
+class Writer {
+  public:
+    template <typename T>
+    void add(const T& value) {
+        add_bytes(&value, sizeof value);
+    }
+    template <typename T>
+    void add(const std::vector<T>& values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        add(static_cast<std::uint64_t>(values.size()));
+        add_bytes(values.data(), values.size() * sizeof(T));
+    }
+    [[nodiscard]] std::vector<std::byte> take() { return std::move(bytes_); }
+
+  private:
+    void add_bytes(const void* data, std::size_t size) {
+        const auto* first = static_cast<const std::byte*>(data);
+        bytes_.insert(bytes_.end(), first, first + size);
+    }
+    std::vector<std::byte> bytes_;
+};
+
+class Reader {
+  public:
+    explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+    template <typename T>
+    void read(T& value) {
+        take(&value, sizeof value);
+    }
+    template <typename T>
+    void read(std::vector<T>& values) {
+        std::uint64_t size = 0;
+        read(size);
+        if (size > bytes_.size() / sizeof(T)) fail();
+        values.resize(static_cast<std::size_t>(size));
+        take(values.data(), values.size() * sizeof(T));
+    }
+    void expect_end() const {
+        if (!bytes_.empty()) fail();
+    }
+
+  private:
+    void take(void* to, std::size_t size) {
+        if (size > bytes_.size()) fail();
+        if (size > 0) std::memcpy(to, bytes_.data(), size);
+        bytes_ = bytes_.subspan(size);
+    }
+    [[noreturn]] static void fail() { throw InputError("damaged snapshot: its arrays do not fit its size"); }
+
+    std::span<const std::byte> bytes_;
+};
+
+void add(Hasher& h, const Mat3& m) {
+    for (const double x : m.m) h.add(x);
+}
+
+void add(Hasher& h, const RigidShape& shape) {
+    h.add(static_cast<std::uint64_t>(shape.mesh.vertices.size()));
+    for (const Vec3& x : shape.mesh.vertices) h.add(x);
+    for (const Triangle& t : shape.mesh.triangles)
+        for (const std::int32_t corner : t) h.add(static_cast<std::uint64_t>(corner));
+    h.add(shape.center_of_mass);
+    h.add(shape.mass);
+    add(h, shape.inertia);
+}
+
+void add(Hasher& h, const Body& body) {
+    h.add(static_cast<std::uint64_t>(body.shape));
+    h.add(static_cast<std::uint64_t>(body.type));
+    h.add(body.friction);
+    h.add(body.restitution);
+    for (const Keyframe& k : body.keyframes) h.add(k.time), h.add(k.position), h.add(k.rotation);
+}
+
+/// The parts of a state in the order of their bytes.
+template <typename S, typename Visit>
+void visit(S& state, Visit&& part) {
+    part(state.step), part(state.time), part(state.pose), part(state.motion), part(state.sleep);
+    part(state.script_delay), part(state.rest_distances), part(state.warm_half), part(state.warm_final);
+}
+
+} // namespace
+
+std::uint64_t scene_hash(const Model& model, const State& initial) {
+    Hasher h;
+    for (const SettingInfo& setting : list_settings())
+        for (const char c : setting_value(model.settings, setting.key)) h.add(static_cast<std::uint64_t>(c));
+    h.add(model.gravity);
+    for (const RigidShape& shape : model.shapes) add(h, shape);
+    for (const Body& body : model.bodies) add(h, body);
+    h.add(state_hash(initial));
+    return h.value();
+}
+
+std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene) {
+    Writer out;
+    out.add(kMagic), out.add(kVersion), out.add(scene);
+    visit(state, [&out](const auto& part) { out.add(part); });
+    return out.take();
+}
+
+State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene) {
+    std::uint64_t magic = 0, version = 0, of_scene = 0;
+    if (bytes.size() < 3 * sizeof magic) throw InputError("no snapshot");
+    Reader in(bytes);
+    in.read(magic), in.read(version), in.read(of_scene);
+    if (magic != kMagic) throw InputError("no snapshot");
+    if (version != kVersion) throw InputError("snapshot of another version of flotilla");
+    if (of_scene != scene) throw InputError("snapshot of another scene or other settings");
+    State state;
+    visit(state, [&in](auto& part) { in.read(part); });
+    in.expect_end();
+    const std::size_t n = state.pose.size();
+    if (state.motion.size() != n || state.sleep.size() != n || state.script_delay.size() != n)
+        throw InputError("damaged snapshot: its arrays do not fit each other");
+    return state;
+}
+
+} // namespace flotilla

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+// flotilla run --resume, signals, --time-limit, and what happens when files cannot be written or read.
+#include <sys/mount.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "cli/killed_runs.hpp"
+#include "io/damage.hpp"
+
+namespace flotilla::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(KilledRuns, ResumeToTheSameBits) {
+    const KilledRuns r = kill_and_resume(22, 70, 6);
+    EXPECT_GE(r.in_time, 2);
+    EXPECT_EQ(r.different, 0);
+    EXPECT_EQ(r.failed, 0);
+}
+
+class Resume : public testing::Test {
+  protected:
+    Resume() { scene_ = folder_.write("boats.json", run_flotilla("scene boats-in-bowl --bodies 12 --seed 3").out); }
+    [[nodiscard]] std::string options(int steps) const {
+        return "run " + scene_ + " --quiet --threads 1 --checkpoint-every 5 --output " + run().string() + " --steps " +
+               std::to_string(steps) + " ";
+    }
+    [[nodiscard]] fs::path run() const { return folder_.path() / "run"; }
+    [[nodiscard]] fs::path file(const std::string& name) const { return run() / name; }
+
+    TemporaryFolder folder_;
+    std::string scene_;
+};
+
+TEST_F(Resume, AFinishedRunCanBeExtended) {
+    ASSERT_EQ(run_flotilla(options(12)).exit_code, 0);
+    const CommandOutput more = run_flotilla(options(20) + "--resume --audit");
+    EXPECT_EQ(more.exit_code, 0) << more.err;
+    EXPECT_NE(more.out.find("12 bodies, 8 steps after the 12 that were there"), std::string::npos) << more.out;
+    EXPECT_NE(more.out.find("frames checked:       21"), std::string::npos) << more.out;
+    const auto resumed = step_hashes(run());
+    ASSERT_EQ(run_flotilla(options(20) + "--overwrite").exit_code, 0);
+    EXPECT_EQ(step_hashes(run()), resumed);
+    const CommandOutput nothing = run_flotilla(options(20) + "--resume");
+    EXPECT_EQ(nothing.exit_code, 0) << nothing.err;
+    EXPECT_EQ(step_hashes(run()), resumed);
+}
+
+TEST_F(Resume, StartsFromTheBeginningWhereThereIsNothing) {
+    const CommandOutput r = run_flotilla(options(3) + "--resume");
+    EXPECT_EQ(r.exit_code, 0);
+    EXPECT_NE(r.err.find("no run to resume: starting from the beginning"), std::string::npos) << r.err;
+    for (const char* name : {"checkpoint-00000003.h5"}) fs::remove(file(name));
+    const CommandOutput again = run_flotilla(options(4) + "--resume");
+    EXPECT_EQ(again.exit_code, 0);
+    EXPECT_NE(again.err.find("no checkpoint to resume from: starting from the beginning"), std::string::npos);
+    EXPECT_EQ(step_hashes(run()).size(), 4u);
+}
+
+TEST_F(Resume, AnotherSceneOrOtherSettingsAreRefused) {
+    ASSERT_EQ(run_flotilla(options(6)).exit_code, 0);
+    const auto before = step_hashes(run());
+    const CommandOutput settings = run_flotilla(options(9) + "--resume --set friction=0.4");
+    EXPECT_EQ(settings.exit_code, 2);
+    EXPECT_NE(settings.err.find("another scene or other settings"), std::string::npos) << settings.err;
+    EXPECT_EQ(run_flotilla(options(9) + "--resume --frame-every 2").exit_code, 2);
+    fs::remove(file("checkpoint-00000005.h5"));
+    fs::remove(file("checkpoint-00000006.h5"));
+    EXPECT_EQ(run_flotilla(options(9) + "--resume --set friction=0.4").exit_code, 2);
+    EXPECT_EQ(run_flotilla("run " + scene_ + " --steps 1 --resume").exit_code, 2);
+    EXPECT_EQ(step_hashes(run()), before);
+    folder_.write("run/notes.txt", "mine");
+    EXPECT_EQ(run_flotilla(options(9)).exit_code, 2);
+}
+
+TEST_F(Resume, AMissingMeshIsNamed) {
+    folder_.write("plate.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    scene_ = folder_.write("plate.json", R"({"flotilla_scene": 1,
+        "shapes": [{"name": "plate", "mesh": "plate.obj", "mass": 1}], "bodies": [{"name": "p", "shape": "plate"}]})");
+    ASSERT_EQ(run_flotilla(options(3)).exit_code, 0);
+    fs::remove(folder_.path() / "plate.obj");
+    const CommandOutput r = run_flotilla(options(6) + "--resume");
+    EXPECT_EQ(r.exit_code, 2);
+    EXPECT_NE(r.err.find("plate.obj"), std::string::npos) << r.err;
+    EXPECT_EQ(run_flotilla("verify --quiet " + run().string()).exit_code, 0);
+}
+
+TEST_F(Resume, ADamagedCheckpointCostsOneInterval) {
+    ASSERT_EQ(run_flotilla(options(12)).exit_code, 0);
+    const auto expected = step_hashes(run());
+    flip_bit(file("checkpoint-00000012.h5"),
+             static_cast<std::streamoff>(fs::file_size(file("checkpoint-00000012.h5")) / 2));
+    const CommandOutput r = run_flotilla(options(12) + "--resume");
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE(r.err.find("checkpoint-00000012.h5"), std::string::npos) << r.err;
+    EXPECT_NE(r.err.find("using an older checkpoint"), std::string::npos) << r.err;
+    EXPECT_NE(r.out.find("2 steps after the 10 that were there"), std::string::npos) << r.out;
+    EXPECT_EQ(step_hashes(run()), expected);
+    for (const char* name : {"checkpoint-00000010.h5", "checkpoint-00000012.h5"}) fs::resize_file(file(name), 100);
+    const CommandOutput none = run_flotilla(options(12) + "--resume");
+    EXPECT_EQ(none.exit_code, 5);
+    EXPECT_NE(none.err.find("no checkpoint is readable"), std::string::npos) << none.err;
+    EXPECT_EQ(run_flotilla("verify --quiet " + run().string()).exit_code, 0) << "the frames are still there";
+}
+
+TEST_F(Resume, ADamagedSegmentIsNamedAndTheOthersStay) {
+    ASSERT_EQ(run_flotilla(options(12)).exit_code, 0);
+    fs::resize_file(file("frames-00000006-00000010.h5"), 500);
+    const CommandOutput r = run_flotilla(options(14) + "--resume");
+    EXPECT_EQ(r.exit_code, 0) << "it lies before the checkpoint: " << r.err;
+    const CommandOutput verified = run_flotilla("verify --quiet " + run().string());
+    EXPECT_EQ(verified.exit_code, 5);
+    EXPECT_NE(verified.err.find("frames 6 to 10 are lost"), std::string::npos) << verified.err;
+    EXPECT_NE(verified.out.find("frames checked:       10 "), std::string::npos) << verified.out;
+    for (const auto& entry : fs::directory_iterator(run()))
+        if (entry.path().filename().string().starts_with("frames-0000001")) fs::remove(entry.path());
+    const CommandOutput missing = run_flotilla(options(16) + "--resume");
+    EXPECT_EQ(missing.exit_code, 5);
+    EXPECT_NE(missing.err.find("are missing, which come before the checkpoint"), std::string::npos) << missing.err;
+}
+
+TEST_F(Resume, TwoRunsCannotWriteIntoOneFolder) {
+    RunningFlotilla first(options(2000));
+    while (!fs::exists(file("checkpoint-00000005.h5"))) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    for (const char* how : {"--resume", "--overwrite"}) {
+        const CommandOutput second = run_flotilla(options(2000) + how);
+        EXPECT_EQ(second.exit_code, 5);
+        EXPECT_NE(second.err.find("another run is writing into this folder"), std::string::npos) << second.err;
+    }
+    first.send(SIGTERM);
+    EXPECT_EQ(first.wait(), 6) << first.output();
+    EXPECT_NE(first.output().find("(SIGTERM); --resume goes on"), std::string::npos) << first.output();
+    const std::size_t steps = step_hashes(run()).size();
+    const CommandOutput on = run_flotilla(options(static_cast<int>(steps) + 2) + "--resume");
+    EXPECT_EQ(on.exit_code, 0) << on.err;
+    EXPECT_NE(on.out.find(" 2 steps after the " + std::to_string(steps)), std::string::npos) << on.out;
+}
+
+/// A folder on a file system of its own; only the superuser can make one.
+class SmallDisk {
+  public:
+    SmallDisk(const fs::path& where, const std::string& size) : where_(where) {
+        fs::create_directory(where);
+        mounted_ = ::mount("tmpfs", where.c_str(), "tmpfs", 0, ("size=" + size).c_str()) == 0;
+    }
+    ~SmallDisk() {
+        if (mounted_) ::umount(where_.c_str());
+    }
+    SmallDisk(const SmallDisk&) = delete;
+    SmallDisk& operator=(const SmallDisk&) = delete;
+    [[nodiscard]] bool mounted() const { return mounted_; }
+    void make_read_only() const { ::mount("tmpfs", where_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr); }
+
+  private:
+    fs::path where_;
+    bool mounted_;
+};
+
+TEST_F(Resume, AFullDiskLosesNothingOlder) {
+    const fs::path disk = folder_.path() / "disk";
+    const SmallDisk small(disk, "300k");
+    if (!small.mounted()) GTEST_SKIP() << "cannot mount a small file system here: the test of a full disk is left out";
+    const std::string to_disk =
+        "run " + scene_ + " --quiet --threads 1 --checkpoint-every 5 --steps 400 --output " + (disk / "run").string();
+    const CommandOutput r = run_flotilla(to_disk);
+    EXPECT_EQ(r.exit_code, 5);
+    EXPECT_NE(r.err.find("No space left on device"), std::string::npos) << r.err;
+    const CommandOutput verified = run_flotilla("verify --quiet " + (disk / "run").string());
+    EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+    EXPECT_EQ(verified.out.find("frames checked:       0"), std::string::npos) << verified.out;
+
+    // On a larger disk it goes on, with the bits of a run that never stopped.
+    fs::copy(disk / "run", run(), fs::copy_options::recursive);
+    const std::size_t there = step_hashes(run()).size();
+    const int steps = static_cast<int>(there) + 10;
+    EXPECT_EQ(run_flotilla(options(steps) + "--resume").exit_code, 0);
+    const auto resumed = step_hashes(run());
+    ASSERT_EQ(run_flotilla(options(steps) + "--overwrite").exit_code, 0);
+    EXPECT_EQ(resumed, step_hashes(run()));
+}
+
+TEST_F(Resume, AReadOnlyFolderIsNamed) {
+    const fs::path disk = folder_.path() / "disk";
+    const SmallDisk small(disk, "1m");
+    if (small.mounted())
+        small.make_read_only();
+    else
+        fs::permissions(disk, fs::perms::owner_read | fs::perms::owner_exec);
+    const CommandOutput r = run_flotilla("run " + scene_ + " --steps 1 --quiet --output " + (disk / "run").string());
+    EXPECT_EQ(r.exit_code, 5);
+    EXPECT_NE(r.err.find((disk / "run").string() + ": cannot create the folder"), std::string::npos) << r.err;
+}
+
+TEST_F(Resume, ATimeLimitLeavesACheckpoint) {
+    const CommandOutput r = run_flotilla(options(100000) + "--time-limit 0:0:1");
+    EXPECT_EQ(r.exit_code, 6);
+    EXPECT_NE(r.err.find("(time limit); --resume goes on"), std::string::npos) << r.err;
+    const CommandOutput info = run_flotilla("info " + run().string());
+    EXPECT_NE(info.out.find("stopped"), std::string::npos) << info.out;
+    for (const char* bad : {"1:60:00", "1:2:3:4", "soon", "1:", "-5"})
+        EXPECT_EQ(run_flotilla(options(1) + "--overwrite --time-limit " + bad).exit_code, 2) << bad;
+}
+
+} // namespace
+} // namespace flotilla::test

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// A World made from a snapshot goes on with the bits of the one that it was taken from (G3).
+#include <cstring>
+
+#include <flotilla/error.hpp>
+
+#include "step/scenario.hpp"
+#include "step/thread_scenes.hpp"
+
+namespace flotilla::scenario {
+namespace {
+
+class Snapshot : public testing::TestWithParam<ThreadScene> {};
+
+TEST_P(Snapshot, GoesOnWithTheSameBits) {
+    const SceneDescription scene = GetParam().make(false);
+    const int steps = GetParam().fast_steps;
+    World whole(scene);
+    std::vector<std::uint64_t> expected;
+    std::vector<std::vector<std::byte>> snapshots{whole.snapshot()};
+    for (int n = 0; n < steps; ++n) {
+        expected.push_back(whole.step().state_hash);
+        snapshots.push_back(whole.snapshot());
+    }
+    for (const int from : {0, 1, steps / 3, 2 * steps / 3, steps - 1}) {
+        World rest(scene, snapshots[static_cast<std::size_t>(from)], "scene", {1 + from % 3});
+        EXPECT_EQ(rest.steps(), from);
+        for (int n = from; n < steps; ++n)
+            ASSERT_EQ(rest.step().state_hash, expected[static_cast<std::size_t>(n)])
+                << "from " << from << ", step " << n;
+        EXPECT_EQ(rest.snapshot(), whole.snapshot());
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Snapshot, testing::ValuesIn(thread_scenes()),
+                         [](const auto& scene) { return std::string(scene.param.name); });
+
+/// A lid that moves by keyframes and is held for some steps: its clock is part of the state.
+TEST(SnapshotOf, ADelayedScriptGoesOnWithTheSameBits) {
+    SceneDescription scene = empty_scene();
+    const auto crate = add_shape(scene, make_box(0.5, 0.5, 0.5), 20);
+    const auto plate = add_shape(scene, make_box(3, 3, 0.1));
+    add_body(scene, plate, BodyType::fixed, {0, 0, -0.1});
+    add_body(scene, crate, BodyType::dynamic, {0, 0, 0.51});
+    auto& lid = add_body(scene, plate, BodyType::kinematic, {0, 0, 3});
+    lid.keyframes = {{0, {0, 0, 3}, {}}, {1, {0, 0, 0}, {}}, {2, {0, 0, 3}, {}}};
+    World whole(scene);
+    std::vector<std::byte> middle;
+    bool delayed = false;
+    for (int n = 0; n < 40; ++n) {
+        if (n == 22) middle = whole.snapshot();
+        const StepReport r = whole.step();
+        delayed = delayed || (n < 22 && (r.warnings & kScriptDelayed) != 0);
+    }
+    ASSERT_TRUE(delayed);
+    World rest(scene, middle);
+    for (int n = 22; n < 40; ++n) rest.step();
+    EXPECT_EQ(rest.state_hash(), whole.state_hash());
+}
+
+TEST(SnapshotOf, AnotherSceneOrDamageIsRefused) {
+    const SceneDescription scene = forced_stack(false);
+    World world(scene);
+    world.step();
+    const std::vector<std::byte> snapshot = world.snapshot();
+    const auto message = [](const SceneDescription& of, const std::vector<std::byte>& bytes) -> std::string {
+        try {
+            World(of, bytes);
+        } catch (const InputError& e) {
+            return e.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(message(scene, snapshot), "");
+    SceneDescription other = scene;
+    other.settings.friction += 0.1;
+    EXPECT_EQ(message(other, snapshot), "snapshot of another scene or other settings");
+    other = scene;
+    other.bodies[1].position.x += 1e-9;
+    EXPECT_EQ(message(other, snapshot), "snapshot of another scene or other settings");
+    EXPECT_EQ(message(scene, {}), "no snapshot");
+    std::vector<std::byte> bad = snapshot;
+    bad[0] ^= std::byte{1};
+    EXPECT_EQ(message(scene, bad), "no snapshot");
+    for (const std::size_t size : {std::size_t{24}, snapshot.size() / 2, snapshot.size() - 1}) {
+        bad = snapshot;
+        bad.resize(size);
+        EXPECT_EQ(message(scene, bad), "damaged snapshot: its arrays do not fit its size") << size;
+    }
+    bad = snapshot;
+    bad.push_back(std::byte{});
+    EXPECT_EQ(message(scene, bad), "damaged snapshot: its arrays do not fit its size");
+    bad = snapshot;
+    const std::uint64_t huge = ~std::uint64_t{0};
+    std::memcpy(bad.data() + 40, &huge, sizeof huge); // the number of poses
+    EXPECT_EQ(message(scene, bad), "damaged snapshot: its arrays do not fit its size");
+}
+
+} // namespace
+} // namespace flotilla::scenario
