@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/ray.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace flotilla {
+
+namespace {
+
+// Of the height of a point over a triangle's plane, times the triangle's edges: the corners' own rounding moves the plane by a few
+// u M (M: largest coordinate), cross and dot products add as much.
+constexpr double kHeightNoise = 0x1p-46; // 128 u
+
+} // namespace
 
 std::optional<double> segment_triangle(const Vec3& p, const Vec3& q, const Vec3& f0, const Vec3& f1, const Vec3& f2) {
     const Vec3 n = cross(f1 - f0, f2 - f0);
@@ -14,6 +25,15 @@ std::optional<double> segment_triangle(const Vec3& p, const Vec3& q, const Vec3&
     const bool inside = (v0 >= 0 && v1 >= 0 && v2 >= 0) || (v0 <= 0 && v1 <= 0 && v2 <= 0);
     if (!inside) return std::nullopt;
     return hp / (hp - hq);
+}
+
+bool segment_pierces(const Vec3& p, const Vec3& q, const Vec3& f0, const Vec3& f1, const Vec3& f2, double margin) {
+    const auto t = segment_triangle(p, q, f0, f1, f2);
+    if (!t || !(*t > margin && *t < 1 - margin)) return false;
+    const Vec3 n = cross(f1 - f0, f2 - f0);
+    const double largest = max_component(max(max(abs(p), abs(q)), max(max(abs(f0), abs(f1)), abs(f2))));
+    const double noise = kHeightNoise * largest * length(f1 - f0) * length(f2 - f0);
+    return std::abs(dot(n, p - f0)) > noise && std::abs(dot(n, q - f0)) > noise;
 }
 
 } // namespace flotilla

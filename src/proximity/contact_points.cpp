@@ -51,8 +51,7 @@ bool crosses(const BodyMotion& body, const Vec3& p, const Vec3& q) {
         body, [&](const CoarseBox& box) { return !found && coarse_overlap(box, ray, reach); },
         [&](std::int32_t t) {
             const auto f = corners(body, t);
-            const auto s = segment_triangle(p, q, f[0], f[1], f[2]);
-            found = found || (s && *s > kRayMargin && *s < 1 - kRayMargin);
+            found = found || segment_pierces(p, q, f[0], f[1], f[2], kRayMargin);
         });
     return found;
 }

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/rotation.hpp"
 #include "geometry/ray.hpp"
 
 namespace flotilla {
@@ -119,6 +120,31 @@ TEST(SegmentTriangle, CrossesInsideAndOnTheBoundaryOnly) {
     EXPECT_FALSE(segment_triangle({0.2, 0.2, 1}, {0.2, 0.2, 0.1}, f0, f1, f2).has_value());
     EXPECT_FALSE(segment_triangle({-1, 0.2, 0}, {1, 0.2, 0}, f0, f1, f2).has_value());
     EXPECT_FALSE(segment_triangle({0, 0, 1}, {0, 0, -1}, f0, f0, f2).has_value());
+}
+
+TEST(SegmentTriangle, PiercesInsideOnly) {
+    const Vec3 f0{0, 0, 0}, f1{1, 0, 0}, f2{0, 1, 0};
+    EXPECT_TRUE(segment_pierces({0.2, 0.2, 1}, {0.2, 0.2, -3}, f0, f1, f2, 1e-6));
+    EXPECT_TRUE(segment_pierces({0.2, 0.2, 1e-12}, {0.2, 0.2, -1e-12}, f0, f1, f2, 1e-6));
+    EXPECT_FALSE(segment_pierces({0.6, 0.6, 1}, {0.6, 0.6, -1}, f0, f1, f2, 1e-6));
+    EXPECT_FALSE(segment_pierces({0.2, 0.2, 1e-7}, {0.2, 0.2, -1}, f0, f1, f2, 1e-6));
+    EXPECT_FALSE(segment_pierces({0.2, 0.2, 1}, {0.2, 0.2, -1e-7}, f0, f1, f2, 1e-6));
+}
+
+// The segment leaves a corner along the plane of a triangle that has the corner: its ends are on both sides of the plane by rounding.
+TEST(SegmentTriangle, ASegmentInThePlaneOfATriangleThatItLeavesPiercesNothing) {
+    std::mt19937_64 rng(3);
+    std::uniform_real_distribution<double> uniform(-2, 2);
+    int ill = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Quat turn = rotation_from_vector({uniform(rng), uniform(rng), uniform(rng)});
+        const auto at = [&](double x, double y) { return rotate(turn, {x, y, 0}) + Vec3{5, 3, -2}; };
+        const Vec3 corner = at(0, 0), end = at(0, -1e-4), f0 = at(1, 1), f1 = at(-1, 1);
+        const auto t = segment_triangle(corner, end, f0, f1, corner);
+        ill += t && *t > 1e-6 && *t < 1 - 1e-6 ? 1 : 0;
+        ASSERT_FALSE(segment_pierces(corner, end, f0, f1, corner, 1e-6)) << i;
+    }
+    EXPECT_GT(ill, 100) << "the plain test divides noise by noise";
 }
 
 } // namespace

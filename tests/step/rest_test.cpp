@@ -48,6 +48,25 @@ SceneDescription stack_of_twenty(double tolerance) {
     return scene;
 }
 
+// Each of the four corners leaves its faces along their planes, to within rounding: none may be lost, in any step.
+TEST(Rest, ABlockOnASlopeKeepsItsCorners) {
+    for (const double slope : {0.0, 0.05, 0.1, 0.2, 0.3}) {
+        SceneDescription scene = empty_scene();
+        const auto block = add_shape(scene, make_box(1, 1, 1), 3), plate = add_shape(scene, make_box(20, 20, 1));
+        const SinCos s = sin_cos(slope), half = sin_cos(0.5 * slope);
+        const Vec3 up{s.sin, 0, s.cos};
+        add_body(scene, block, BodyType::dynamic, (0.5 + 1e-4) * up, 0.5, 0).rotation = {half.cos, 0, half.sin, 0};
+        add_body(scene, plate, BodyType::fixed, -0.5 * up, 0.5, 0).rotation = {half.cos, 0, half.sin, 0};
+        World world(scene);
+        double fastest = 0;
+        for (int n = 0; n < 480; ++n) {
+            world.step();
+            fastest = std::max(fastest, length(world.body(0).velocity));
+        }
+        EXPECT_LT(fastest, 1e-3) << "slope " << slope;
+    }
+}
+
 // What is left of the approach at a contact moves all blocks above it: the top is as fast as tens of tolerances.
 TEST(Rest, AStackOfTwentyBlocksStandsStill) {
     for (const double tolerance : {Settings{}.static_tolerance, 2e-5}) {
