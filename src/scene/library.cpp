@@ -123,7 +123,7 @@ constexpr int kMaxBodies = 1000000;
 
 constexpr std::array kEntries{
     Entry{{"boats-in-bowl", 102, 3, kMaxBodies,
-           "boats fall into a bowl that is large enough for all of them (paper, figures 10, 12, 13)"},
+           "boats fall into a bowl that is large enough for all of them (paper, figures 12, 13, 16, 17, 19)"},
           library::boats_in_bowl},
     Entry{{"boats-in-bowls", 203, 3, kMaxBodies,
            "boats fall into bowls side by side, 100 into each where the bodies are 101 k + 1: piles of equal depth"},
@@ -136,6 +136,31 @@ constexpr std::array kEntries{
     Entry{{"falling-boats", 2, 2, kMaxBodies, "boats fall on the ground"}, library::falling_boats},
     Entry{{"fast-plate", 2, 2, 2, "a plate of two triangles hits a fixed one at 100 m/s"}, library::fast_plate},
     Entry{{"closing-walls", 3, 3, 3, "two scripted walls close on a boat until they meet"}, library::closing_walls},
+    Entry{
+        {"catapult", 11, 6, 105, "a fast block hits one end of a plank and launches blocks from the other (figure 2)"},
+        library::catapult},
+    Entry{{"sliding-boxes", 3, 3, 3,
+           "a box slides over a slab of many triangles, another rests on it (figures 3, 4, 11)"},
+          library::sliding_boxes},
+    Entry{
+        {"turning-strip", 2, 2, 2,
+         "a strip turns past a particle that only its true, curved path meets (figure 5); see the setting trajectory"},
+        library::turning_strip},
+    Entry{{"particle-and-block", 2, 2, 2,
+           "a particle's path in one step enters a block's top and leaves by its side (figure 6)"},
+          library::particle_and_block},
+    Entry{{"ball-on-ground", 2, 2, 2, "a ball of 1,280 triangles bounces (figures 7, 8)"}, library::ball_on_ground},
+    Entry{{"stack-and-ball", 10, 3, 1000,
+           "a ball hits a stack of boxes with the failsafe forced (figure 9); see the setting rigidification"},
+          library::stack_and_ball},
+    Entry{{"hanging-rings", 2003, 5, kMaxBodies,
+           "chains of rings without thickness are hit by two rolling balls of 1,280 triangles (figure 10)"},
+          library::hanging_rings},
+    Entry{
+        {"pinched-block", 5, 5, 5, "two cylinders, pressed by two planes, hold a block by friction alone (figure 14)"},
+        library::pinched_block},
+    Entry{{"boats-and-ball", 12, 4, 1000, "a ball of 1,280 triangles at 100 m/s hits a heap of boats (figures 15, 18)"},
+          library::boats_and_ball},
 };
 
 } // namespace

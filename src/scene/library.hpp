@@ -43,5 +43,14 @@ enum class Purpose : std::uint64_t { orientation = 1, jitter = 2 };
 [[nodiscard]] SceneDescription falling_boats(int bodies, std::uint64_t seed);
 [[nodiscard]] SceneDescription fast_plate(int bodies, std::uint64_t seed);
 [[nodiscard]] SceneDescription closing_walls(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription boats_and_ball(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription catapult(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription sliding_boxes(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription turning_strip(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription particle_and_block(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription ball_on_ground(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription stack_and_ball(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription hanging_rings(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription pinched_block(int bodies, std::uint64_t seed);
 
 } // namespace flotilla::library

@@ -112,6 +112,21 @@ SceneDescription falling_boats(int bodies, std::uint64_t seed) {
     return scene;
 }
 
+// Figures 15 and 18. The boats fall into a heap; the ball comes when that lies still, and crosses it in a step of 1/24 s.
+SceneDescription boats_and_ball(int bodies, std::uint64_t seed) {
+    constexpr double kBall = 0.5, kSpeed = 100, kFlight = 5, kHeight = 0.8, kGravity = 9.8; // m, m/s, s, m, m/s^2
+    SceneDescription scene = falling_boats(bodies - 1, seed);
+    scene.settings.friction = 0.3;
+    scene.shapes.push_back(shape_of("ball", make_sphere(kBall, 3)));
+    scene.shapes.back().mass_kind = MassKind::density;
+    scene.shapes.back().mass_value = 300;
+    scene.shapes[1] = shape_of("ground", make_plate(3 * kSpeed * kFlight, 3 * kSpeed * kFlight));
+    scene.bodies.push_back(body_of("ball", 2, BodyType::dynamic, {0, -kSpeed * kFlight, kHeight}));
+    scene.bodies.back().velocity = {0, kSpeed, 0.5 * kGravity * kFlight};
+    for (BodyDescription& body : scene.bodies) body.friction = scene.settings.friction;
+    return scene;
+}
+
 SceneDescription closing_walls(int, std::uint64_t) {
     SceneDescription scene;
     scene.gravity = {};

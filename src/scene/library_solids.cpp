@@ -23,7 +23,7 @@ SceneDescription triangles_on_pegs(int bodies, std::uint64_t seed) {
     triangle.mass_kind = MassKind::surface_density;
     triangle.mass_value = 10;
     scene.shapes = {triangle, shape_of("peg", make_cylinder(kPegRadius, kPegHeight, 12)),
-                    shape_of("ground", make_plate(4 * (width + 5), 4 * (width + 5)))};
+                    shape_of("ground", make_plate(40 * (width + 5), 40 * (width + 5)))};
 
     const std::vector<Vec3> places = packed_column(triangles, r, width / 2 + kSide / 2, kPegHeight + 1.5 * r, seed);
     for (std::size_t i = 0; i < triangles; ++i) {
@@ -35,6 +35,9 @@ SceneDescription triangles_on_pegs(int bodies, std::uint64_t seed) {
             body_of("peg" + std::to_string(i), 1, BodyType::fixed,
                     {kSpacing * (i % row) - width / 2, kSpacing * (i / row) - width / 2, kPegHeight / 2 + 0.001}));
     scene.bodies.push_back(body_of("ground", 2, BodyType::fixed, {}));
+    // A triangle that leans at 45 degrees needs more than the default.
+    scene.settings.friction = 0.6;
+    for (BodyDescription& body : scene.bodies) body.friction = scene.settings.friction;
     return scene;
 }
 

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: MIT
+"""Runs the flotilla command and reads what it wrote. SI units."""
+import csv
+import json
+import math
+import os
+import re
+import subprocess
+
+
+class Failed(Exception):
+    """A command ended with another exit code than expected."""
+
+
+class Flotilla:
+    """The command, and a folder for everything that it writes."""
+
+    def __init__(self, command, folder, threads):
+        self.command, self.folder, self.threads = command, folder, threads
+        os.makedirs(folder, exist_ok=True)
+
+    def call(self, *arguments, expect=(0,)):
+        done = subprocess.run([self.command, *map(str, arguments)], capture_output=True, text=True)
+        if done.returncode not in expect:
+            raise Failed(f"flotilla {' '.join(map(str, arguments))}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+    def scene(self, name, bodies=0, seed=1, edit=None):
+        """The path of a library scene's file. edit(scene) may change it, a dict, before it is written."""
+        text = self.call("scene", name, "--seed", seed, *(["--bodies", bodies] if bodies else []))
+        if edit:
+            scene = json.loads(text)
+            edit(scene)
+            text = json.dumps(scene)
+        path = os.path.join(self.folder, f"{name}.json")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def run(self, scene, steps, label, settings=None, verify=True, options=()):
+        """Runs `scene` (a path), verifies it frame by frame and in between, and returns a Run."""
+        folder = os.path.join(self.folder, label)
+        arguments = [word for key, value in (settings or {}).items() for word in ("--set", f"{key}={value}")]
+        self.call("run", scene, "--output", folder, "--overwrite", "--quiet", "--steps", steps, "--threads", self.threads,
+                  *arguments, *options)
+        return Run(self, folder, verify)
+
+
+class Run:
+    """A finished run."""
+
+    def __init__(self, flotilla, folder, verify):
+        self.flotilla, self.folder = flotilla, folder
+        with open(os.path.join(folder, "steps.csv"), encoding="utf-8") as file:
+            self.steps = list(csv.DictReader(file))
+        self.frames_verified = self.intersections = 0
+        if verify:
+            self._verify()
+
+    def _verify(self):
+        text = self.flotilla.call("verify", "--quiet", self.folder, expect=(0, 3))
+        number = lambda what: int(re.search(what + r": +(\d+)", text).group(1))
+        self.frames_verified = number("frames checked")
+        self.intersections = (number("intersecting pairs") + number("pairs passing through") + number("pairs not proved") +
+                              number("bad poses"))
+
+    def column(self, name):
+        return [float(row[name] or "inf") for row in self.steps]
+
+    def frames(self):
+        """{frame: {body name: State}} of the whole run."""
+        out = {}
+        lines = self.flotilla.call("export", self.folder, "--format", "csv").splitlines()
+        for row in csv.DictReader(lines):
+            out.setdefault(int(row["frame"]), {})[row["name"]] = State(row)
+        return out
+
+    def picture(self, path, frame=None):
+        self.flotilla.call("picture", self.folder, "--output", path, *(["--frame", frame] if frame is not None else []))
+
+
+class State:
+    """A body in a frame: p, v, w as triples, q as (w, x, y, z)."""
+
+    def __init__(self, row):
+        self.time = float(row["time"])
+        triple = lambda k: tuple(float(row[k + axis]) for axis in "xyz")
+        self.p, self.v, self.w = triple("p"), triple("v"), triple("w")
+        self.q = (float(row["qw"]), *triple("q"))
+
+    def axis_z(self):
+        """The body's own z axis in the world."""
+        w, x, y, z = self.q
+        return 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)
+
+    def speed(self):
+        return math.hypot(*self.v)
+
+
+def distance(a, b):
+    """Of two states' origins, m."""
+    return math.dist(a.p, b.p)
+
+
+def mean(values):
+    values = list(values)
+    return sum(values) / len(values)

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Runs the paper's examples, verifies every frame and the motion between them, and checks each figure's claim.
+
+usage: run.py --flotilla COMMAND --output DIR [--fast] [--only NAME]... [--threads T] [--keep] [--list]
+  --fast      small versions, within minutes
+  --only      one example, by the name of its function in claims.py (--list prints them)
+  --keep      keep the run folders, in DIR/runs
+exit code: 0 every claim holds, 1 one fails or a command failed, 2 usage
+"""
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import claims
+import page
+import tables
+from flotilla import Failed, Flotilla
+
+
+class Context:
+    """What an example may do: runs, pictures, tables."""
+
+    def __init__(self, flotilla, output, fast):
+        self.flotilla, self.output, self.fast = flotilla, output, fast
+        self.pictures, self.tables, self.runs = [], {}, 0
+
+    def pick(self, fast, full):
+        return fast if self.fast else full
+
+    def run(self, name, steps, bodies=0, edit=None, **options):
+        self.runs += 1
+        scene = self.flotilla.scene(name, bodies, edit=edit)
+        return self.flotilla.run(scene, steps, f"{name}-{self.runs}", **options)
+
+    def picture(self, run, name, frame=None):
+        run.picture(os.path.join(self.output, name + ".png"), frame)
+        self.pictures.append(name)
+
+    def table(self, figure, header, rows, note=""):
+        self.tables[figure] = {"header": header, "rows": rows, "note": note}
+
+
+def run_example(context, example):
+    start = time.monotonic()
+    try:
+        found = example(context)
+    except Failed as error:
+        print(f"{example.__name__}: {error}", file=sys.stderr)
+        return [claims.claim("?", example.__name__, "runs", "a command failed", "none fails", False)]
+    for c in found:
+        row = c.row()
+        print(f"figure {row['figure']}, {row['scene']}: {row['claim']}: {row['measured']} (wanted {row['bound']}); "
+              f"{row['frames_verified']} frames verified, {row['intersections']} intersections: {row['verdict']}", flush=True)
+    print(f"  {time.monotonic() - start:.1f} s", flush=True)
+    return found
+
+
+def commit_of(flotilla):
+    root = os.path.dirname(os.path.abspath(__file__))
+    done = subprocess.run(["git", "-C", root, "describe", "--always", "--dirty"], capture_output=True, text=True)
+    return done.stdout.strip() or "unknown"
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n", 1)[1])
+    parser.add_argument("--flotilla")
+    parser.add_argument("--output")
+    parser.add_argument("--fast", action="store_true")
+    parser.add_argument("--only", action="append", default=[])
+    parser.add_argument("--threads", type=int, default=os.cpu_count())
+    parser.add_argument("--keep", action="store_true")
+    parser.add_argument("--list", action="store_true")
+    arguments = parser.parse_args()
+    examples = {example.__name__: example for example in claims.ALL + tables.ALL}
+    if arguments.list:
+        print("\n".join(examples))
+        return 0
+    unknown = [name for name in arguments.only if name not in examples]
+    if unknown or not arguments.flotilla or not arguments.output:
+        parser.error(f"unknown example {unknown[0]}" if unknown else "--flotilla and --output are needed")
+    os.makedirs(arguments.output, exist_ok=True)
+    runs = os.path.join(arguments.output, "runs") if arguments.keep else tempfile.mkdtemp(prefix="flotilla-paper-")
+    start = time.monotonic()
+    try:
+        flotilla = Flotilla(arguments.flotilla, runs, arguments.threads)
+        context = Context(flotilla, arguments.output, arguments.fast)
+        found = [c for name, e in examples.items() if not arguments.only or name in arguments.only
+                 for c in run_example(context, e)]
+        about = {"mode": "fast" if arguments.fast else "full", "commit": commit_of(flotilla), "threads": arguments.threads,
+                 "seconds": time.monotonic() - start}
+        page.write(arguments.output, found, context.tables, context.pictures, about)
+    finally:
+        if not arguments.keep:
+            shutil.rmtree(runs, ignore_errors=True)
+    failed = [c for c in found if c.row()["verdict"] != "holds"]
+    print(f"{len(found) - len(failed)} claims hold, {len(failed)} fail")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
