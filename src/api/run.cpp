@@ -224,6 +224,20 @@ class Checkpoints {
     Clock::time_point last_time_ = Clock::now();
 };
 
+/// Adds the time of a scope, ms.
+class OutputWatch {
+  public:
+    explicit OutputWatch(double& ms) : ms_(ms) {}
+    ~OutputWatch() { ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
+    OutputWatch(const OutputWatch&) = delete;
+    OutputWatch& operator=(const OutputWatch&) = delete;
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    double& ms_;
+    Clock::time_point start_ = Clock::now();
+};
+
 /// What is written into the run folder, step by step.
 class RunRecorder {
   public:
@@ -237,14 +251,17 @@ class RunRecorder {
     }
 
     void after_step(const StepReport& report) {
+        const OutputWatch watch(ms_);
         writer_->add_step(report);
         if (world_.steps() % options_.frame_every == 0) frames_.record();
         checkpoints_.after_step();
     }
     void close(bool complete) {
+        const OutputWatch watch(ms_);
         checkpoints_.write();
         writer_->close(complete ? "complete" : "stopped");
     }
+    [[nodiscard]] double milliseconds() const { return ms_; }
 
   private:
     const World& world_;
@@ -252,6 +269,7 @@ class RunRecorder {
     std::unique_ptr<io::RunWriter> writer_;
     FrameRecorder frames_;
     Checkpoints checkpoints_;
+    double ms_ = 0;
 };
 
 } // namespace
@@ -283,7 +301,10 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
     summary.complete = world.steps() >= options.steps;
     summary.threads = world.threads();
     if (contacts) contacts->close();
-    if (recorder) recorder->close(summary.complete);
+    if (recorder) {
+        recorder->close(summary.complete);
+        summary.output_ms = recorder->milliseconds();
+    }
     if (trace) {
         trace->write();
         summary.traced_steps = trace->steps();

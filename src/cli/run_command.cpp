@@ -82,6 +82,9 @@ void print_summary(const RunTotals& s) {
     for (std::size_t p = 0; p < kNumPhases; ++p)
         if (s.phase_ms[p] / n >= 0.005)
             std::printf("  %-24s %9.2f ms\n", std::string(kPhaseNames[p]).c_str(), s.phase_ms[p] / n);
+    if (s.output_ms > 0)
+        std::printf("output: %.2f ms per step (%.2f %% of the steps' time)\n", s.output_ms / n,
+                    100 * s.output_ms / s.total_ms);
     std::printf("collision impulses: %.1f per step; contacts at the end: %ld\n", static_cast<double>(s.collisions) / n,
                 static_cast<long>(s.last.contacts));
     std::printf("failsafe: %ld merges, %ld rung changes, %ld bodies held (all steps together)\n",
