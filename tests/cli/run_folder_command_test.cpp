@@ -203,6 +203,22 @@ TEST(RunCommand, WritesContactsOnRequest) {
     }
     EXPECT_GE(rows, 3);
     EXPECT_NEAR(carried, 2 * 9.8 * 0.02, 0.01 * 2 * 9.8 * 0.02);
+    std::istringstream totals(io::read_text(in + "contacts-bodies.csv"));
+    std::getline(totals, line);
+    EXPECT_EQ(line, "step,time,body,contacts,normal_impulse,tangential_impulse,impulse_x,impulse_y,impulse_z");
+    std::vector<std::vector<std::string>> last;
+    while (std::getline(totals, line)) {
+        const auto fields = io::step_csv_fields(line);
+        ASSERT_EQ(fields.size(), 9u) << line;
+        if (fields[0] == "40") last.emplace_back(fields.begin(), fields.end());
+    }
+    ASSERT_EQ(last.size(), 2u) << "block and ground";
+    EXPECT_EQ(last[0][2], "0");
+    EXPECT_EQ(last[0][3], std::to_string(rows));
+    EXPECT_NEAR(std::stod(last[0][4]), carried, 1e-12);
+    EXPECT_NEAR(std::stod(last[0][8]), 2 * 9.8 * 0.02, 0.01 * 2 * 9.8 * 0.02) << "the block's weight, upwards";
+    EXPECT_NEAR(std::stod(last[1][8]), -std::stod(last[0][8]), 1e-12);
+    EXPECT_TRUE(fs::exists(in + "contacts-bodies.csv.gz"));
     io::InputStream packed(in + "contacts.csv.gz");
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(packed.stream()), {}), text);
     EXPECT_EQ(run_flotilla("run --quiet --steps 1 --contacts /proc/none/contacts.csv " + scene).exit_code, 5);
