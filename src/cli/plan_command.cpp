@@ -1,21 +1,27 @@
 // SPDX-License-Identifier: MIT
-// flotilla plan --settings: what can be set, and what each setting does to speed and accuracy.
+// flotilla plan: what will be modelled of a scene and why; with --settings, what can be set and what each setting costs.
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
 
 #include <flotilla/error.hpp>
+#include <flotilla/plan.hpp>
+#include <flotilla/scene_file.hpp>
 #include <flotilla/settings.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/scene_options.hpp"
 
 namespace flotilla::cli {
 namespace {
 
 struct PlanArguments {
     bool settings = false;
+    std::string scene;
+    SceneArguments options;
 };
 
 void print_setting(const SettingInfo& info) {
@@ -39,8 +45,19 @@ void print_presets() {
     }
 }
 
+int print_plan(const PlanArguments& arguments) {
+    const SceneDescription scene = read_scene(arguments.scene, arguments.options.resolve());
+    for (const PlanLine& line : plan_scene(scene, arguments.scene)) {
+        std::string topic = line.topic + ':';
+        topic.resize(std::max<std::size_t>(topic.size() + 1, 14), ' ');
+        std::cout << topic << line.text << '\n';
+    }
+    return kOk;
+}
+
 int run_plan(const PlanArguments& arguments) {
-    if (!arguments.settings) throw InputError("plan: give --settings");
+    if (arguments.settings == !arguments.scene.empty()) throw InputError("plan: give a scene file or --settings");
+    if (!arguments.settings) return print_plan(arguments);
     for (const SettingInfo& info : list_settings()) print_setting(info);
     print_presets();
     return kOk;
@@ -50,7 +67,9 @@ int run_plan(const PlanArguments& arguments) {
 
 void register_plan(CLI::App& app, Action& action) {
     const auto arguments = std::make_shared<PlanArguments>();
-    CLI::App* command = app.add_subcommand("plan", "List the settings");
+    CLI::App* command = app.add_subcommand("plan", "Say what will be modelled of a scene, or list the settings");
+    command->add_option("SCENE", arguments->scene, "Scene file (JSON)");
+    add_scene_options(*command, arguments->options);
     command->add_flag("--settings", arguments->settings, "Every key of a scene's settings and of --set, with presets");
     command->callback([arguments, &action] { action = [arguments] { return run_plan(*arguments); }; });
 }

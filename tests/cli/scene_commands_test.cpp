@@ -163,5 +163,20 @@ TEST(PlanCommand, ListsEverySettingAndPreset) {
     EXPECT_EQ(run_flotilla("plan").exit_code, 2);
 }
 
+TEST(PlanCommand, SaysWhatWillBeModelledOfAScene) {
+    const TemporaryFolder folder;
+    const std::string scene = folder.write("s.json", run_flotilla("scene boats-in-bowl --bodies 12").out);
+    const CommandOutput r = run_flotilla("plan " + scene + " --set sleeping=false --set restitution=0");
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    for (const char* text :
+         {"bodies:       10 dynamic, 2 static, 0 kinematic\n", "shapes:       3 meshes with ", "rest distance 0.00",
+          "gravity adds 0.4083 m/s in a step", "friction:     0.1 (geometric mean", "no body sleeps",
+          "settings:     restitution = 0, sleeping = false\n", "a frame takes 1308 bytes"})
+        EXPECT_NE(r.out.find(text), std::string::npos) << text << '\n' << r.out;
+    const std::string bad = folder.write("bad.json", R"({"flotilla_scene": 1, "shapes": [], "bodies": 3})");
+    EXPECT_EQ(run_flotilla("plan " + bad).exit_code, 2);
+    EXPECT_EQ(run_flotilla("plan --settings " + scene).exit_code, 2);
+}
+
 } // namespace
 } // namespace flotilla::test

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// What the solver will model of a scene, and why.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <flotilla/scene.hpp>
+
+namespace flotilla {
+
+struct PlanLine {
+    std::string topic; ///< one or two words
+    std::string text;  ///< one line, SI units
+};
+
+/// Derived from the scene alone, without running it. Throws InputError with every problem of an invalid scene; `source` starts
+/// each line.
+[[nodiscard]] std::vector<PlanLine> plan_scene(const SceneDescription& scene, const std::string& source = "scene");
+
+} // namespace flotilla
