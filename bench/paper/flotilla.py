@@ -37,6 +37,13 @@ class Flotilla:
             file.write(text)
         return path
 
+    def verdict(self, *what):
+        """(frames checked, faults) of flotilla verify, however it ends."""
+        text = self.call("verify", "--quiet", *what, expect=(0, 3))
+        number = lambda kind: int(re.search(kind + r": +(\d+)", text).group(1))
+        return number("frames checked"), sum(map(number, ("intersecting pairs", "pairs passing through", "pairs not proved",
+                                                          "bad poses")))
+
     def run(self, scene, steps, label, settings=None, verify=True, options=()):
         """Runs `scene` (a path), verifies it frame by frame and in between, and returns a Run."""
         folder = os.path.join(self.folder, label)
@@ -55,28 +62,42 @@ class Run:
             self.steps = list(csv.DictReader(file))
         self.frames_verified = self.intersections = 0
         if verify:
-            self._verify()
-
-    def _verify(self):
-        text = self.flotilla.call("verify", "--quiet", self.folder, expect=(0, 3))
-        number = lambda what: int(re.search(what + r": +(\d+)", text).group(1))
-        self.frames_verified = number("frames checked")
-        self.intersections = (number("intersecting pairs") + number("pairs passing through") + number("pairs not proved") +
-                              number("bad poses"))
+            self.frames_verified, self.intersections = flotilla.verdict(self.folder)
 
     def column(self, name):
         return [float(row[name] or "inf") for row in self.steps]
 
     def frames(self):
         """{frame: {body name: State}} of the whole run."""
-        out = {}
-        lines = self.flotilla.call("export", self.folder, "--format", "csv").splitlines()
-        for row in csv.DictReader(lines):
-            out.setdefault(int(row["frame"]), {})[row["name"]] = State(row)
-        return out
+        return frames_of(self.flotilla.call("export", self.folder, "--format", "csv").splitlines())
 
     def picture(self, path, frame=None):
         self.flotilla.call("picture", self.folder, "--output", path, *(["--frame", frame] if frame is not None else []))
+
+
+class BaselineRun:
+    """A scene run by bench/baseline, the method of reference [15]. Its faults are part of what it shows, not failures."""
+
+    def __init__(self, flotilla, command, scene, steps, label, *options):
+        path = os.path.join(flotilla.folder, label + ".csv")
+        done = subprocess.run([command, scene, "--steps", str(steps), "--output", path, *map(str, options)], capture_output=True,
+                              text=True)
+        if done.returncode != 0:
+            raise Failed(f"{command} {scene}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+        with open(path, encoding="utf-8", newline="") as file:
+            self._frames = frames_of(file)
+        self.faults = flotilla.verdict(scene, "--poses", path)[1]
+
+    def frames(self):
+        return self._frames
+
+
+def frames_of(lines):
+    """{frame: {body name: State}} of a trajectory in the CSV export format."""
+    out = {}
+    for row in csv.DictReader(lines):
+        out.setdefault(int(row["frame"]), {})[row["name"]] = State(row)
+    return out
 
 
 class State:

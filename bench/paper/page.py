@@ -19,14 +19,14 @@ def table(header, rows):
 
 
 def write(folder, claims, tables, pictures, about):
-    """paper.json (one object per claim) and paper.md. `about`: commit, mode and seconds."""
+    """paper.json (one object per claim) and paper.md. `about`: commit, mode, seconds, and a note or ""."""
     rows = [{key: c.row()[key] for key in COLUMNS} for c in claims]
     with open(os.path.join(folder, "paper.json"), "w", encoding="utf-8") as file:
         json.dump({"machine": machine(), **about, "rows": rows, "tables": tables}, file, indent=1)
         file.write("\n")
     parts = ["# The paper's examples", f"{about['mode']} versions, commit {about['commit']}, {machine()}, "
              f"{about['threads']} threads, {about['seconds']:.0f} s in all. The paper does not state its hardware, so times beside "
-             "each other say little. `scripts/paper` writes this page.", table(COLUMNS, [row.values() for row in rows])]
+             "each other say little. `scripts/paper` writes this page.", about["note"], table(COLUMNS, [row.values() for row in rows])]
     for name, t in tables.items():
         parts += [f"## Figure {name}", table(t["header"], t["rows"]), t["note"]]
     for name in pictures:

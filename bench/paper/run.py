@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 """Runs the paper's examples, verifies every frame and the motion between them, and checks each figure's claim.
 
-usage: run.py --flotilla COMMAND --output DIR [--fast] [--only NAME]... [--threads T] [--keep] [--list]
+usage: run.py --flotilla COMMAND --output DIR [--baseline COMMAND] [--fast] [--only NAME]... [--threads T] [--keep] [--list]
+  --baseline  flotilla_baseline, which runs reference [15] beside ours in figures 2 and 14; without it those claims are left out
   --fast      small versions, within minutes
   --only      one example, by the name of its function in claims.py (--list prints them)
   --keep      keep the run folders, in DIR/runs
@@ -19,14 +20,14 @@ import time
 import claims
 import page
 import tables
-from flotilla import Failed, Flotilla
+from flotilla import BaselineRun, Failed, Flotilla
 
 
 class Context:
     """What an example may do: runs, pictures, tables."""
 
-    def __init__(self, flotilla, output, fast):
-        self.flotilla, self.output, self.fast = flotilla, output, fast
+    def __init__(self, flotilla, output, fast, baseline=None):
+        self.flotilla, self.output, self.fast, self.baseline = flotilla, output, fast, baseline
         self.pictures, self.tables, self.runs = [], {}, 0
 
     def pick(self, fast, full):
@@ -36,6 +37,13 @@ class Context:
         self.runs += 1
         scene = self.flotilla.scene(name, bodies, edit=edit)
         return self.flotilla.run(scene, steps, f"{name}-{self.runs}", **options)
+
+    def run_both(self, name, steps, bodies=0, edit=None, options=(), beside=True):
+        """(ours, reference [15]'s) of one scene; ours is None unless `beside`."""
+        self.runs += 1
+        scene, label = self.flotilla.scene(name, bodies, edit=edit), f"{name}-{self.runs}"
+        return (self.flotilla.run(scene, steps, label) if beside else None,
+                BaselineRun(self.flotilla, self.baseline, scene, steps, label + "-baseline", *options))
 
     def picture(self, run, name, frame=None):
         run.picture(os.path.join(self.output, name + ".png"), frame)
@@ -52,6 +60,8 @@ def run_example(context, example):
     except Failed as error:
         print(f"{example.__name__}: {error}", file=sys.stderr)
         return [claims.claim("?", example.__name__, "runs", "a command failed", "none fails", False)]
+    if not context.baseline and example in claims.WITH_BASELINE:
+        print(f"{example.__name__}: the claims about reference [15] are left out: no --baseline", flush=True)
     for c in found:
         row = c.row()
         print(f"figure {row['figure']}, {row['scene']}: {row['claim']}: {row['measured']} (wanted {row['bound']}); "
@@ -70,6 +80,7 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n", 1)[1])
     parser.add_argument("--flotilla")
     parser.add_argument("--output")
+    parser.add_argument("--baseline")
     parser.add_argument("--fast", action="store_true")
     parser.add_argument("--only", action="append", default=[])
     parser.add_argument("--threads", type=int, default=os.cpu_count())
@@ -88,11 +99,11 @@ def main():
     start = time.monotonic()
     try:
         flotilla = Flotilla(arguments.flotilla, runs, arguments.threads)
-        context = Context(flotilla, arguments.output, arguments.fast)
+        context = Context(flotilla, arguments.output, arguments.fast, arguments.baseline)
         found = [c for name, e in examples.items() if not arguments.only or name in arguments.only
                  for c in run_example(context, e)]
         about = {"mode": "fast" if arguments.fast else "full", "commit": commit_of(flotilla), "threads": arguments.threads,
-                 "seconds": time.monotonic() - start}
+                 "note": "" if arguments.baseline else claims.NO_BASELINE, "seconds": time.monotonic() - start}
         page.write(arguments.output, found, context.tables, context.pictures, about)
     finally:
         if not arguments.keep:
