@@ -28,12 +28,21 @@ class Context:
 
     def __init__(self, flotilla, output, fast, baseline=None):
         self.flotilla, self.output, self.fast, self.baseline = flotilla, output, fast, baseline
-        self.pictures, self.tables, self.runs = [], {}, 0
+        self.pictures, self.tables, self.runs, self.known = [], {}, 0, {}
 
     def pick(self, fast, full):
         return fast if self.fast else full
 
     def run(self, name, steps, bodies=0, edit=None, **options):
+        """A run of a library scene; the same one again where it was asked for before, with at least as many steps."""
+        if edit:
+            return self._run(name, steps, bodies, edit, **options)
+        key = repr((name, bodies, sorted(options.items())))
+        if key not in self.known or len(self.known[key].steps) < steps:
+            self.known[key] = self._run(name, steps, bodies, None, **options)
+        return self.known[key]
+
+    def _run(self, name, steps, bodies, edit, **options):
         self.runs += 1
         scene = self.flotilla.scene(name, bodies, edit=edit)
         return self.flotilla.run(scene, steps, f"{name}-{self.runs}", **options)
