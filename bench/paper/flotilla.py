@@ -72,7 +72,8 @@ class Run:
         return frames_of(self.flotilla.call("export", self.folder, "--format", "csv").splitlines())
 
     def picture(self, path, frame=None):
-        self.flotilla.call("picture", self.folder, "--output", path, *(["--frame", frame] if frame is not None else []))
+        self.flotilla.call("picture", self.folder, "--output", path, "--width", 960, "--height", 600,
+                           *(["--frame", frame] if frame is not None else []))
 
 
 class BaselineRun:
