@@ -45,7 +45,7 @@ def triangles_on_pegs(context):
     return [claim("1", "triangles-on-pegs", "some lie flat on the ground, some lean", f"{flat} flat, {leaning} lean",
                   ">= 1 of each", flat >= 1 and leaning >= 1, run),
             claim("1", "triangles-on-pegs", "all at rest at the end", f"fastest {fastest:.2g} m/s, {lost} fell off the ground",
-                  "< 0.05 m/s, 0", fastest < 0.05 and lost == 0)]
+                  "< 0.05 m/s, 0", fastest < 0.05 and lost == 0, run)]
 
 
 def catapult(context):
@@ -59,7 +59,7 @@ def catapult(context):
     return [claim("2", "catapult", "the stack stands until the block hits", f"moved by {before * 1000:.2g} mm", "< 10 mm",
                   before < 0.01, run),
             claim("2", "catapult", "the block is caught by the plank and launches the stack", f"rise {rise:.2f} m", "> 0.5 m",
-                  rise > 0.5)] + (interference_detection(context) if context.baseline else [])
+                  rise > 0.5, run)] + (interference_detection(context) if context.baseline else [])
 
 
 def launched(run):
@@ -107,7 +107,7 @@ def sliding_boxes(context):
     return [claim("3, 4, 11", "sliding-boxes", "without friction a box slides over internal edges at constant speed",
                   f"speed changes by {slow:.2g} m/s, height by {lift:.2g} m", "< 1e-3 m/s, < 1e-3 m", slow < 1e-3 and lift < 1e-3,
                   run),
-            claim("3, 4, 11", "sliding-boxes", "a resting box stays", f"moved by {moved:.2g} m", "< 1e-3 m", moved < 1e-3)]
+            claim("3, 4, 11", "sliding-boxes", "a resting box stays", f"moved by {moved:.2g} m", "< 1e-3 m", moved < 1e-3, run)]
 
 
 def turning_strip(context):
@@ -184,7 +184,7 @@ def hanging_rings(context):
     swing = max(math.dist(f[b].p[:2], frames[0][b].p[:2]) for f in frames.values() for _, b in linked)
     return [claim("10", "hanging-rings", "linked rings stay linked", f"centres at most {farthest:.3f} m apart", "< 0.8 m (two radii)",
                   farthest < 0.8, run),
-            claim("10", "hanging-rings", "the chains swing", f"up to {swing:.2f} m sideways", "> 0.3 m", swing > 0.3)]
+            claim("10", "hanging-rings", "the chains swing", f"up to {swing:.2f} m sideways", "> 0.3 m", swing > 0.3, run)]
 
 
 def boats_in_bowl(context):
