@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// flotilla_bullet: a scene simulated by Bullet (bulletphysics.org), single precision as Debian builds it.
+//  - panels: movable meshes as compounds of one convex hull per triangle, each with a margin of half the gap around it.
+//  - gimpact: movable meshes as btGImpactMeshShape, which Bullet's author calls deprecated, with the same margin.
+// Static meshes are triangle meshes in both. Friction and restitution of a pair are products in Bullet; bodies get the square
+// roots of theirs, so that pairs have the geometric mean, as in flotilla. Nothing sleeps.
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "engine.hpp"
+
+namespace {
+
+using namespace flotilla;
+using namespace flotilla::baseline;
+
+btVector3 vector(const Vec3& v) {
+    return {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z)};
+}
+Vec3 vector(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+btTransform transform(const Frame& frame) {
+    const Quat& q = frame.rotation;
+    return btTransform({static_cast<btScalar>(q.x), static_cast<btScalar>(q.y), static_cast<btScalar>(q.z),
+                        static_cast<btScalar>(q.w)},
+                       vector(frame.position));
+}
+Frame frame_of(const btTransform& t) {
+    const btQuaternion q = t.getRotation();
+    return {vector(t.getOrigin()), {q.w(), q.x(), q.y(), q.z()}};
+}
+
+class Bullet final : public Engine {
+  public:
+    Bullet(const EngineScene& scene, const EngineArguments& arguments)
+        : scene_(scene), dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+        btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
+        world_.setGravity(vector(scene.description.gravity));
+        if (arguments.iterations > 0) world_.getSolverInfo().m_numIterations = arguments.iterations;
+        for (const BodyDescription& body : scene.description.bodies) add(body, arguments);
+    }
+    ~Bullet() override {
+        for (const auto& body : bodies_) world_.removeRigidBody(body.get());
+    }
+
+    void step(double dt) override { world_.stepSimulation(static_cast<btScalar>(dt), 0); }
+
+    [[nodiscard]] std::vector<PoseRow> rows() const override {
+        std::vector<PoseRow> out;
+        for (std::size_t i = 0; i < bodies_.size(); ++i) {
+            const btRigidBody& body = *bodies_[i];
+            const auto shape = static_cast<std::size_t>(scene_.description.bodies[i].shape);
+            const Frame frame = mesh_frame(frame_of(body.getWorldTransform()), scene_.masses[shape]);
+            out.push_back(
+                {frame.position, frame.rotation, vector(body.getLinearVelocity()), vector(body.getAngularVelocity())});
+        }
+        return out;
+    }
+
+  private:
+    using Key = std::pair<std::int32_t, bool>; ///< shape, movable
+
+    btCollisionShape* shape_of(const BodyDescription& body, const EngineArguments& arguments) {
+        const bool movable = body.type == BodyType::dynamic;
+        btCollisionShape*& shape = of_key_[{body.shape, movable}];
+        if (shape == nullptr) shape = make_shape(static_cast<std::size_t>(body.shape), movable, arguments);
+        return shape;
+    }
+
+    btCollisionShape* make_shape(std::size_t index, bool movable, const EngineArguments& arguments) {
+        const ShapeDescription& shape = scene_.description.shapes[index];
+        const auto margin = static_cast<btScalar>(arguments.gap / 2);
+        const std::vector<Vec3> vertices = vertices_about_mass(shape, scene_.masses[index]);
+        if (movable && arguments.shape == "panels") return make_panels(shape, vertices, margin);
+        auto mesh = std::make_unique<btTriangleMesh>();
+        for (const Triangle& t : shape.triangles)
+            mesh->addTriangle(corner(vertices, t[0]), corner(vertices, t[1]), corner(vertices, t[2]));
+        meshes_.push_back(std::move(mesh));
+        if (!movable) return keep(std::make_unique<btBvhTriangleMeshShape>(meshes_.back().get(), true), margin);
+        auto gimpact = std::make_unique<btGImpactMeshShape>(meshes_.back().get());
+        gimpact->setMargin(margin);
+        gimpact->updateBound();
+        return keep(std::move(gimpact), margin);
+    }
+
+    btCollisionShape* make_panels(const ShapeDescription& shape, const std::vector<Vec3>& vertices, btScalar margin) {
+        auto compound = std::make_unique<btCompoundShape>();
+        for (const Triangle& t : shape.triangles) {
+            auto hull = std::make_unique<btConvexHullShape>();
+            for (const std::int32_t v : t) hull->addPoint(corner(vertices, v), false);
+            hull->recalcLocalAabb();
+            compound->addChildShape(btTransform::getIdentity(), keep(std::move(hull), margin));
+        }
+        return keep(std::move(compound), margin);
+    }
+
+    static btVector3 corner(const std::vector<Vec3>& vertices, std::int32_t i) {
+        return vector(vertices[static_cast<std::size_t>(i)]);
+    }
+
+    btCollisionShape* keep(std::unique_ptr<btCollisionShape> shape, btScalar margin) {
+        shape->setMargin(margin);
+        shapes_.push_back(std::move(shape));
+        return shapes_.back().get();
+    }
+
+    void add(const BodyDescription& description, const EngineArguments& arguments) {
+        const auto& mass = scene_.masses[static_cast<std::size_t>(description.shape)];
+        const bool movable = description.type == BodyType::dynamic;
+        btRigidBody::btRigidBodyConstructionInfo info(movable ? static_cast<btScalar>(mass->mass) : 0, nullptr,
+                                                      shape_of(description, arguments),
+                                                      movable ? vector(mass->principal_inertia) : btVector3(0, 0, 0));
+        info.m_startWorldTransform = transform(mass_frame(description, mass));
+        info.m_friction = static_cast<btScalar>(std::sqrt(description.friction));
+        info.m_restitution = static_cast<btScalar>(std::sqrt(description.restitution));
+        auto body = std::make_unique<btRigidBody>(info);
+        body->setLinearVelocity(vector(description.velocity));
+        body->setAngularVelocity(vector(description.angular_velocity));
+        body->setActivationState(DISABLE_DEACTIVATION);
+        world_.addRigidBody(body.get());
+        bodies_.push_back(std::move(body));
+    }
+
+    const EngineScene& scene_;
+    btDefaultCollisionConfiguration configuration_;
+    btCollisionDispatcher dispatcher_;
+    btDbvtBroadphase broadphase_;
+    btSequentialImpulseConstraintSolver solver_;
+    btDiscreteDynamicsWorld world_;
+    std::map<Key, btCollisionShape*> of_key_;
+    std::vector<std::unique_ptr<btTriangleMesh>> meshes_;
+    std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+    std::vector<std::unique_ptr<btRigidBody>> bodies_;
+};
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_engine(
+        argc, argv, "flotilla_bullet", {"panels", "gimpact"},
+        [](const auto& scene, const auto& arguments) { return std::make_unique<Bullet>(scene, arguments); });
+}
