@@ -34,7 +34,7 @@ def claim(figure, scene, text, measured, bound, holds, *runs):
 
 def triangles_on_pegs(context):
     """Figure 1: flat on the ground and leaning on pegs, at rest."""
-    run = context.run("triangles-on-pegs", bodies=context.pick(120, 186), steps=context.pick(240, 480))
+    run = context.run("triangles-on-pegs", bodies=context.pick(120, 186), steps=context.pick(240, 480), settings={"sleeping": "false"})
     context.picture(run, "figure-1")
     last = run.frames()[len(run.steps)]
     triangles = [s for name, s in last.items() if name.startswith("triangle")]
@@ -175,7 +175,7 @@ def stack_and_ball(context):
 def hanging_rings(context):
     """Figure 10: the chains swing and never come apart."""
     bodies = context.pick(83, 2003)
-    run = context.run("hanging-rings", bodies=bodies, steps=context.pick(96, 200))
+    run = context.run("hanging-rings", bodies=bodies, steps=context.pick(96, 200), settings={"sleeping": "false"})
     context.picture(run, "figure-10", frame=context.pick(40, 60))
     frames = run.frames()
     links = min(20, bodies - 3)

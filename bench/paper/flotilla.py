@@ -17,6 +17,7 @@ class Flotilla:
 
     def __init__(self, command, folder, threads):
         self.command, self.folder, self.threads = command, folder, threads
+        self.commit = None  # of the command, as its first run says
         os.makedirs(folder, exist_ok=True)
 
     def call(self, *arguments, expect=(0,)):
@@ -50,6 +51,9 @@ class Flotilla:
         arguments = [word for key, value in (settings or {}).items() for word in ("--set", f"{key}={value}")]
         self.call("run", scene, "--output", folder, "--overwrite", "--quiet", "--steps", steps, "--threads", self.threads,
                   *arguments, *options)
+        if self.commit is None:
+            with open(os.path.join(folder, "run.json"), encoding="utf-8") as file:
+                self.commit = json.load(file)["commit"]
         return Run(self, folder, verify)
 
 

@@ -12,7 +12,6 @@ exit code: 0 every claim holds, 1 one fails or a command failed, 2 usage
 import argparse
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
@@ -79,12 +78,6 @@ def run_example(context, example):
     return found
 
 
-def commit_of(flotilla):
-    root = os.path.dirname(os.path.abspath(__file__))
-    done = subprocess.run(["git", "-C", root, "describe", "--always", "--dirty"], capture_output=True, text=True)
-    return done.stdout.strip() or "unknown"
-
-
 def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n", 1)[1])
     parser.add_argument("--flotilla")
@@ -111,7 +104,7 @@ def main():
         context = Context(flotilla, arguments.output, arguments.fast, arguments.baseline)
         found = [c for name, e in examples.items() if not arguments.only or name in arguments.only
                  for c in run_example(context, e)]
-        about = {"mode": "fast" if arguments.fast else "full", "commit": commit_of(flotilla), "threads": arguments.threads,
+        about = {"mode": "fast" if arguments.fast else "full", "commit": flotilla.commit or "unknown", "threads": arguments.threads,
                  "note": "" if arguments.baseline else claims.NO_BASELINE, "seconds": time.monotonic() - start}
         page.write(arguments.output, found, context.tables, context.pictures, about)
     finally:
