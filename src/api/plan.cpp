@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "base/vec3.hpp"
+#include "io/run_folder.hpp"
 #include "state/build_model.hpp"
 
 namespace flotilla {
@@ -122,8 +123,7 @@ class Planner {
                         : "no body sleeps: every contact is solved in every step");
     }
     void frames() {
-        constexpr std::size_t kFrameBytes = 109; // 13 doubles, contacts, cluster and cost
-        add("output", "a frame takes " + std::to_string(kFrameBytes * model_.size()) + " bytes");
+        add("output", "a frame takes " + std::to_string(io::kFrameBytesPerBody * model_.size()) + " bytes");
     }
     void changed_settings() {
         std::string text;

@@ -11,6 +11,7 @@
 #include <flotilla/world.hpp>
 
 #include "api/world_access.hpp"
+#include "base/stopwatch.hpp"
 #include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "io/checkpoint.hpp"
@@ -224,20 +225,6 @@ class Checkpoints {
     Clock::time_point last_time_ = Clock::now();
 };
 
-/// Adds the time of a scope, ms.
-class OutputWatch {
-  public:
-    explicit OutputWatch(double& ms) : ms_(ms) {}
-    ~OutputWatch() { ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
-    OutputWatch(const OutputWatch&) = delete;
-    OutputWatch& operator=(const OutputWatch&) = delete;
-
-  private:
-    using Clock = std::chrono::steady_clock;
-    double& ms_;
-    Clock::time_point start_ = Clock::now();
-};
-
 /// What is written into the run folder, step by step.
 class RunRecorder {
   public:
@@ -251,13 +238,13 @@ class RunRecorder {
     }
 
     void after_step(const StepReport& report) {
-        const OutputWatch watch(ms_);
+        const Stopwatch watch(ms_);
         writer_->add_step(report);
         if (world_.steps() % options_.frame_every == 0) frames_.record();
         checkpoints_.after_step();
     }
     void close(bool complete) {
-        const OutputWatch watch(ms_);
+        const Stopwatch watch(ms_);
         checkpoints_.write();
         writer_->close(complete ? "complete" : "stopped");
     }

@@ -185,7 +185,7 @@ void RunWriter::write_run_json(const std::string& status) const {
     write_file(folder_ / kRunJson, run_json_text(info_, bodies_, started_, status, frames()));
 }
 
-std::size_t RunWriter::frame_bytes() const { return bodies_ * (13 * sizeof(double) + 5); }
+std::size_t RunWriter::frame_bytes() const { return bodies_ * kFrameBytesPerBody; }
 
 void RunWriter::add_frame(const FrameView& frame) {
     FLOTILLA_ASSERT(frame.position.size() == bodies_ && frame.rotation.size() == bodies_ &&

@@ -122,6 +122,9 @@ struct Frame {
     Activity activity{};            ///< empty where the run does not have it
 };
 
+/// Of one body in one frame: 13 doubles, and contacts, cluster and cost.
+inline constexpr std::size_t kFrameBytesPerBody = 13 * sizeof(double) + 5;
+
 /// A file frames-<first>-<last>.h5.
 struct SegmentFile {
     std::int64_t first = 0, last = 0; ///< frames

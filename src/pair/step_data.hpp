@@ -2,9 +2,9 @@
 // The data that the stages of one step share.
 #pragma once
 
-#include <chrono>
 #include <memory>
 
+#include "base/stopwatch.hpp"
 #include "ccd/pair_query.hpp"
 #include "pair/pair_table.hpp"
 #include "proximity/contact_points.hpp"
@@ -20,21 +20,6 @@ struct StageCounters {
     std::int64_t left = 0;                    ///< pairs left to a later stage
     double detection_ms = 0, response_ms = 0; ///< of all threads together
     bool limit = false;                       ///< ended by its iteration limit
-};
-
-/// Adds the wall time of a scope to a counter. Times are reported, never used.
-class Stopwatch {
-  public:
-    explicit Stopwatch(double& ms) : ms_(ms), start_(std::chrono::steady_clock::now()) {}
-    Stopwatch(const Stopwatch&) = delete;
-    Stopwatch& operator=(const Stopwatch&) = delete;
-    ~Stopwatch() {
-        ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-    }
-
-  private:
-    double& ms_;
-    std::chrono::steady_clock::time_point start_;
 };
 
 /// What one thread has to itself.

@@ -119,6 +119,7 @@ std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene) {
     Writer out;
     out.add(kMagic), out.add(kVersion), out.add(scene);
     visit(state, [&out](const auto& part) { out.add(part); });
+    out.add(state_hash(state));
     return out.take();
 }
 
@@ -132,10 +133,10 @@ State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene) {
     if (of_scene != scene) throw InputError("snapshot of another scene or other settings");
     State state;
     visit(state, [&in](auto& part) { in.read(part); });
+    std::uint64_t hash = 0;
+    in.read(hash);
     in.expect_end();
-    const std::size_t n = state.pose.size();
-    if (state.motion.size() != n || state.sleep.size() != n || state.script_delay.size() != n)
-        throw InputError("damaged snapshot: its arrays do not fit each other");
+    if (hash != state_hash(state)) throw InputError("damaged snapshot: its content does not match its hash");
     return state;
 }
 

@@ -15,7 +15,7 @@ namespace flotilla {
 /// hash have the same bits.
 [[nodiscard]] std::uint64_t scene_hash(const Model& model, const State& initial);
 
-/// `state`, bit for bit, and the hash of the scene that it belongs to. Little-endian.
+/// `state`, bit for bit, with the hash of the scene that it belongs to and its own. Little-endian.
 [[nodiscard]] std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene);
 
 /// What write_snapshot wrote. Throws InputError where `bytes` is no snapshot, is damaged, or belongs to another scene.

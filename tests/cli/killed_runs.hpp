@@ -3,7 +3,6 @@
 #pragma once
 
 #include <chrono>
-#include <fstream>
 #include <random>
 #include <string>
 #include <thread>
@@ -11,26 +10,10 @@
 
 #include <gtest/gtest.h>
 
+#include "cli/step_hashes.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {
-
-/// The state hash of every row of a folder's steps.csv.
-inline std::vector<std::string> step_hashes(const std::filesystem::path& folder) {
-    std::ifstream in(folder / "steps.csv");
-    const auto column = [](const std::string& row, std::size_t k) {
-        std::size_t begin = 0;
-        for (; k > 0; --k) begin = row.find(',', begin) + 1;
-        return row.substr(begin, row.find(',', begin) - begin);
-    };
-    std::string line;
-    std::getline(in, line);
-    std::size_t k = 0;
-    while (column(line, k) != "state_hash") ++k;
-    std::vector<std::string> out;
-    while (std::getline(in, line)) out.push_back(column(line, k));
-    return out;
-}
 
 struct KilledRuns {
     int kills = 0;     ///< that met a run which had not ended by itself

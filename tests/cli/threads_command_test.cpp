@@ -7,29 +7,13 @@
 
 #include <gtest/gtest.h>
 
+#include "cli/step_hashes.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The last field of every row: the state hash.
-std::vector<std::string> hashes(const fs::path& folder) {
-    std::ifstream in(folder / "steps.csv");
-    std::string line;
-    std::getline(in, line);
-    const auto column = [](const std::string& row, std::size_t k) {
-        std::size_t begin = 0;
-        for (; k > 0; --k) begin = row.find(',', begin) + 1;
-        return row.substr(begin, row.find(',', begin) - begin);
-    };
-    std::size_t k = 0;
-    while (column(line, k) != "state_hash") ++k;
-    std::vector<std::string> out;
-    while (std::getline(in, line)) out.push_back(column(line, k));
-    return out;
-}
 
 class RunThreads : public testing::Test {
   protected:
@@ -45,7 +29,7 @@ class RunThreads : public testing::Test {
                                              " --steps 30 --quiet --overwrite --output " + output + " " + options);
         EXPECT_EQ(r.exit_code, 0) << r.err;
         last_ = r.out;
-        return hashes(output);
+        return step_hashes(output);
     }
 
     TemporaryFolder folder_;

@@ -90,6 +90,11 @@ TEST(SnapshotOf, AnotherSceneOrDamageIsRefused) {
     bad = snapshot;
     bad.push_back(std::byte{});
     EXPECT_EQ(message(scene, bad), "damaged snapshot: its arrays do not fit its size");
+    for (std::size_t at = 24; at < snapshot.size(); at += 97) { // behind magic, version and scene
+        bad = snapshot;
+        bad[at] ^= std::byte{4};
+        EXPECT_TRUE(message(scene, bad).starts_with("damaged snapshot: ")) << at << ": " << message(scene, bad);
+    }
     bad = snapshot;
     const std::uint64_t huge = ~std::uint64_t{0};
     std::memcpy(bad.data() + 40, &huge, sizeof huge); // the number of poses
