@@ -4,15 +4,16 @@
 #include <algorithm>
 #include <limits>
 
+#include "parallel/compact.hpp"
 #include "parallel/team_sort.hpp"
 
 namespace flotilla {
 namespace {
 
 constexpr std::int64_t kMaxCellsPerBody = 64;
-constexpr double kCellOfMedian = 1.5;                     // cell edge in median body sizes
-constexpr double kLargestCoordinate = 1e6;                // cells; farther away bodies share the outermost one
-constexpr std::size_t kBodyGrain = 128, kCellGrain = 512; // items of a task
+constexpr double kCellOfMedian = 1.5;      // cell edge in median body sizes
+constexpr double kLargestCoordinate = 1e6; // cells; farther away bodies share the outermost one
+constexpr std::size_t kBodyGrain = 128, kCellGrain = 512, kChunkGrain = 16; // items of a task
 
 Box inflated(const SweptBody& b) {
     const Vec3 r{b.reach, b.reach, b.reach};
@@ -29,11 +30,10 @@ std::int64_t cell_key(const std::array<std::int64_t, 3>& c) {
 } // namespace
 
 const std::vector<CandidatePair>& Broadphase::find(Team& team, const std::vector<SweptBody>& bodies) {
-    pairs_.clear();
     choose_grid(bodies);
     rasterize(team, bodies);
-    pair_cells(team, bodies);
-    pair_large(team, bodies);
+    const std::size_t chunks = pair_cells(team, bodies);
+    gather(team, chunks + pair_large(team, bodies, chunks));
     team_sort(team, pairs_, sorted_pairs_, std::less<>());
     return pairs_;
 }
@@ -96,7 +96,7 @@ void Broadphase::rasterize(Team& team, const std::vector<SweptBody>& bodies) {
               [](const Cell& p, const Cell& q) { return p.key != q.key ? p.key < q.key : p.body < q.body; });
 }
 
-void Broadphase::pair_cells(Team& team, const std::vector<SweptBody>& bodies) {
+std::size_t Broadphase::pair_cells(Team& team, const std::vector<SweptBody>& bodies) {
     const std::size_t n = cells_.size(), chunks = (n + kCellGrain - 1) / kCellGrain;
     found_.resize(std::max(found_.size(), chunks));
     // A chunk takes the runs of one cell that begin in it.
@@ -110,7 +110,7 @@ void Broadphase::pair_cells(Team& team, const std::vector<SweptBody>& bodies) {
             pair_run(begin, end, bodies, out);
         }
     });
-    gather(chunks);
+    return chunks;
 }
 
 void Broadphase::pair_run(std::size_t begin, std::size_t end, const std::vector<SweptBody>& bodies,
@@ -126,12 +126,12 @@ void Broadphase::pair_run(std::size_t begin, std::size_t end, const std::vector<
         }
 }
 
-void Broadphase::pair_large(Team& team, const std::vector<SweptBody>& bodies) {
-    if (large_.empty()) return;
+std::size_t Broadphase::pair_large(Team& team, const std::vector<SweptBody>& bodies, std::size_t first_chunk) {
+    if (large_.empty()) return 0;
     const std::size_t n = bodies.size(), chunks = (n + kBodyGrain - 1) / kBodyGrain;
-    found_.resize(std::max(found_.size(), chunks));
+    found_.resize(std::max(found_.size(), first_chunk + chunks));
     team.for_chunks("pairs of large bodies", n, kBodyGrain, [&](std::size_t first, std::size_t last, int) {
-        auto& out = found_[first / kBodyGrain];
+        auto& out = found_[first_chunk + first / kBodyGrain];
         out.clear();
         for (std::size_t i = first; i < last; ++i) {
             const auto b = static_cast<std::int32_t>(i);
@@ -143,11 +143,21 @@ void Broadphase::pair_large(Team& team, const std::vector<SweptBody>& bodies) {
             }
         }
     });
-    gather(chunks);
+    return chunks;
 }
 
-void Broadphase::gather(std::size_t chunks) {
-    for (std::size_t k = 0; k < chunks; ++k) pairs_.insert(pairs_.end(), found_[k].begin(), found_[k].end());
+void Broadphase::gather(Team& team, std::size_t chunks) {
+    const auto count = [&](std::size_t begin, std::size_t end) {
+        std::size_t sum = 0;
+        for (std::size_t k = begin; k < end; ++k) sum += found_[k].size();
+        return sum;
+    };
+    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
+        for (std::size_t k = begin; k < end; place += found_[k++].size())
+            std::copy(found_[k].begin(), found_[k].end(), pairs_.begin() + static_cast<std::ptrdiff_t>(place));
+    };
+    compact(
+        &team, "gather pairs", chunks, kChunkGrain, places_, count, [&](std::size_t n) { pairs_.resize(n); }, fill);
 }
 
 } // namespace flotilla

@@ -28,12 +28,13 @@ class Broadphase : public PairFinder {
     };
     void choose_grid(const std::vector<SweptBody>& bodies);
     void rasterize(Team& team, const std::vector<SweptBody>& bodies);
-    void pair_cells(Team& team, const std::vector<SweptBody>& bodies);
-    void pair_large(Team& team, const std::vector<SweptBody>& bodies);
+    /// These fill the next entries of found_ and return how many.
+    std::size_t pair_cells(Team& team, const std::vector<SweptBody>& bodies);
+    std::size_t pair_large(Team& team, const std::vector<SweptBody>& bodies, std::size_t first_chunk);
     void pair_run(std::size_t begin, std::size_t end, const std::vector<SweptBody>& bodies,
                   std::vector<CandidatePair>& out) const;
-    /// Appends what the chunks of a loop found, in their order.
-    void gather(std::size_t chunks);
+    /// Makes pairs_ of what the first `chunks` entries of found_ hold, in their order.
+    void gather(Team& team, std::size_t chunks);
     [[nodiscard]] std::array<std::int64_t, 3> cell_of(const Vec3& p) const;
     [[nodiscard]] CellRange cells_of(const SweptBody& body) const;
 
@@ -45,6 +46,7 @@ class Broadphase : public PairFinder {
     std::vector<std::int32_t> large_;
     std::vector<double> sizes_;
     std::vector<std::vector<CandidatePair>> found_; ///< by chunk of a loop
+    std::vector<std::size_t> places_;               ///< in pairs_, by chunk of found_
     std::vector<CandidatePair> pairs_, sorted_pairs_;
 };
 

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "parallel/compact.hpp"
+
 namespace flotilla {
 namespace {
 
 constexpr std::size_t kFirstSlots = 1024;
+constexpr std::size_t kGrain = 512; // records of a task
 
 std::uint64_t mixed(std::int32_t a, std::int32_t b) {
     std::uint64_t z = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
@@ -18,19 +21,29 @@ std::uint64_t mixed(std::int32_t a, std::int32_t b) {
 
 } // namespace
 
-void PairTable::start_step(std::int64_t step) {
-    for (PairRecord& r : records_) {
-        if (r.a < 0) continue;
-        if (r.step != step_) {
-            r = PairRecord();
-            free_.push_back(&r);
-            continue;
+void PairTable::start_step(Team& team, std::int64_t step) {
+    const auto unused = [&](const PairRecord& r) { return r.a >= 0 && r.step != step_; };
+    const auto count = [&](std::size_t begin, std::size_t end) {
+        std::size_t sum = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            PairRecord& r = records_[i];
+            sum += unused(r) ? 1u : 0u;
+            r.active = r.processed = false;
+            r.start_distance = std::exchange(r.end_distance, -1.0);
         }
-        r.active = r.processed = false;
-        r.start_distance = std::exchange(r.end_distance, -1.0);
-    }
+        return sum;
+    };
+    const std::size_t first = free_.size();
+    const auto resize = [&](std::size_t size) { free_.resize(first + size); };
+    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
+        for (std::size_t i = begin; i < end; ++i)
+            if (unused(records_[i])) free_[first + place++] = &records_[i];
+    };
+    compact(&team, "start pairs", records_.size(), kGrain, places_, count, resize, fill);
+    for (std::size_t i = first; i < free_.size(); ++i) erase(free_[i]->a, free_[i]->b);
+    team.for_each("forget pairs", free_.size() - first, kGrain,
+                  [&](std::size_t i, int) { *free_[first + i] = PairRecord(); });
     step_ = step;
-    if (!slots_.empty()) index(slots_.size());
 }
 
 void PairTable::clear() {
@@ -69,6 +82,20 @@ PairRecord& PairTable::new_record() {
     PairRecord& r = *free_.back();
     free_.pop_back();
     return r;
+}
+
+/// Closes the gap by the entries behind it that would not be found across it (Knuth, The Art of Computer Programming 3, 6.4,
+/// algorithm R).
+void PairTable::erase(std::int32_t a, std::int32_t b) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t gap = slot(a, b);
+    for (std::size_t i = (gap + 1) & mask; slots_[i].record != nullptr; i = (i + 1) & mask) {
+        const std::size_t home = mixed(slots_[i].a, slots_[i].b) & mask;
+        if (((i - home) & mask) < ((i - gap) & mask)) continue;
+        slots_[gap] = slots_[i];
+        gap = i;
+    }
+    slots_[gap] = {};
 }
 
 void PairTable::index(std::size_t slots) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ccd/candidate_list.hpp"
+#include "parallel/team.hpp"
 
 namespace flotilla {
 
@@ -41,7 +42,7 @@ struct PairRecord {
 class PairTable {
   public:
     /// Begins a step: forgets pairs that the last step did not use, and what stage 1 processed.
-    void start_step(std::int64_t step);
+    void start_step(Team& team, std::int64_t step);
     /// Forgets everything.
     void clear();
     /// The record of a pair, made on first use.
@@ -58,11 +59,13 @@ class PairTable {
     };
     [[nodiscard]] std::size_t slot(std::int32_t a, std::int32_t b) const;
     void index(std::size_t slots);
+    void erase(std::int32_t a, std::int32_t b);
     PairRecord& new_record();
 
     std::vector<Slot> slots_; ///< a power of two of them
     std::deque<PairRecord> records_;
-    std::vector<PairRecord*> free_; ///< records of no pair
+    std::vector<PairRecord*> free_;   ///< records of no pair
+    std::vector<std::size_t> places_; ///< scratch
     std::int64_t step_ = 0;
 };
 

@@ -5,6 +5,7 @@
 
 #include "ccd/rigid_path.hpp"
 #include "geometry/ccd_cubic.hpp"
+#include "parallel/compact.hpp"
 
 namespace flotilla {
 namespace {
@@ -150,17 +151,24 @@ const std::vector<ListedPair>& list_pairs(StepData& data, const std::vector<Cand
     ListBuffers& l = data.lists;
     l.record.resize(pairs.size());
     l.wanted.resize(pairs.size());
-    data.team.for_each("pair records", pairs.size(), kPairGrain, [&](std::size_t i, int) {
-        l.record[i] = data.pairs.find(pairs[i].a, pairs[i].b);
-        if (l.record[i] != nullptr) data.pairs.use(*l.record[i]);
-        l.wanted[i] = wanted(pairs[i], l.record[i]) ? 1 : 0;
-    });
-    l.listed.clear();
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        if (l.wanted[i] == 0) continue;
-        if (l.record[i] == nullptr) l.record[i] = &data.pairs.get(data.model, data.state, pairs[i].a, pairs[i].b);
-        l.listed.push_back({pairs[i], l.record[i]});
-    }
+    const auto find = [&](std::size_t begin, std::size_t end) {
+        std::size_t count = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            l.record[i] = data.pairs.find(pairs[i].a, pairs[i].b);
+            if (l.record[i] != nullptr) data.pairs.use(*l.record[i]);
+            l.wanted[i] = wanted(pairs[i], l.record[i]) ? 1 : 0;
+            count += l.wanted[i];
+        }
+        return count;
+    };
+    const auto resize = [&](std::size_t size) { l.listed.resize(size); };
+    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
+        for (std::size_t i = begin; i < end; ++i)
+            if (l.wanted[i] != 0) l.listed[place++] = {pairs[i], l.record[i]};
+    };
+    compact(&data.team, "pair records", pairs.size(), kPairGrain, l.chunk_places, find, resize, fill);
+    for (ListedPair& p : l.listed) // one thread alone may make records
+        if (p.record == nullptr) p.record = &data.pairs.get(data.model, data.state, p.pair.a, p.pair.b);
     return l.listed;
 }
 

@@ -53,6 +53,7 @@ struct ListBuffers {
     std::vector<SweptBody> swept;
     std::vector<PairRecord*> record; ///< of each candidate pair; null: there is none yet
     std::vector<std::uint8_t> wanted;
+    std::vector<std::size_t> chunk_places; ///< in `listed`, by chunk of candidate pairs
     std::vector<ListedPair> listed;
     std::vector<ListedPair> active; ///< stage 1: pairs with an impulse in this step
     TaskOrder order;

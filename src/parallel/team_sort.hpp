@@ -36,7 +36,7 @@ template <class T, class Less>
 void team_sort(Team& team, std::vector<T>& items, std::vector<T>& buffer, Less less) {
     using namespace team_sort_detail;
     const std::size_t n = items.size();
-    if (n <= kRun || team.size() == 1) {
+    if (n <= kRun || (team.size() == 1 && team.recorder() == nullptr)) {
         if (!std::is_sorted(items.begin(), items.end(), less)) std::sort(items.begin(), items.end(), less);
         return;
     }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "parallel/compact.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -107,11 +109,17 @@ void ContactSet::clear() {
     min_distance = std::numeric_limits<double>::infinity();
 }
 
-void ContactSet::append(const ContactSet& other) {
-    contacts.insert(contacts.end(), other.contacts.begin(), other.contacts.end());
-    rest.insert(rest.end(), other.rest.begin(), other.rest.end());
-    processed.insert(processed.end(), other.processed.begin(), other.processed.end());
-    min_distance = std::min(min_distance, other.min_distance);
+void ContactSet::resize(std::size_t size) {
+    contacts.resize(size);
+    rest.resize(size);
+    processed.resize(size);
+}
+
+void ContactSet::put(std::size_t place, const ContactSet& part) {
+    const auto to = static_cast<std::ptrdiff_t>(place);
+    std::copy(part.contacts.begin(), part.contacts.end(), contacts.begin() + to);
+    std::copy(part.rest.begin(), part.rest.end(), rest.begin() + to);
+    std::copy(part.processed.begin(), part.processed.end(), processed.begin() + to);
 }
 
 void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& out) {
@@ -124,8 +132,19 @@ void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& ou
         part.clear();
         for (std::size_t i = begin; i < end; ++i) append_pair(data, data.worker(thread), pairs[i], part);
     });
-    out.clear();
-    for (std::size_t k = 0; k < chunks; ++k) out.append(scratch.parts[k]);
+    const std::span parts(scratch.parts.data(), chunks);
+    const auto count = [&](std::size_t begin, std::size_t end) {
+        std::size_t sum = 0;
+        for (const ContactSet& part : parts.subspan(begin, end - begin)) sum += part.contacts.size();
+        return sum;
+    };
+    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
+        for (std::size_t k = begin; k < end; place += parts[k++].contacts.size()) out.put(place, parts[k]);
+    };
+    const auto resize = [&](std::size_t size) { out.resize(size); };
+    compact(&data.team, "gather contacts", chunks, kGrain, scratch.places, count, resize, fill);
+    out.min_distance = std::numeric_limits<double>::infinity();
+    for (const ContactSet& part : parts) out.min_distance = std::min(out.min_distance, part.min_distance);
 }
 
 void VelocityArrays::load(Team* team, const Model& model, std::span<const Pose> poses, std::span<const Motion> motion) {
@@ -148,13 +167,35 @@ void VelocityArrays::load(Team* team, const Model& model, std::span<const Pose> 
     });
 }
 
-void VelocityArrays::store(const Model& model, std::span<const Vec3> angular_before, std::span<Motion> motion) const {
-    for (std::size_t i = 0; i < model.size(); ++i) {
-        if (!model.bodies[i].movable()) continue;
+void VelocityArrays::store(Team* team, const Model& model, std::span<const Vec3> angular_before,
+                           std::span<Motion> motion) const {
+    for_each(team, "store velocities", model.size(), kBodyGrain, [&](std::size_t i) {
+        if (!model.bodies[i].movable()) return;
         motion[i].velocity = velocity[i];
         if (angular_velocity[i] != angular_before[i])
             motion[i].momentum += inertia[i] * (angular_velocity[i] - angular_before[i]);
-    }
+    });
+}
+
+/// The contacts that the stage acts on, with its targets.
+void select_contacts(const ContactSet& set, double time_step, const StaticStageOptions& options,
+                     StaticStageScratch& scratch) {
+    const auto wanted = [&](std::size_t i) { return !options.only_processed || set.processed[i] != 0; };
+    const auto count = [&](std::size_t begin, std::size_t end) {
+        std::size_t sum = 0;
+        for (std::size_t i = begin; i < end; ++i) sum += wanted(i) ? 1u : 0u;
+        return sum;
+    };
+    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!wanted(i)) continue;
+            Contact& c = scratch.selected[place++] = set.contacts[i];
+            const double full = (set.rest[i] - c.distance) / time_step; // equation 16
+            c.target = options.final_stage ? std::min(0.0, full) : full;
+        }
+    };
+    const auto resize = [&](std::size_t size) { scratch.selected.resize(size); };
+    compact(options.team, "select contacts", set.contacts.size(), kContactGrain, scratch.places, count, resize, fill);
 }
 
 StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,
@@ -162,14 +203,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
                                       std::span<const WarmImpulse> other, const StaticStageOptions& options,
                                       StaticStageScratch& scratch) {
     const Settings& s = model.settings;
-    scratch.selected.clear();
-    for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-        if (options.only_processed && set.processed[i] == 0) continue;
-        Contact c = set.contacts[i];
-        const double full = (set.rest[i] - c.distance) / s.time_step; // equation 16
-        c.target = options.final_stage ? std::min(0.0, full) : full;
-        scratch.selected.push_back(c);
-    }
+    select_contacts(set, s.time_step, options, scratch);
     load_warm(options.team, scratch.selected, warm, other, options.warm_factor, scratch.impulses);
     VelocityArrays& b = scratch.bodies;
     b.load(options.team, model, poses, motion);
@@ -187,7 +221,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     const ContactSolveStats stats = solve_contacts(
         scratch.selected, {b.position, b.velocity, b.angular_velocity, b.inverse_mass, b.inverse_inertia}, solve,
         scratch.impulses, scratch.solver);
-    b.store(model, scratch.angular_before, motion);
+    b.store(options.team, model, scratch.angular_before, motion);
     store_warm(options.team, scratch, warm);
     return {stats, static_cast<std::int64_t>(scratch.selected.size())};
 }

@@ -17,7 +17,9 @@ struct ContactSet {
     double min_distance = std::numeric_limits<double>::infinity(); ///< m, of all feature pairs within proximity
 
     void clear();
-    void append(const ContactSet& other);
+    void resize(std::size_t size);
+    /// Writes the contacts of `part` over those from `place` on.
+    void put(std::size_t place, const ContactSet& part);
     /// Removes the contacts that are not wanted; the smallest distance stays.
     template <typename Wanted>
     void keep(Wanted&& wanted) {
@@ -36,6 +38,7 @@ struct ContactSet {
 /// What the tasks of a contact search found.
 struct ContactSearchScratch {
     std::vector<ContactSet> parts;
+    std::vector<std::size_t> places;
 };
 void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& out);
 
@@ -48,7 +51,7 @@ struct VelocityArrays {
 
     void load(Team* team, const Model& model, std::span<const Pose> poses, std::span<const Motion> motion);
     /// Writes back; a momentum changes only where the angular velocity did, so that untouched bodies keep theirs to the bit.
-    void store(const Model& model, std::span<const Vec3> angular_before, std::span<Motion> motion) const;
+    void store(Team* team, const Model& model, std::span<const Vec3> angular_before, std::span<Motion> motion) const;
 };
 
 struct StaticStageOptions {
@@ -64,6 +67,7 @@ struct StaticStageScratch {
     VelocityArrays bodies;
     std::vector<Vec3> angular_before;
     std::vector<Contact> selected;
+    std::vector<std::size_t> places; ///< in `selected`, by chunk of contacts
     std::vector<Vec3> impulses;
 };
 

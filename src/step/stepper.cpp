@@ -121,7 +121,7 @@ StepReport Stepper::step() {
     {
         const Stopwatch total(report.total_ms);
         const RecordedSpan recorded("step", team_);
-        pairs_.start_step(report.step);
+        pairs_.start_step(team_, report.step);
         first_version_.resize(model_.size());
         for (std::size_t i = 0; i < model_.size(); ++i) first_version_[i] = trajectories_.version(i);
         StepData d = data();
@@ -264,7 +264,9 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
     };
     std::vector<WarmImpulse>& warm = final_stage ? state_.warm_final : state_.warm_half;
     waiting_.clear();
-    std::copy_if(warm.begin(), warm.end(), std::back_inserter(waiting_), waits);
+    const auto sleeps = [](const Body& body) { return body.asleep; };
+    if (std::any_of(model_.bodies.begin(), model_.bodies.end(), sleeps))
+        std::copy_if(warm.begin(), warm.end(), std::back_inserter(waiting_), waits);
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1 ended by its
     // limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up would accelerate for ever.
     const bool only_processed = final_stage && (report.warnings & kCollisionLimit) == 0;
