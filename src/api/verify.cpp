@@ -104,7 +104,8 @@ class Verifier {
     }
 
     void measure(const io::Frame& frame, const audit::Placement& placement) {
-        const audit::SmallestDistance nearest = audit::smallest_distance(scene_, placement);
+        const audit::SmallestDistance nearest =
+            audit::smallest_distance(scene_, placement, threads_, report_.smallest_distance);
         if (!(nearest.distance < report_.smallest_distance)) return;
         report_.smallest_distance = nearest.distance;
         report_.smallest_distance_frame = frame.index;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -103,7 +104,9 @@ struct SmallestDistance {
     double distance = 0; ///< m; infinity where there is no pair
     std::int32_t body_a = -1, body_b = -1;
 };
-/// In double arithmetic: a measurement, not a proof.
-[[nodiscard]] SmallestDistance smallest_distance(const Scene& scene, const Placement& placement);
+/// The smallest distance of two bodies, of equal ones that of the first pair by (a, b). In double arithmetic: a measurement, not a
+/// proof. Only distances below `bound` (m) are looked for: where there is none the result is infinite.
+[[nodiscard]] SmallestDistance smallest_distance(const Scene& scene, const Placement& placement, int threads,
+                                                 double bound = std::numeric_limits<double>::infinity());
 
 } // namespace flotilla::audit

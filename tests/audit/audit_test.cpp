@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "audit/triangle_distance.hpp"
 #include "base/rotation.hpp"
 #include "mesh/placement.hpp"
 
@@ -256,12 +257,53 @@ TEST(AuditMotion, NeverProvesWhatSamplingRefutes) {
 TEST(AuditDistance, IsThatOfTheNearestPair) {
     const Scene scene = scene_of({box(1, 1, 1), box(0.5, 0.5, 0.5), plate()});
     const auto nearest =
-        smallest_distance(scene, place(scene, std::vector{pose({}), pose({2, 0, 0}), pose({0, 0, 1.25})}, 1));
+        smallest_distance(scene, place(scene, std::vector{pose({}), pose({2, 0, 0}), pose({0, 0, 1.25})}, 1), 1);
     EXPECT_DOUBLE_EQ(nearest.distance, 0.25);
     EXPECT_EQ(nearest.body_a, 0);
     EXPECT_EQ(nearest.body_b, 2);
     const Scene alone = scene_of({plate()});
-    EXPECT_TRUE(std::isinf(smallest_distance(alone, place(alone, std::vector{pose({})}, 1)).distance));
+    EXPECT_TRUE(std::isinf(smallest_distance(alone, place(alone, std::vector{pose({})}, 1), 1).distance));
+}
+
+/// Every pair of triangles, nothing left out.
+SmallestDistance distance_of_all(const Scene& scene, const Placement& placement) {
+    SmallestDistance best{std::numeric_limits<double>::infinity(), -1, -1};
+    const auto corners = [&](std::size_t body, const Triangle& t) {
+        const auto at = [&](std::size_t k) { return placement.vertices[body][static_cast<std::size_t>(t[k])]; };
+        return Corners{at(0), at(1), at(2)};
+    };
+    for (std::size_t a = 0; a < scene.bodies.size(); ++a)
+        for (std::size_t b = a + 1; b < scene.bodies.size(); ++b)
+            for (const Triangle& t : scene.shape_of(a).mesh.triangles)
+                for (const Triangle& u : scene.shape_of(b).mesh.triangles) {
+                    const double d = std::sqrt(closest_points(corners(a, t), corners(b, u)).distance_sq);
+                    if (d < best.distance) best = {d, static_cast<std::int32_t>(a), static_cast<std::int32_t>(b)};
+                }
+    return best;
+}
+
+TEST(AuditDistance, IsTheSmallestOfAllTrianglesOnAnyThreads) {
+    std::mt19937_64 rng(5);
+    std::uniform_real_distribution<double> u(-1, 1);
+    for (int round = 0; round < 200; ++round) {
+        std::vector<Shape> shapes;
+        std::vector<Pose> poses;
+        for (int i = 0; i < 8; ++i) {
+            shapes.push_back(i % 2 == 0 ? plate() : box(0.4, 0.2, 0.01));
+            poses.push_back(pose({1.5 * u(rng), 1.5 * u(rng), 1.5 * u(rng)}, {3 * u(rng), 3 * u(rng), 3 * u(rng)}));
+        }
+        const Scene scene = scene_of(std::move(shapes));
+        const Placement placement = place(scene, poses, 1);
+        const SmallestDistance all = distance_of_all(scene, placement);
+        for (const int threads : {1, 3}) {
+            const SmallestDistance found = smallest_distance(scene, placement, threads);
+            EXPECT_EQ(found.distance, all.distance) << round;
+            EXPECT_EQ(found.body_a, all.body_a) << round;
+            EXPECT_EQ(found.body_b, all.body_b) << round;
+        }
+        EXPECT_EQ(smallest_distance(scene, placement, 2, 1.001 * all.distance + 1e-300).distance, all.distance);
+        EXPECT_TRUE(std::isinf(smallest_distance(scene, placement, 2, all.distance).distance));
+    }
 }
 
 } // namespace
