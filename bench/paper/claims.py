@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The paper's figures as claims that can fail. Each function takes a Context and returns one Claim or several."""
+import csv
 import dataclasses
 import math
+import os
 
 import volumes
 from flotilla import distance, mean
@@ -100,7 +102,12 @@ def interference_detection(context):
 
 def sliding_boxes(context):
     """Figures 3, 4, 11: no normal of a wrong face, no catching on internal edges."""
-    run = context.run("sliding-boxes", steps=context.pick(72, 144))
+    path = os.path.join(context.flotilla.folder, "contacts.csv")
+    run = context.run("sliding-boxes", steps=context.pick(72, 144), options=("--contacts", path))
+    with open(path, encoding="utf-8", newline="") as file:
+        upright = min(abs(float(row["nz"])) for row in csv.DictReader(file))
+    near, contacts = sum(run.column("proximities")), sum(run.column("contacts"))
+    pruned = {rule: sum(run.column("pruned_" + rule)) for rule in ("end_points", "same_direction", "angle", "occluded")}
     frames = run.frames()
     first, last = frames[0], frames[len(run.steps)]
     slow = max(abs(f["slider"].v[0] - 2) + abs(f["slider"].v[1]) for f in frames.values())
@@ -109,6 +116,12 @@ def sliding_boxes(context):
     return [claim("3, 4, 11", "sliding-boxes", "without friction a box slides over internal edges at constant speed",
                   f"speed changes by {slow:.2g} m/s, height by {lift:.2g} m", "< 1e-3 m/s, < 1e-3 m", slow < 1e-3 and lift < 1e-3,
                   run),
+            claim("3, 4, 11", "sliding-boxes", "pruning leaves no normal but those of the faces that touch",
+                  f"normals at most {math.degrees(math.acos(min(1, upright))):.2g} degrees from upright; of {near:.0f} feature pairs within "
+                  f"the proximity distance {contacts:.0f} are contact points, left out: ends of edges {pruned['end_points']:.0f}, farther "
+                  f"faces in the same direction {pruned['same_direction']:.0f}, not the nearest point {pruned['angle']:.0f}, behind a face "
+                  f"{pruned['occluded']:.0f}", "< 0.1 degrees, some left out",
+                  math.degrees(math.acos(min(1, upright))) < 0.1 and 0 < contacts < near, run),
             claim("3, 4, 11", "sliding-boxes", "a resting box stays", f"moved by {moved:.2g} m", "< 1e-3 m", moved < 1e-3, run)]
 
 

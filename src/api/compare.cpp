@@ -39,7 +39,9 @@ const std::vector<StageColumns>& stage_columns() {
         {"stage 5 (dynamic contact and failsafe)",
          {"merges", "rung_changes", "held", "kinematic_bodies", "rigid_bodies", "largest_cluster", "trigger_a",
           "trigger_b"}},
-        {"stage 7 (contact points at the end poses)", {"contacts", "min_distance"}},
+        {"stage 7 (contact points at the end poses)",
+         {"contacts", "min_distance", "proximities", "pruned_end_points", "pruned_same_direction", "pruned_angle",
+          "pruned_occluded"}},
         {"the end of the step (who sleeps)", {"sleeping"}}};
     return all;
 }

@@ -129,7 +129,11 @@ RunWriter::RunWriter(const fs::path& folder, const RunInfo& info, const RunScene
     started_ = reader.info().record.started;
     info_.record.resumed = resumed_json(reader.info().record.resumed, info, step);
     keep_frames(reader, step / info.frame_every + 1);
-    write_file(folder / kStepsCsv, step_csv_until(read_text(folder / kStepsCsv), step));
+    const std::string steps = read_text(folder / kStepsCsv);
+    if (!steps.empty() && !steps.starts_with(step_csv_header()))
+        throw IoError((folder / kStepsCsv).string() +
+                      ": its columns are not those that this version of flotilla writes");
+    write_file(folder / kStepsCsv, step_csv_until(steps, step));
     write_run_json("running");
     steps_csv_ = std::make_unique<AppendFile>(folder / kStepsCsv);
 }

@@ -11,7 +11,8 @@ namespace {
 constexpr std::string_view kColumnsAfterPhases =
     "pairs,collisions,contacts,iterations,residual,merges,rung_changes,held,energy,momentum_x,momentum_y,momentum_z,"
     "min_distance,state_hash,angular_momentum_x,angular_momentum_y,angular_momentum_z,kinetic_energy,kinematic_bodies,"
-    "rigid_bodies,largest_cluster,trigger_a,trigger_b,sleeping,warnings";
+    "rigid_bodies,largest_cluster,trigger_a,trigger_b,sleeping,warnings,"
+    "proximities,pruned_end_points,pruned_same_direction,pruned_angle,pruned_occluded";
 
 std::string hex(std::uint64_t value) {
     char buffer[16];
@@ -49,6 +50,8 @@ std::string step_csv_row(const StepReport& row) {
     add_vector(row.angular_momentum);
     add(row.kinetic_energy), add(row.kinematic_bodies), add(row.rigid_bodies), add(row.largest_cluster);
     add(row.trigger_a), add(row.trigger_b), add(row.sleeping), add(row.warnings);
+    add(row.proximities), add(row.pruned_end_points), add(row.pruned_same_direction), add(row.pruned_angle);
+    add(row.pruned_occluded);
     return text.append("\n");
 }
 

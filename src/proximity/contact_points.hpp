@@ -28,6 +28,15 @@ struct ProximityPoint {
 struct PruneCounters {
     std::int64_t proximities = 0; ///< feature pairs within d_proximity
     std::int64_t same_direction = 0, angle = 0, occluded = 0, end_points = 0;
+
+    PruneCounters& operator+=(const PruneCounters& other) {
+        proximities += other.proximities;
+        same_direction += other.same_direction;
+        angle += other.angle;
+        occluded += other.occluded;
+        end_points += other.end_points;
+        return *this;
+    }
 };
 
 /// Buffers of a proximity query; one per thread, reused.

@@ -127,6 +127,7 @@ void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& ou
     const std::vector<ListedPair>& pairs = end_pairs(data);
     const std::size_t chunks = (pairs.size() + kGrain - 1) / kGrain;
     scratch.parts.resize(std::max(scratch.parts.size(), chunks));
+    for (const auto& worker : data.workers) worker->proximity.counters = {}; // stage 1 counts as well
     data.team.for_chunks("contact points", pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int thread) {
         ContactSet& part = scratch.parts[begin / kGrain];
         part.clear();
@@ -145,6 +146,8 @@ void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& ou
     compact(&data.team, "gather contacts", chunks, kGrain, scratch.places, count, resize, fill);
     out.min_distance = std::numeric_limits<double>::infinity();
     for (const ContactSet& part : parts) out.min_distance = std::min(out.min_distance, part.min_distance);
+    out.counters = {};
+    for (const auto& worker : data.workers) out.counters += worker->proximity.counters;
 }
 
 void VelocityArrays::load(Team* team, const Model& model, std::span<const Pose> poses, std::span<const Motion> motion) {

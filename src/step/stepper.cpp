@@ -43,6 +43,14 @@ class PhaseWatch {
     RecordedSpan span_;
 };
 
+void set_counters(const PruneCounters& c, StepReport& report) {
+    report.proximities = c.proximities;
+    report.pruned_end_points = c.end_points;
+    report.pruned_same_direction = c.same_direction;
+    report.pruned_angle = c.angle;
+    report.pruned_occluded = c.occluded;
+}
+
 void add_counters(const StageCounters& c, StepReport& report) {
     report.pairs += c.pairs;
     report.ms(Phase::detection) += c.detection_ms;
@@ -177,6 +185,7 @@ StepReport Stepper::step() {
             {
                 const PhaseWatch detection(report, Phase::static_detection, team_);
                 find_contacts(d, search_, contacts_);
+                set_counters(contacts_.counters, report);
             }
             static_contact(next, end, true, report);
         }
