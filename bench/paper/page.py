@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The results of the paper's examples as one Markdown page and one JSON file."""
+import dataclasses
 import json
 import os
 import platform
@@ -18,18 +19,54 @@ def table(header, rows):
     return "\n".join(lines + ["| " + " | ".join(str(cell).replace("|", "/") for cell in row) + " |" for row in rows])
 
 
-def write(folder, claims, tables, pictures, about):
-    """paper.json (one object per claim) and paper.md. `about`: commit, mode, seconds, and a note or ""."""
-    rows = [{key: c.row()[key] for key in COLUMNS} for c in claims]
-    with open(os.path.join(folder, "paper.json"), "w", encoding="utf-8") as file:
-        json.dump({"machine": machine(), **about, "rows": rows, "tables": tables}, file, indent=1)
+@dataclasses.dataclass
+class Results:
+    """What one example gave. rows: a dict of COLUMNS per claim; tables: by figure; pictures: names of PNG files."""
+
+    rows: list
+    tables: dict
+    pictures: list
+    commit: str
+    threads: int
+    seconds: float
+
+
+def path_of(folder):
+    return os.path.join(folder, "paper.json")
+
+
+def earlier(folder, about):
+    """{example: Results} of the page that is there, if it is of the same mode and machine."""
+    if not os.path.exists(path_of(folder)):
+        return {}
+    with open(path_of(folder), encoding="utf-8") as file:
+        found = json.load(file)
+    if any(found.get(key) != about[key] for key in ("mode", "machine")) or "examples" not in found:
+        return {}
+    rows = lambda name: [{key: row[key] for key in COLUMNS} for row in found["rows"] if row["example"] == name]
+    return {name: Results(rows(name), **rest) for name, rest in found["examples"].items()}
+
+
+def write(folder, about, results):
+    """paper.json (one object per claim) and paper.md. `about`: machine, mode, and a note or ""; results: by example."""
+    rows = [{"example": name} | {key: row[key] for key in COLUMNS} for name, r in results.items() for row in r.rows]
+    examples = {name: {key: value for key, value in dataclasses.asdict(r).items() if key != "rows"} for name, r in results.items()}
+    with open(path_of(folder), "w", encoding="utf-8") as file:
+        json.dump({**about, "rows": rows, "examples": examples}, file, indent=1)
         file.write("\n")
-    parts = ["# The paper's examples", f"{about['mode']} versions, commit {about['commit']}, {machine()}, "
-             f"{about['threads']} threads, {about['seconds']:.0f} s in all. The paper does not state its hardware, so times beside "
-             "each other say little. `scripts/paper` writes this page.", about["note"], table(COLUMNS, [row.values() for row in rows])]
-    for name, t in tables.items():
-        parts += [f"## Figure {name}", table(t["header"], t["rows"]), t["note"]]
-    for name in pictures:
-        parts += [f"## {name.replace('-', ' ').capitalize()}", f"![{name}]({name}.png)"]
+    made_by = {}
+    for name, r in results.items():
+        made_by.setdefault(f"commit {r.commit}, {r.threads} threads", []).append(name)
+    made = "; ".join(f"{how} ({', '.join(names)})" if len(made_by) > 1 else how for how, names in made_by.items())
+    parts = ["# The paper's examples", f"{about['mode']} versions, {about['machine']}; "
+             f"{sum(r.seconds for r in results.values()):.0f} s in all; {made}. The paper does not state its hardware, so times beside "
+             "each other say little. `scripts/paper` writes this page.", about["note"],
+             table(COLUMNS, [[row[key] for key in COLUMNS] for r in results.values() for row in r.rows])]
+    for r in results.values():
+        for name, t in r.tables.items():
+            parts += [f"## Figure {name}", table(t["header"], t["rows"]), t["note"]]
+    for r in results.values():
+        for name in r.pictures:
+            parts += [f"## {name.replace('-', ' ').capitalize()}", f"![{name}]({name}.png)"]
     with open(os.path.join(folder, "paper.md"), "w", encoding="utf-8") as file:
         file.write("\n\n".join(part for part in parts if part) + "\n")

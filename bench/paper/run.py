@@ -5,7 +5,7 @@
 usage: run.py --flotilla COMMAND --output DIR [--baseline COMMAND] [--fast] [--only NAME]... [--threads T] [--keep] [--list]
   --baseline  flotilla_baseline, which runs reference [15] beside ours in figures 2 and 14; without it those claims are left out
   --fast      small versions, within minutes
-  --only      one example, by the name of its function in claims.py (--list prints them)
+  --only      one example, by the name of its function in claims.py (--list prints them); what DIR/paper.json holds of the others stays
   --keep      keep the run folders, in DIR/runs
 exit code: 0 every claim holds, 1 one fails or a command failed, 2 usage
 """
@@ -27,7 +27,8 @@ class Context:
 
     def __init__(self, flotilla, output, fast, baseline=None):
         self.flotilla, self.output, self.fast, self.baseline = flotilla, output, fast, baseline
-        self.pictures, self.tables, self.runs, self.known = [], {}, 0, {}
+        self.pictures, self.tables = [], {}  # of the present example
+        self.runs, self.known = 0, {}
 
     def pick(self, fast, full):
         return fast if self.fast else full
@@ -62,20 +63,24 @@ class Context:
 
 
 def run_example(context, example):
+    """page.Results"""
     start = time.monotonic()
+    context.pictures, context.tables = [], {}
     try:
         found = example(context)
     except Failed as error:
         print(f"{example.__name__}: {error}", file=sys.stderr)
-        return [claims.claim("?", example.__name__, "runs", "a command failed", "none fails", False)]
+        found = [claims.claim("?", example.__name__, "runs", "a command failed", "none fails", False)]
     if not context.baseline and example in claims.WITH_BASELINE:
         print(f"{example.__name__}: the claims about reference [15] are left out: no --baseline", flush=True)
-    for c in found:
-        row = c.row()
+    rows = [c.row() for c in found]
+    for row in rows:
         print(f"figure {row['figure']}, {row['scene']}: {row['claim']}: {row['measured']} (wanted {row['bound']}); "
               f"{row['frames_verified']} frames verified, {row['intersections']} intersections: {row['verdict']}", flush=True)
-    print(f"  {time.monotonic() - start:.1f} s", flush=True)
-    return found
+    seconds = time.monotonic() - start
+    print(f"  {seconds:.1f} s", flush=True)
+    return page.Results(rows, context.tables, context.pictures, context.flotilla.commit or "unknown",
+                        context.flotilla.threads, seconds)
 
 
 def main():
@@ -89,7 +94,7 @@ def main():
     parser.add_argument("--keep", action="store_true")
     parser.add_argument("--list", action="store_true")
     arguments = parser.parse_args()
-    examples = {example.__name__: example for example in claims.ALL + tables.ALL}
+    examples = {example.__name__: example for example in claims.ALL + tables.ALL + claims.LONG}
     if arguments.list:
         print("\n".join(examples))
         return 0
@@ -98,20 +103,22 @@ def main():
         parser.error(f"unknown example {unknown[0]}" if unknown else "--flotilla and --output are needed")
     os.makedirs(arguments.output, exist_ok=True)
     runs = os.path.join(arguments.output, "runs") if arguments.keep else tempfile.mkdtemp(prefix="flotilla-paper-")
-    start = time.monotonic()
+    about = {"machine": page.machine(), "mode": "fast" if arguments.fast else "full",
+             "note": "" if arguments.baseline else claims.NO_BASELINE}
     try:
         flotilla = Flotilla(arguments.flotilla, runs, arguments.threads)
         context = Context(flotilla, arguments.output, arguments.fast, arguments.baseline)
-        found = [c for name, e in examples.items() if not arguments.only or name in arguments.only
-                 for c in run_example(context, e)]
-        about = {"mode": "fast" if arguments.fast else "full", "commit": flotilla.commit or "unknown", "threads": arguments.threads,
-                 "note": "" if arguments.baseline else claims.NO_BASELINE, "seconds": time.monotonic() - start}
-        page.write(arguments.output, found, context.tables, context.pictures, about)
+        kept, found = page.earlier(arguments.output, about) if arguments.only else {}, {}
+        for name in arguments.only or examples:
+            found[name] = run_example(context, examples[name])
+            results = kept | found
+            page.write(arguments.output, about, {name: results[name] for name in examples if name in results})
     finally:
         if not arguments.keep:
             shutil.rmtree(runs, ignore_errors=True)
-    failed = [c for c in found if c.row()["verdict"] != "holds"]
-    print(f"{len(found) - len(failed)} claims hold, {len(failed)} fail")
+    verdicts = [row["verdict"] for r in found.values() for row in r.rows]
+    failed = sum(verdict != "holds" for verdict in verdicts)
+    print(f"{len(verdicts) - failed} claims hold, {failed} fail")
     return 1 if failed else 0
 
 
