@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pair/ordered_sweep.hpp"
+#include "parallel/compact.hpp"
 
 namespace flotilla {
 namespace {
@@ -91,10 +92,21 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
 }
 
 /// Adds the pairs of a list that had an impulse in this step to those of earlier lists, sorted.
-void merge_active(const std::vector<ListedPair>& list, std::vector<ListedPair>& active) {
-    const auto middle = static_cast<std::ptrdiff_t>(active.size());
-    for (const ListedPair& p : list)
-        if (p.record->active) active.push_back(p);
+void merge_active(StepData& data, const std::vector<ListedPair>& list, std::vector<ListedPair>& active) {
+    constexpr std::size_t kGrain = 512;
+    const std::size_t before = active.size();
+    const auto count = [&](std::size_t begin, std::size_t end) {
+        std::size_t sum = 0;
+        for (std::size_t i = begin; i < end; ++i) sum += list[i].record->active ? 1u : 0u;
+        return sum;
+    };
+    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
+        for (std::size_t i = begin; i < end; ++i)
+            if (list[i].record->active) active[before + place++] = list[i];
+    };
+    const auto resize = [&](std::size_t size) { active.resize(before + size); };
+    compact(&data.team, "active pairs", list.size(), kGrain, data.lists.chunk_places, count, resize, fill);
+    const auto middle = static_cast<std::ptrdiff_t>(before);
     std::inplace_merge(active.begin(), active.begin() + middle, active.end());
     active.erase(std::unique(active.begin(), active.end()), active.end());
 }
@@ -110,7 +122,7 @@ int sweep(StepData& data, const std::vector<ListedPair>& list, int rounds, Stage
     for (const auto& worker : data.workers) worker->work.assign(count, 0);
     const auto pair_of = [&](std::size_t i) { return list[i].pair; };
     run_in_order(data, "collide", {order_by_color(data, list.size(), pair_of), counters.sweeps % 2 != 0, rounds},
-                 pair_of, current, [&](std::size_t i, int round, Worker& worker) {
+                 current, [&](std::size_t i, int round, Worker& worker) {
                      collide(data, worker, list[i]);
                      ++worker.work[static_cast<std::size_t>(round)];
                  });
@@ -133,7 +145,7 @@ StageCounters handle_collisions(StepData& data) {
     while (left() > 0) {
         const std::vector<ListedPair>& list = freeze(data, true);
         if (sweep(data, list, 1, counters) == 0) return counters;
-        merge_active(list, active);
+        merge_active(data, list, active);
         if (left() > 0) sweep(data, active, std::min(kActiveSweeps, left()), counters);
     }
     counters.limit = true;

@@ -59,7 +59,8 @@ const std::vector<CandidatePair>& freeze_clusters(StepData& data, std::vector<Ca
         const std::int32_t b = data.clusters.of(static_cast<std::size_t>(p.pair.b));
         list.push_back({std::min(a, b), std::max(a, b)});
     }
-    std::sort(list.begin(), list.end());
+    if (!std::is_sorted(list.begin(), list.end()))
+        std::sort(list.begin(), list.end()); // sorted where no clusters were merged
     list.erase(std::unique(list.begin(), list.end()), list.end());
     for (const CandidatePair& p : list) make_records(data, p.a, p.b);
     return list;

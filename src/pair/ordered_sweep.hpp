@@ -42,12 +42,17 @@ template <class PairOf>
 [[nodiscard]] std::span<const std::int32_t> order_by_color(StepData& data, std::size_t size, PairOf&& pair_of) {
     constexpr int kColors = 64; // the last takes all that find none free: a chain again
     ListBuffers& l = data.lists;
+    constexpr std::size_t kGrain = 512;
+    l.things.resize(size);
+    data.team.for_each("movable clusters", size, kGrain, [&](std::size_t i, int) {
+        const CandidatePair p = pair_of(i);
+        l.things[i] = {shared_cluster(data, p.a), shared_cluster(data, p.b)};
+    });
     l.used_colors.assign(data.model.size(), 0);
     l.color.resize(size);
     std::array<std::int32_t, kColors + 1> begin{};
     for (std::size_t i = 0; i < size; ++i) {
-        const CandidatePair p = pair_of(i);
-        const std::int32_t a = shared_cluster(data, p.a), b = shared_cluster(data, p.b);
+        const auto [a, b] = l.things[i];
         std::uint64_t none = 0;
         std::uint64_t& used_a = a >= 0 ? l.used_colors[static_cast<std::size_t>(a)] : none;
         std::uint64_t& used_b = b >= 0 ? l.used_colors[static_cast<std::size_t>(b)] : none;
@@ -64,10 +69,10 @@ template <class PairOf>
     return l.places;
 }
 
-/// Fills the order of tasks of a plan. An operation is left out where its pair is current and no operation before it may change
-/// that: where none of those shares a movable cluster with it.
-template <class PairOf, class Current>
-void order_tasks(StepData& data, const SweepPlan& plan, PairOf&& pair_of, Current&& current) {
+/// Fills the order of tasks of a plan made by order_by_color. An operation is left out where its pair is current and no operation
+/// before it may change that: where none of those shares a movable cluster with it.
+template <class Current>
+void order_tasks(StepData& data, const SweepPlan& plan, Current&& current) {
     constexpr std::size_t kGrain = 256;
     ListBuffers& l = data.lists;
     l.flags.resize(plan.size());
@@ -79,8 +84,7 @@ void order_tasks(StepData& data, const SweepPlan& plan, PairOf&& pair_of, Curren
     for (int round = 0; round < plan.rounds; ++round)
         for (std::size_t i = 0; i < plan.size(); ++i) {
             const std::size_t k = plan.place(round, i);
-            const CandidatePair p = pair_of(k);
-            const std::int32_t a = shared_cluster(data, p.a), b = shared_cluster(data, p.b);
+            const auto [a, b] = l.things[k];
             const auto touched = [&](std::int32_t c) { return c >= 0 && l.touched[static_cast<std::size_t>(c)] != 0; };
             if (l.flags[k] == 0 && !touched(a) && !touched(b)) continue;
             if (a >= 0) l.touched[static_cast<std::size_t>(a)] = 1;
@@ -91,13 +95,12 @@ void order_tasks(StepData& data, const SweepPlan& plan, PairOf&& pair_of, Curren
 }
 
 /// Calls operate(i, round, worker) for the pairs of the list in order, round after round, except where current(i) holds: a
-/// certificate that an operation leaves alone. `pair_of(i)` gives the clusters. The list must not change meanwhile.
+/// certificate that an operation leaves alone. The list must not change meanwhile.
 ///
 /// Rounds are one run: nothing waits for the end of a round but what shares a cluster with it. A round in which all pairs are
 /// current leaves all of them so, and with it all later rounds do nothing, as if they had not been run.
-template <class PairOf, class Current, class Operate>
-void run_in_order(StepData& data, const char* name, const SweepPlan& plan, PairOf&& pair_of, Current&& current,
-                  Operate&& operate) {
+template <class Current, class Operate>
+void run_in_order(StepData& data, const char* name, const SweepPlan& plan, Current&& current, Operate&& operate) {
     if (data.team.size() == 1 && data.team.recorder() == nullptr) {
         for (int round = 0; round < plan.rounds; ++round) {
             bool any = false;
@@ -112,7 +115,7 @@ void run_in_order(StepData& data, const char* name, const SweepPlan& plan, PairO
         return;
     }
     ListBuffers& l = data.lists;
-    order_tasks(data, plan, pair_of, current);
+    order_tasks(data, plan, current);
     data.team.run(name, l.order, [&](std::size_t task, int thread) {
         const auto i = static_cast<std::size_t>(l.tasks[task].place);
         if (!current(i)) operate(i, l.tasks[task].round, data.worker(thread));

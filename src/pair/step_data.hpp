@@ -60,12 +60,13 @@ struct ListBuffers {
     struct SweepTask {
         std::int32_t place, round; ///< in the list
     };
-    std::vector<SweepTask> tasks;           ///< in their order
-    std::vector<std::uint64_t> used_colors; ///< by cluster, a bit each
-    std::vector<std::uint8_t> color;        ///< by place in the list
-    std::vector<std::int32_t> places;       ///< in the list, in the order of operations
-    std::vector<std::uint8_t> touched;      ///< by cluster: some task before uses it
-    std::vector<std::uint8_t> flags;        ///< by place in the list
+    std::vector<SweepTask> tasks;                    ///< in their order
+    std::vector<std::array<std::int32_t, 2>> things; ///< movable clusters by place in the list, -1: infinite mass
+    std::vector<std::uint64_t> used_colors;          ///< by cluster, a bit each
+    std::vector<std::uint8_t> color;                 ///< by place in the list
+    std::vector<std::int32_t> places;                ///< in the list, in the order of operations
+    std::vector<std::uint8_t> touched;               ///< by cluster: some task before uses it
+    std::vector<std::uint8_t> flags;                 ///< by place in the list
 };
 
 struct StepData {

@@ -27,15 +27,14 @@ class TaskOrder {
     /// How many tasks each task waits for: 0 to 2.
     [[nodiscard]] std::span<const std::uint8_t> waits() const { return waits_; }
     [[nodiscard]] std::span<const Successors> successors() const { return successors_; }
+    /// The tasks that wait for none, ascending.
+    [[nodiscard]] std::span<const std::int32_t> first() const { return first_; }
 
   private:
-    bool follow(std::int32_t task, std::int32_t thing);
-
-    std::vector<std::int32_t> last_;                  ///< by thing: the task that used it last, -1: none
-    std::vector<std::int32_t> used_;                  ///< things to be reset
-    std::vector<std::array<std::int32_t, 2>> things_; ///< by task
+    std::vector<std::int32_t> last_; ///< by thing: 2 task + place of the thing in the task that used it last; -1: none
     std::vector<Successors> successors_;
     std::vector<std::uint8_t> waits_;
+    std::vector<std::int32_t> first_;
 };
 
 } // namespace flotilla

@@ -121,9 +121,10 @@ struct Team::OrderedMemory {
             while (lock.test_and_set(std::memory_order_acquire)) idle(turn, false);
         }
         void release() { lock.clear(std::memory_order_release); }
-        void push(std::int32_t task) {
+        void push(std::int32_t task) { push(std::span(&task, 1)); }
+        void push(std::span<const std::int32_t> ready) {
             acquire();
-            tasks.push_back(task);
+            tasks.insert(tasks.end(), ready.begin(), ready.end());
             count.store(tasks.size() - head, std::memory_order_relaxed);
             release();
         }
@@ -147,15 +148,8 @@ struct Team::OrderedMemory {
 
     explicit OrderedMemory(int threads) : ready(static_cast<std::size_t>(threads)) {}
 
-    void reserve(std::size_t tasks) {
-        if (tasks <= capacity) return;
-        capacity = 2 * tasks;
-        waits = std::make_unique<std::atomic<std::uint8_t>[]>(capacity);
-    }
-
     std::vector<Ready> ready;
-    std::unique_ptr<std::atomic<std::uint8_t>[]> waits;
-    std::size_t capacity = 0;
+    std::vector<std::uint8_t> waits; ///< by task, counted down
 };
 
 /// One ordered run.
@@ -169,16 +163,13 @@ class Team::Ordered {
           threads_(static_cast<std::size_t>(threads)),
           region_(region),
           left_(order.size()) {
-        memory_.reserve(order.size());
-        std::size_t free = 0;
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            memory_.waits[i].store(order.waits()[i], std::memory_order_relaxed);
-            free += order.waits()[i] == 0 ? 1u : 0u;
-        }
+        memory_.waits.assign(order.waits().begin(), order.waits().end());
         // Neighbours in the list, which often share a body, go to one thread.
-        std::size_t dealt = 0;
-        for (std::size_t i = 0; i < order.size(); ++i)
-            if (order.waits()[i] == 0) memory_.ready[dealt++ * threads_ / free].push(static_cast<std::int32_t>(i));
+        const std::span<const std::int32_t> first = order.first();
+        for (std::size_t k = 0; k < threads_; ++k) {
+            const std::size_t begin = k * first.size() / threads_, end = (k + 1) * first.size() / threads_;
+            memory_.ready[k].push(first.subspan(begin, end - begin));
+        }
     }
 
     void serve(int thread) {
@@ -252,8 +243,8 @@ class Team::Ordered {
         const Successors& next = order_.successors()[static_cast<std::size_t>(task)];
         std::int32_t ready[2] = {-1, -1};
         for (std::size_t k = 0; k < 2; ++k)
-            if (next[k] >= 0 &&
-                memory_.waits[static_cast<std::size_t>(next[k])].fetch_sub(1, std::memory_order_acq_rel) == 1)
+            if (next[k] >= 0 && std::atomic_ref(memory_.waits[static_cast<std::size_t>(next[k])])
+                                        .fetch_sub(1, std::memory_order_acq_rel) == 1)
                 ready[k] = next[k];
         if (ready[0] < 0) return ready[1];
         if (ready[1] < 0) return ready[0];
