@@ -6,6 +6,7 @@ import math
 import os
 import re
 import subprocess
+import tempfile
 
 
 class Failed(Exception):
@@ -18,13 +19,20 @@ class Flotilla:
     def __init__(self, command, folder, threads):
         self.command, self.folder, self.threads = command, folder, threads
         self.commit = None  # of the command, as its first run says
+        self.peak_mib = 0.0  # of the latest call: its largest resident memory
         os.makedirs(folder, exist_ok=True)
 
     def call(self, *arguments, expect=(0,)):
-        done = subprocess.run([self.command, *map(str, arguments)], capture_output=True, text=True)
-        if done.returncode not in expect:
-            raise Failed(f"flotilla {' '.join(map(str, arguments))}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
-        return done.stdout
+        with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as errors:
+            process = subprocess.Popen([self.command, *map(str, arguments)], stdout=out, stderr=errors)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            self.peak_mib = usage.ru_maxrss / 1024
+            out.seek(0), errors.seek(0)
+            text = out.read()
+            if process.returncode not in expect:
+                raise Failed(f"flotilla {' '.join(map(str, arguments))}: exit code {process.returncode}\n{text}{errors.read()}")
+        return text
 
     def scene(self, name, bodies=0, seed=1, edit=None):
         """The path of a library scene's file. edit(scene) may change it, a dict, before it is written."""
@@ -61,12 +69,17 @@ class Run:
     """A finished run."""
 
     def __init__(self, flotilla, folder, verify):
-        self.flotilla, self.folder = flotilla, folder
+        self.flotilla, self.folder, self.peak_mib = flotilla, folder, flotilla.peak_mib
         with open(os.path.join(folder, "steps.csv"), encoding="utf-8") as file:
             self.steps = list(csv.DictReader(file))
         self.frames_verified = self.intersections = 0
         if verify:
             self.frames_verified, self.intersections = flotilla.verdict(self.folder)
+
+    def state_mb(self):
+        """Geometry and state, as the run folder holds them: the meshes and the last checkpoint, MB."""
+        files = ["meshes.h5", max(name for name in os.listdir(self.folder) if name.startswith("checkpoint-"))]
+        return sum(os.path.getsize(os.path.join(self.folder, name)) for name in files) / 1e6
 
     def column(self, name):
         return [float(row[name] or "inf") for row in self.steps]
@@ -78,6 +91,17 @@ class Run:
     def picture(self, path, frame=None):
         self.flotilla.call("picture", self.folder, "--output", path, "--width", 960, "--height", 600,
                            *(["--frame", frame] if frame is not None else []))
+        make_smaller(path)
+
+
+def make_smaller(path):
+    """Of a picture a third, by a palette of 255 colours; where Pillow is missing it stays as it is."""
+    try:
+        from PIL import Image
+    except ImportError:
+        return
+    with Image.open(path) as image:
+        image.convert("RGB").quantize(255, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
 
 
 class BaselineRun:
