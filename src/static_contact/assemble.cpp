@@ -100,8 +100,31 @@ int number_regions(const ContactBodies& bodies, ContactScratch& s) {
     return static_cast<int>(regions);
 }
 
-// Sorts the pairs by (island, colour, region, falling number of contacts, place) and cuts the islands out of that list. Within a
-// colour the order changes no bit; pairs with equally many contacts fill a packet best.
+// Moves the packets of every (island, colour), four pairs each, into the order of their first pair's region; what is left over
+// stays behind them.
+void order_packets_by_region(ContactScratch& s) {
+    const auto same = [&](std::int32_t p, std::int32_t q) {
+        return s.island_of_pair[index(p)] == s.island_of_pair[index(q)] && s.color[index(p)] == s.color[index(q)];
+    };
+    s.sorted = s.pair_order;
+    for (std::size_t first = 0, end = 0; first < s.pair_order.size(); first = end) {
+        while (end < s.pair_order.size() && same(s.pair_order[first], s.pair_order[end])) ++end;
+        const auto full = static_cast<std::int32_t>((end - first) / kPacketLanes);
+        s.packet_order.resize(index(full));
+        std::iota(s.packet_order.begin(), s.packet_order.end(), 0);
+        const auto pair_at = [&](std::int32_t packet) { return first + index(packet) * kPacketLanes; };
+        const auto region = [&](std::int32_t packet) { return s.region_of_pair[index(s.pair_order[pair_at(packet)])]; };
+        std::sort(s.packet_order.begin(), s.packet_order.end(),
+                  [&](std::int32_t p, std::int32_t q) { return std::pair(region(p), p) < std::pair(region(q), q); });
+        for (std::int32_t k = 0; k < full; ++k)
+            std::copy_n(s.pair_order.begin() + static_cast<std::ptrdiff_t>(pair_at(s.packet_order[index(k)])),
+                        kPacketLanes, s.sorted.begin() + static_cast<std::ptrdiff_t>(pair_at(k)));
+    }
+    s.pair_order.swap(s.sorted);
+}
+
+// Sorts the pairs by (island, colour) and cuts the islands out of that list. Within a colour the order changes no bit: pairs with
+// equally many contacts come together, because they fill a packet best, and of those the ones near each other.
 int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
     s.color.resize(s.pairs.size());
     s.island_of_pair.resize(s.pairs.size());
@@ -114,7 +137,6 @@ int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
     s.missing.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k)
         s.missing[k] = most - (s.first_contact[k + 1] - s.first_contact[k]);
-    stable_sort_by_key(s.missing, most + 1, s.pair_order, s.counts, s.sorted);
     const int num_regions = number_regions(bodies, s);
     s.region_of_pair.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) {
@@ -122,8 +144,10 @@ int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
         s.region_of_pair[k] = s.region[index(s.movable[index(p.a)] ? p.a : p.b)];
     }
     if (num_regions > 1) stable_sort_by_key(s.region_of_pair, num_regions, s.pair_order, s.counts, s.sorted);
+    stable_sort_by_key(s.missing, most + 1, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.color, num_colors, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.island_of_pair, num_islands, s.pair_order, s.counts, s.sorted);
+    if (num_regions > 1) order_packets_by_region(s);
     s.islands.assign(index(num_islands), {});
     for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
         ContactScratch::Island& island = s.islands[index(s.island_of_pair[index(s.pair_order[k])])];

@@ -53,18 +53,22 @@ std::int32_t block_level(const ContactBlock& block, const ContactScratch& s) {
     return std::max(s.level[index(block.a)], s.level[index(block.b)]);
 }
 
-// Fills level_order with the island's blocks by level; inside a level they stay in colour order. Returns the number of levels.
+// Fills level_order with the island's blocks by level, in a level by colour, and those with equally many contacts together (see
+// order_pairs in assemble.cpp). Returns the number of levels.
 std::int32_t order_by_level(const ContactScratch::Island& island, ContactScratch& s) {
     s.level_order.resize(index(island.end - island.first));
     std::iota(s.level_order.begin(), s.level_order.end(), island.first);
     s.level_of_block.resize(s.blocks.size());
-    std::int32_t top = 0;
-    for (const std::int32_t k : s.level_order) {
-        s.level_of_block[index(k)] = block_level(s.blocks[index(k)], s);
-        top = std::max(top, s.level_of_block[index(k)]);
-    }
-    stable_sort_by_key(s.level_of_block, top + 1, s.level_order, s.counts, s.sorted);
-    return top + 1;
+    const auto order_by = [&](auto&& key) {
+        std::int32_t top = 0;
+        for (const std::int32_t k : s.level_order)
+            top = std::max(top, s.level_of_block[index(k)] = key(s.blocks[index(k)]));
+        stable_sort_by_key(s.level_of_block, top + 1, s.level_order, s.counts, s.sorted);
+        return top + 1;
+    };
+    order_by([](const ContactBlock& block) { return block.end - block.first; });
+    order_by([](const ContactBlock& block) { return block.color; });
+    return order_by([&](const ContactBlock& block) { return block_level(block, s); });
 }
 
 // Copies the blocks level by level, with the bodies below each frozen. A block with a body of infinite mass is its own copy.

@@ -92,7 +92,8 @@ struct ContactScratch {
     std::vector<BodyPair> pairs;             ///< bodies in contact, sorted
     std::vector<std::int32_t> first_contact; ///< per pair, into `order`; one more at the end
     std::vector<std::int32_t> color, island_of_pair, level, missing;
-    std::vector<std::int32_t> pair_order; ///< pairs by (island, colour, contacts, pair)
+    std::vector<std::int32_t> pair_order; ///< pairs by (island, colour)
+    std::vector<std::int32_t> packet_order;
     std::vector<std::int32_t> counts, sorted;
     std::vector<std::int32_t> region, cell, body_order; ///< of bodies in contact
     std::vector<std::int32_t> region_of_pair;
