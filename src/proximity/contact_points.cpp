@@ -23,19 +23,39 @@ std::array<Vec3, 3> corners(const BodyMotion& body, std::int32_t t) {
     return {body.at0.x[at(v[0])], body.at0.x[at(v[1])], body.at0.x[at(v[2])]};
 }
 
-/// Calls leaf(triangle) for all triangles below nodes that `enter(box)` accepts.
-template <class Enter, class Leaf>
-void walk(const BodyMotion& body, Enter&& enter, Leaf&& leaf) {
-    const Bvh& bvh = body.shape->bvh;
+/// One body's part of a proximity.
+struct Side {
+    const BodyMotion& body;
+    Vec3 p, q;         ///< its point, the other body's
+    std::int32_t face; ///< that has p as its nearest point to q; -1: the feature is no face
+};
+
+Side side_of(const BodyMotion& body, const ProximityPoint& point, bool first) {
+    const FeaturePair& f = point.features;
+    const bool is_face = f.kind == (first ? FeatureKind::face_vertex : FeatureKind::vertex_face);
+    return {body, first ? point.a : point.b, first ? point.b : point.a, is_face ? (first ? f.a : f.b) : -1};
+}
+
+/// How far from p a triangle may be that says whether p faces q, squared (m^2): |pq| tan(theta).
+double facing_reach_sq(const Side& s, double angle_cos) {
+    return length_sq(s.p - s.q) * (1 - angle_cos * angle_cos) / (angle_cos * angle_cos);
+}
+
+/// Fills `out` with all triangles that may be within that reach of p or meet the segment pq.
+void list_around(const Side& s, double angle_cos, std::vector<std::int32_t>& out) {
+    out.clear();
+    const Bvh& bvh = s.body.shape->bvh;
+    const CoarseBox segment = merged(coarse_box(s.p), coarse_box(s.q));
+    const CoarseReach reach(std::sqrt(facing_reach_sq(s, angle_cos)), s.body.max_abs());
     std::array<std::int32_t, kMaxBvhDepth + 2> stack;
     std::size_t size = 0;
     stack[size++] = 0;
     while (size > 0) {
         const std::int32_t i = stack[--size];
-        if (!enter(body.at0.nodes[at(i)])) continue;
+        if (!coarse_overlap(s.body.at0.nodes[at(i)], segment, reach)) continue;
         const BvhNode node = bvh.nodes[at(i)];
         if (node.count > 0) {
-            for (std::int32_t t : bvh.leaf_triangles(node)) leaf(t);
+            for (const std::int32_t t : bvh.leaf_triangles(node)) out.push_back(t);
         } else {
             stack[size++] = node.first;
             stack[size++] = i + 1;
@@ -43,39 +63,27 @@ void walk(const BodyMotion& body, Enter&& enter, Leaf&& leaf) {
     }
 }
 
-bool crosses(const BodyMotion& body, const Vec3& p, const Vec3& q) {
-    const CoarseBox ray = merged(coarse_box(p), coarse_box(q));
-    const CoarseReach reach(0, body.max_abs());
-    bool found = false;
-    walk(
-        body, [&](const CoarseBox& box) { return !found && coarse_overlap(box, ray, reach); },
-        [&](std::int32_t t) {
-            const auto f = corners(body, t);
-            found = found || segment_pierces(p, q, f[0], f[1], f[2], kRayMargin);
-        });
-    return found;
+bool crosses(const Side& s, std::span<const std::int32_t> around) {
+    return std::any_of(around.begin(), around.end(), [&](std::int32_t t) {
+        const auto f = corners(s.body, t);
+        return segment_pierces(s.p, s.q, f[0], f[1], f[2], kRayMargin);
+    });
 }
 
-/// Whether p, on `body`, is the nearest point to q of the body around it: no triangle that reaches within |pq| tan(theta) of p
-/// comes nearer to q than p in a direction more than theta away.
-bool faces(const BodyMotion& body, const Vec3& p, const Vec3& q, double angle_cos) {
-    const Vec3 to_p = p - q;
+/// Whether p is, as far as the given triangles know, the nearest point to q of the body around it: none that reaches within
+/// |pq| tan(theta) of p comes nearer to q than p in a direction more than theta away.
+bool faces(const Side& s, std::span<const std::int32_t> triangles, double angle_cos) {
+    const Vec3 to_p = s.p - s.q;
     const double distance_sq = length_sq(to_p);
-    const double reach_sq = distance_sq * (1 - angle_cos * angle_cos) / (angle_cos * angle_cos);
-    const CoarseBox around = coarse_box(p);
-    const CoarseReach reach(std::sqrt(reach_sq), body.max_abs());
-    bool nearest = true;
-    walk(
-        body, [&](const CoarseBox& box) { return nearest && coarse_overlap(box, around, reach); },
-        [&](std::int32_t t) {
-            const auto f = corners(body, t);
-            if (closest_vertex_triangle(p, f[0], f[1], f[2]).distance_sq > reach_sq) return;
-            const auto c = closest_vertex_triangle(q, f[0], f[1], f[2]);
-            if (!(c.distance_sq < distance_sq)) return;
-            const Vec3 to_c = c.point - q;
-            nearest = nearest && dot(to_p, to_c) >= angle_cos * std::sqrt(distance_sq * c.distance_sq);
-        });
-    return nearest;
+    const double reach_sq = facing_reach_sq(s, angle_cos);
+    return std::none_of(triangles.begin(), triangles.end(), [&](std::int32_t t) {
+        if (t == s.face) return false;
+        const auto f = corners(s.body, t);
+        const auto c = closest_vertex_triangle(s.q, f[0], f[1], f[2]);
+        if (!(c.distance_sq < distance_sq)) return false;
+        if (dot(to_p, c.point - s.q) >= angle_cos * std::sqrt(distance_sq * c.distance_sq)) return false;
+        return !(closest_vertex_triangle(s.p, f[0], f[1], f[2]).distance_sq > reach_sq);
+    });
 }
 
 class Finder {
@@ -228,13 +236,19 @@ bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, c
     return Finder(a, b, proximity, 1, scratch).any(list);
 }
 
-bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& p, double angle_cos,
+bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& point, double angle_cos,
                 ProximityScratch& scratch) {
-    if (!faces(a, p.a, p.b, angle_cos) || !faces(b, p.b, p.a, angle_cos)) {
+    const Side sides[2] = {side_of(a, point, true), side_of(b, point, false)};
+    auto& around = scratch.around;
+    const auto faces_other = [&](int k) {
+        list_around(sides[k], angle_cos, around[at(k)]);
+        return faces(sides[k], around[at(k)], angle_cos);
+    };
+    if (!faces_other(0) || !faces_other(1)) {
         ++scratch.counters.angle;
         return false;
     }
-    if (crosses(a, p.a, p.b) || crosses(b, p.a, p.b)) {
+    if (crosses(sides[0], around[0]) || crosses(sides[1], around[1])) {
         ++scratch.counters.occluded;
         return false;
     }

@@ -11,6 +11,7 @@
 // held by dynamic contact alone: the body neither falls nor comes to rest, with a velocity near |g| dt/2 for ever.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "ccd/candidate_list.hpp"
@@ -44,6 +45,7 @@ struct ProximityScratch {
     PruneCounters counters;
     std::vector<ProximityPoint> found;
     FeatureBuffer candidates;
+    std::array<std::vector<std::int32_t>, 2> around; ///< triangles of the two bodies that may decide about a point
 };
 
 struct ProximityResult {
