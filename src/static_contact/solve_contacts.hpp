@@ -37,10 +37,14 @@ struct ContactSolveOptions {
     double tolerance = 1e-6; ///< m/s, L-infinity violation at which an island stops
     bool warm_start = true;  ///< start from the impulses handed in
     bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
-    /// Sweeps without which an island is given up before the limit, because its residual falls by less than a fifth; 0: never. What is
-    /// left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
+    /// Times the tolerance, >= 1: a residual below that leaves nothing to a shock. It is mostly one contact by then, and a shock would
+    /// leave velocities off from which the next solve could go on.
+    double good_enough = 1;
+    /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; two fifths as
+    /// many where it is good enough; 0: never. What is left then are impulses that bodies in contact at many points could exchange
+    /// for ever, hardly moving.
     int patience = 0;
-    bool shock = true; ///< propagate a shock where PGS ended above the tolerance
+    bool shock = true; ///< propagate a shock where PGS ended above what is good enough
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
     /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.

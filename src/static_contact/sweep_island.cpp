@@ -22,7 +22,7 @@ constexpr double kMostRise = 2;
 constexpr int kLookEvery = 10;
 /// Bodies whose parts of a sum are added up by one thread.
 constexpr std::size_t kBodiesPerSum = 64;
-/// An island that stalls: its least residual fell by less than a fifth in `patience` sweeps.
+/// An island stalls whose residual did not fall by a fifth for some time.
 constexpr double kLeastFall = 0.8;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -55,7 +55,10 @@ double turned_back(std::span<const std::int32_t> bodies, const ContactScratch& s
 /// The sequence of m, and whether the residual still falls.
 class Progress {
   public:
-    explicit Progress(const ContactSolveOptions& options) : patience_(options.patience) {}
+    explicit Progress(const ContactSolveOptions& options)
+        : good_enough_(options.good_enough * options.tolerance),
+          patience_far_(options.patience),
+          patience_near_((2 * options.patience + 4) / 5) {}
 
     double momentum(bool restart) {
         const double next = (1 + std::sqrt(1 + 4 * theta_ * theta_)) / 2;
@@ -63,25 +66,27 @@ class Progress {
         theta_ = restart ? 1.0 : next;
         return m;
     }
-    void saw(double residual) {
-        least_ = std::min(least_, residual);
+    void saw(int sweeps, double residual) {
+        if (residual <= kLeastFall * mark_) {
+            mark_ = residual;
+            mark_sweeps_ = sweeps;
+        }
+        patience_ = residual <= good_enough_ ? patience_near_ : patience_far_;
         rose_ = residual > kMostRise * lowest_;
         lowest_ = rose_ ? residual : std::min(lowest_, residual);
     }
     /// Once per look that found the residual far above its lowest value since the last such look.
     bool rose() { return std::exchange(rose_, false); }
-    bool stalls(int sweeps) {
-        if (patience_ <= 0 || sweeps % patience_ != 0) return false;
-        const bool stalls = least_ > kLeastFall * least_before_;
-        least_before_ = least_;
-        return stalls;
-    }
+    [[nodiscard]] bool stalls(int sweeps) const { return patience_ > 0 && sweeps - mark_sweeps_ >= patience_; }
 
   private:
     static constexpr double kNone = std::numeric_limits<double>::infinity();
-    int patience_;
+    double good_enough_; ///< m/s
+    int patience_far_, patience_near_, patience_ = patience_far_;
     double theta_ = 1;
-    double least_ = kNone, least_before_ = kNone, lowest_ = kNone;
+    double mark_ = kNone; ///< the residual when it last had fallen by so much, and when that was
+    int mark_sweeps_ = 0;
+    double lowest_ = kNone;
     bool rose_ = false;
 };
 
@@ -173,7 +178,7 @@ class IslandSweeps {
             if (known) {
                 residual = largest([](const Seen& seen) { return seen.residual; });
                 if (residual <= options_.tolerance) break;
-                progress.saw(residual);
+                progress.saw(sweeps, residual);
             }
             stalled = progress.stalls(sweeps);
             if (start_.momentum) m = progress.momentum(progress.rose() || turned_back_sum() > 0);

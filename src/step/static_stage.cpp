@@ -11,6 +11,7 @@ namespace {
 
 // Sweeps after which a solve that gets nowhere is given up, at least, and as a share of the limit: who asks for many means it.
 constexpr int kPatience = 50, kPatienceShare = 20;
+constexpr double kGoodEnough = 5; // times the tolerance
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -217,6 +218,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     solve.warm_start = s.warm_start;
     solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
     solve.shock = s.shock_propagation;
+    solve.good_enough = kGoodEnough;
     solve.tangents = s.tangents;
     solve.seed = s.seed;
     solve.team = options.team;
