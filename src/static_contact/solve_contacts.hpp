@@ -37,8 +37,9 @@ struct ContactSolveOptions {
     double tolerance = 1e-6; ///< m/s, L-infinity violation at which an island stops
     bool warm_start = true;  ///< start from the impulses handed in
     bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
-    /// Times the tolerance, >= 1: a residual below that leaves nothing to a shock. It is mostly one contact by then, and a shock would
-    /// leave velocities off from which the next solve could go on.
+    /// An island is good enough, too, where no contact violates more than so many times the tolerance, >= 1, and no more than one in a
+    /// hundred more than the tolerance: then it takes no shock. In a pile that is a boat that is jammed somewhere, and a shock
+    /// would leave velocities off from which the next solve could go on; in a stack that leans, all contacts are above.
     double good_enough = 1;
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; two fifths as
     /// many where it is good enough; 0: never. What is left then are impulses that bodies in contact at many points could exchange
@@ -79,7 +80,8 @@ struct ContactScratch {
         std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
         int iterations = 0;
         int last_sweeps = 0; ///< of the last time it was swept
-        double residual = 0;
+        double residual = 0; ///< m/s
+        bool good_enough = false;
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
         bool shocked = false;
@@ -120,7 +122,7 @@ struct ContactScratch {
     /// there already.
     struct alignas(64) Seen {
         double worst[2] = {}; ///< m/s, by parity of the sweep
-        double residual = 0;  ///< m/s
+        Residual residual;
     };
     std::vector<Seen> seen;                                ///< by thread
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level

@@ -24,6 +24,8 @@ constexpr int kLookEvery = 10;
 constexpr std::size_t kBodiesPerSum = 64;
 /// An island stalls whose residual did not fall by a fifth for some time.
 constexpr double kLeastFall = 0.8;
+/// One contact in so many may be above the tolerance where an island is good enough.
+constexpr std::int64_t kMostAbove = 100;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -56,9 +58,7 @@ double turned_back(std::span<const std::int32_t> bodies, const ContactScratch& s
 class Progress {
   public:
     explicit Progress(const ContactSolveOptions& options)
-        : good_enough_(options.good_enough * options.tolerance),
-          patience_far_(options.patience),
-          patience_near_((2 * options.patience + 4) / 5) {}
+        : patience_far_(options.patience), patience_near_((2 * options.patience + 4) / 5) {}
 
     double momentum(bool restart) {
         const double next = (1 + std::sqrt(1 + 4 * theta_ * theta_)) / 2;
@@ -66,12 +66,12 @@ class Progress {
         theta_ = restart ? 1.0 : next;
         return m;
     }
-    void saw(int sweeps, double residual) {
+    void saw(int sweeps, double residual, bool good_enough) {
         if (residual <= kLeastFall * mark_) {
             mark_ = residual;
             mark_sweeps_ = sweeps;
         }
-        patience_ = residual <= good_enough_ ? patience_near_ : patience_far_;
+        patience_ = good_enough ? patience_near_ : patience_far_;
         rose_ = residual > kMostRise * lowest_;
         lowest_ = rose_ ? residual : std::min(lowest_, residual);
     }
@@ -81,7 +81,6 @@ class Progress {
 
   private:
     static constexpr double kNone = std::numeric_limits<double>::infinity();
-    double good_enough_; ///< m/s
     int patience_far_, patience_near_, patience_ = patience_far_;
     double theta_ = 1;
     double mark_ = kNone; ///< the residual when it last had fallen by so much, and when that was
@@ -161,7 +160,8 @@ class IslandSweeps {
         if (start_.apply_impulses) apply_impulses(thread, barrier);
         if (start_.momentum) remember(thread);
         Progress progress(options_);
-        double m = 0, residual = 0;
+        double m = 0;
+        Residual residual;
         bool known = false, stalled = false;
         int sweeps = 0;
         while (sweeps < options_.iterations && !stalled) {
@@ -176,9 +176,9 @@ class IslandSweeps {
             if (known) look(thread);
             if (known || start_.momentum) barrier.wait();
             if (known) {
-                residual = largest([](const Seen& seen) { return seen.residual; });
-                if (residual <= options_.tolerance) break;
-                progress.saw(sweeps, residual);
+                residual = seen_residual();
+                if (residual.largest <= options_.tolerance) break;
+                progress.saw(sweeps, residual.largest, is_good_enough(residual));
             }
             stalled = progress.stalls(sweeps);
             if (start_.momentum) m = progress.momentum(progress.rose() || turned_back_sum() > 0);
@@ -187,7 +187,7 @@ class IslandSweeps {
             barrier.wait(); // others may still read what look() writes
             look(thread);
             barrier.wait();
-            residual = largest([](const Seen& seen) { return seen.residual; });
+            residual = seen_residual();
         }
         if (thread == 0) finish(sweeps, residual);
     }
@@ -287,9 +287,25 @@ class IslandSweeps {
     }
     void look(int thread) {
         timed(thread, colors_.size() + 1, [&] {
-            seen_[index(thread)].residual =
-                largest_violation(cone_, view_of(share_of(packets_, thread, threads_), 0), options_.isa);
+            seen_[index(thread)].residual = find_residual(cone_, view_of(share_of(packets_, thread, threads_), 0),
+                                                          options_.tolerance, options_.isa);
         });
+    }
+    [[nodiscard]] Residual seen_residual() const {
+        Residual sum;
+        for (const Seen& seen : seen_) {
+            sum.largest = std::max(sum.largest, seen.residual.largest);
+            sum.above += seen.residual.above;
+        }
+        return sum;
+    }
+    [[nodiscard]] std::int64_t num_contacts() const {
+        return s_.blocks[index(island_.end - 1)].end - s_.blocks[index(island_.first)].first;
+    }
+    [[nodiscard]] bool is_good_enough(const Residual& residual) const {
+        return residual.largest <= options_.tolerance ||
+               (residual.largest <= options_.good_enough * options_.tolerance &&
+                kMostAbove * residual.above <= num_contacts());
     }
     template <class Value>
     [[nodiscard]] double largest(Value&& value) const {
@@ -298,12 +314,12 @@ class IslandSweeps {
         return out;
     }
 
-    void finish(int sweeps, double residual) {
-        island_.residual = residual;
+    void finish(int sweeps, const Residual& residual) {
+        island_.residual = residual.largest;
+        island_.good_enough = is_good_enough(residual);
         island_.iterations += sweeps;
         island_.last_sweeps = sweeps;
-        const std::int64_t contacts = s_.blocks[index(island_.end - 1)].end - s_.blocks[index(island_.first)].first;
-        island_.visits += sweeps * contacts;
+        island_.visits += sweeps * num_contacts();
     }
 
     Island& island_;

@@ -170,15 +170,26 @@ inline double sweep_packets(const SweepView& view) {
     return largest_lane(worst);
 }
 
+inline std::int64_t count_bits(unsigned mask) {
+    std::int64_t count = 0;
+    for (; mask != 0; mask &= mask - 1) ++count;
+    return count;
+}
+
 template <class P, Cone kCone>
-inline double largest_violation_of(const SweepView& view) {
+inline Residual find_residual_of(const SweepView& view, double tolerance) {
     P worst = P::all(0);
+    const P limit = P::all(tolerance);
+    Residual residual;
     for_each_row<P, false>(
         view, [&](const ContactPacket& packet, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
             const PackFrame<P> frame = load_frame<P>(packet, row, lane);
-            worst = max(worst, violation<kCone>(load_local<P>(row, lane), contact_velocity(frame, a, b)));
+            const P found = violation<kCone>(load_local<P>(row, lane), contact_velocity(frame, a, b));
+            worst = max(worst, found);
+            residual.above += count_bits(mask_bits(limit < found));
         });
-    return largest_lane(worst);
+    residual.largest = largest_lane(worst);
+    return residual;
 }
 
 template <class P>
@@ -200,13 +211,13 @@ inline double sweep_any(Cone cone, const SweepView& view) {
 }
 
 template <class P>
-inline double largest_violation_any(Cone cone, const SweepView& view) {
+inline Residual find_residual_any(Cone cone, const SweepView& view, double tolerance) {
     switch (cone) {
-    case Cone::pyramid: return largest_violation_of<P, Cone::pyramid>(view);
-    case Cone::disc: return largest_violation_of<P, Cone::disc>(view);
+    case Cone::pyramid: return find_residual_of<P, Cone::pyramid>(view, tolerance);
+    case Cone::disc: return find_residual_of<P, Cone::disc>(view, tolerance);
     case Cone::frozen: break;
     }
-    return largest_violation_of<P, Cone::frozen>(view);
+    return find_residual_of<P, Cone::frozen>(view, tolerance);
 }
 
 } // namespace
