@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t kMaxCellsPerBody = 64;
 constexpr double kCellOfMedian = 1.5;      // cell edge in median body sizes
 constexpr double kLargestCoordinate = 1e6; // cells; farther away bodies share the outermost one
-constexpr std::size_t kBodyGrain = 128, kCellGrain = 512, kChunkGrain = 16; // items of a task
+constexpr std::size_t kBodyGrain = 128, kCellGrain = 128, kChunkGrain = 16; // items of a task
 
 Box inflated(const SweptBody& b) {
     const Vec3 r{b.reach, b.reach, b.reach};

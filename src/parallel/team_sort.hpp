@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <vector>
 
@@ -12,7 +13,10 @@ namespace flotilla {
 
 namespace team_sort_detail {
 
-constexpr std::size_t kRun = 4096; // items sorted, and later merged, by one task
+constexpr std::size_t kLeastRun = 256, kRuns = 64;
+
+/// Items sorted, and later merged, by one task: a power of two, so that merged runs are cut where tasks are.
+inline std::size_t run_length(std::size_t n) { return std::max(kLeastRun, std::bit_ceil(n / kRuns)); }
 
 /// How many of the first `k` items of the merged sequence come from `a`; of equal ones a's come first.
 template <class T, class Less>
@@ -35,18 +39,18 @@ std::size_t merge_split(const T* a, std::size_t size_a, const T* b, std::size_t 
 template <class T, class Less>
 void team_sort(Team& team, std::vector<T>& items, std::vector<T>& buffer, Less less) {
     using namespace team_sort_detail;
-    const std::size_t n = items.size();
-    if (n <= kRun || (team.size() == 1 && team.recorder() == nullptr)) {
+    const std::size_t n = items.size(), run = run_length(n);
+    if (n <= run || (team.size() == 1 && team.recorder() == nullptr)) {
         if (!std::is_sorted(items.begin(), items.end(), less)) std::sort(items.begin(), items.end(), less);
         return;
     }
-    team.for_chunks("sort", n, kRun, [&](std::size_t begin, std::size_t end, int) {
+    team.for_chunks("sort", n, run, [&](std::size_t begin, std::size_t end, int) {
         std::sort(items.begin() + static_cast<std::ptrdiff_t>(begin), items.begin() + static_cast<std::ptrdiff_t>(end),
                   less);
     });
     buffer.resize(n);
-    for (std::size_t sorted = kRun; sorted < n; sorted *= 2) {
-        team.for_chunks("merge", n, kRun, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t sorted = run; sorted < n; sorted *= 2) {
+        team.for_chunks("merge", n, run, [&](std::size_t begin, std::size_t end, int) {
             const std::size_t first = begin / (2 * sorted) * (2 * sorted);
             const T *a = items.data() + first, *b = a + std::min(sorted, n - first);
             const std::size_t size_a = std::min(sorted, n - first), size_b = std::min(sorted, n - first - size_a);

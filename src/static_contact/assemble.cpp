@@ -258,14 +258,15 @@ int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, con
     const int num_colors = order_pairs(bodies, s);
     make_blocks(contacts, bodies, options, impulses, s);
     s.packed.clear();
-    s.color_packets.clear();
+    s.groups.clear();
     for (ContactScratch::Island& island : s.islands) {
         island.first_packet = count_of(s.packed.packets.size());
-        island.first_color = count_of(s.color_packets.size());
-        lay_out_packets(s.blocks, island.first, island.end, s.packed, &s.color_packets);
+        island.first_group = count_of(s.groups.size());
+        lay_out_packets(s.blocks, island.first, island.end, s.packed, s.groups);
         island.end_packet = count_of(s.packed.packets.size());
-        island.end_color = count_of(s.color_packets.size());
+        island.end_group = count_of(s.groups.size());
     }
+    resize_rows(s.packed);
     for_each(options.team, "pack contacts", s.packed.packets.size(), kPairGrain,
              [&](std::size_t p) { fill_packet(s.blocks, s.rows, p, s.packed); });
     return num_colors;

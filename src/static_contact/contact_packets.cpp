@@ -70,15 +70,31 @@ void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, std::span<co
     }
 }
 
+// Packets that one thread takes about as long for as many threads wait for one another; two threads lose hardly anything.
+constexpr std::int32_t kMostAlone = 8;
+
+// Puts neighbouring groups from `first` on together where they are small; `end` is the last one's end.
+void join_small_groups(std::vector<PacketGroup>& groups, std::size_t first, std::int32_t end) {
+    std::size_t kept = first;
+    for (std::size_t g = first, next = first; g < groups.size(); g = next) {
+        const auto end_of = [&](std::size_t i) { return i + 1 < groups.size() ? groups[i + 1].first : end; };
+        const std::int32_t begin = groups[g].first;
+        while (next < groups.size() && (next == g || end_of(next) - begin <= kMostAlone)) ++next;
+        groups[kept++] = {begin, next - g > 1};
+    }
+    groups.resize(kept);
+}
+
 } // namespace
 
 void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_block, std::int32_t end_block,
-                     PackedContacts& packed, std::vector<std::int32_t>* colors) {
+                     PackedContacts& packed, std::vector<PacketGroup>& groups) {
+    const std::size_t first_group = groups.size();
     std::int32_t rows = packed.packets.empty() ? 0 : packed.packets.back().end;
     for (std::int32_t first = first_block, end = first; first < end_block; first = end) {
         const std::int32_t color = blocks[index(first)].color;
-        if (colors != nullptr && (first == first_block || blocks[index(first - 1)].color != color))
-            colors->push_back(static_cast<std::int32_t>(packed.packets.size()));
+        if (first == first_block || blocks[index(first - 1)].color != color)
+            groups.push_back({static_cast<std::int32_t>(packed.packets.size()), false});
         const std::int32_t limit = std::min(end_block, first + kPacketLanes);
         std::int32_t longest = 0;
         for (; end < limit && blocks[index(end)].color == color; ++end)
@@ -89,8 +105,13 @@ void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_bl
         packet.end = rows += longest;
         packed.first_block.push_back(first);
     }
-    packed.rows.resize(index(rows));
-    packed.source.resize(index(rows) * kPacketLanes);
+    join_small_groups(groups, first_group, static_cast<std::int32_t>(packed.packets.size()));
+}
+
+void resize_rows(PackedContacts& packed) {
+    const std::size_t rows = packed.packets.empty() ? 0 : index(packed.packets.back().end);
+    packed.rows.resize(rows);
+    packed.source.resize(rows * kPacketLanes);
 }
 
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t p,
@@ -104,19 +125,13 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
     }
 }
 
-void pack(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, PackedContacts& packed) {
-    lay_out_packets(blocks, 0, static_cast<std::int32_t>(blocks.size()), packed, nullptr);
-    for (std::size_t p = 0; p < packed.packets.size(); ++p) fill_packet(blocks, rows, p, packed);
-}
-
-void unpack_impulses(const PackedContacts& packed, std::span<ContactRow> rows) {
-    for (std::size_t i = 0; i < packed.source.size(); ++i) {
-        if (packed.source[i] < 0) continue;
-        const PacketRow& row = packed.rows[i / kPacketLanes];
-        const std::size_t lane = i % kPacketLanes;
-        rows[index(packed.source[i])].local.impulse = {row.field[PacketRow::kImpulse][lane],
-                                                       row.field[PacketRow::kImpulse + 1][lane],
-                                                       row.field[PacketRow::kImpulse + 2][lane]};
+void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows) {
+    const auto& field = packed.rows[row].field;
+    for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
+        const std::int32_t source = packed.source[row * kPacketLanes + lane];
+        if (source < 0) continue;
+        rows[index(source)].local.impulse = {field[PacketRow::kImpulse][lane], field[PacketRow::kImpulse + 1][lane],
+                                             field[PacketRow::kImpulse + 2][lane]};
     }
 }
 

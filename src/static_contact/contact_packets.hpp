@@ -50,26 +50,31 @@ struct PackedContacts {
     std::vector<PacketRow> rows;
     std::vector<std::int32_t> source;      ///< row of each lane of `rows` it was packed from; -1: idle
     std::vector<std::int32_t> first_block; ///< by packet
+    /// Keeps the rows, which fill_packet() writes over.
     void clear() {
         packets.clear();
-        rows.clear();
-        source.clear();
         first_block.clear();
     }
 };
 
+/// What threads sweep together before they wait for one another: the packets of a colour, shared out; or those of several small
+/// colours in a row, all to one thread, which takes less time than the others would wait for one another.
+struct PacketGroup {
+    std::int32_t first = 0; ///< packet
+    bool alone = false;     ///< one thread does it
+};
+
 /// Appends packets, without their contents, for the blocks [first, end) given in colour order: neighbours of one colour share a
-/// packet. Appends the first packet of every colour to `colors` if that is not null.
+/// packet. Appends their groups to `groups`.
 void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first, std::int32_t end, PackedContacts& packed,
-                     std::vector<std::int32_t>* colors);
+                     std::vector<PacketGroup>& groups);
+/// Room for the rows of all packets laid out.
+void resize_rows(PackedContacts& packed);
 /// Copies the contents of a packet that was laid out; different packets may be filled side by side.
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t packet,
                  PackedContacts& packed);
-/// Both for all blocks.
-void pack(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, PackedContacts& packed);
-
-/// Copies the impulses of all packed rows back to the rows that they came from.
-void unpack_impulses(const PackedContacts& packed, std::span<ContactRow> rows);
+/// Copies the impulses of the packed row `row` back to the rows that they came from; different ones may be copied side by side.
+void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows);
 
 /// What a sweep works on: some packets, the rows of all, the velocities of all bodies in contact. Bare pointers, because
 /// the kernels compiled for one instruction set must not instantiate inline functions that other files share.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How the packets of one colour are shared out to the threads that sweep them together.
+// How the packets of a group are shared out to the threads that sweep them together.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace flotilla {
 
-/// The packets of one colour, cut into shares of about equally many rows, one per thread.
+/// The packets of a group, cut into shares of about equally many rows, one per thread.
 [[nodiscard]] inline std::span<const ContactPacket> share_of(std::span<const ContactPacket> packets, int thread,
                                                              int threads) {
     if (threads == 1 || packets.empty()) return packets;
@@ -21,6 +21,25 @@ namespace flotilla {
     };
     const auto begin = cut(thread), end = thread + 1 == threads ? packets.end() : cut(thread + 1);
     return {begin, end};
+}
+
+/// A group as the packets from its first one to the next group's, or to `end`.
+struct GroupPackets {
+    std::span<const ContactPacket> packets;
+    bool alone = false;
+
+    [[nodiscard]] std::span<const ContactPacket> share(int thread, int threads) const {
+        if (alone) return thread == 0 ? packets : std::span<const ContactPacket>{};
+        return share_of(packets, thread, threads);
+    }
+    /// How many tasks could be done side by side.
+    [[nodiscard]] std::int32_t num_tasks() const { return alone ? 1 : static_cast<std::int32_t>(packets.size()); }
+};
+[[nodiscard]] inline GroupPackets packets_of(std::span<const PacketGroup> groups, std::size_t group, std::int32_t end,
+                                             std::span<const ContactPacket> packets) {
+    const auto first = static_cast<std::size_t>(groups[group].first);
+    const auto last = static_cast<std::size_t>(group + 1 < groups.size() ? groups[group + 1].first : end);
+    return {packets.subspan(first, last - first), groups[group].alone};
 }
 
 } // namespace flotilla

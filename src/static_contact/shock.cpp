@@ -95,17 +95,18 @@ void copy_levels(const ContactSolveOptions& options, ContactScratch& s) {
 // Lays the copies out as packets: those of a level one after the other, by colour.
 void pack_levels(const ContactSolveOptions& options, ContactScratch& s) {
     s.shock_packed.clear();
-    s.shock_colors.clear();
+    s.shock_groups.clear();
     s.shock_levels.clear();
     const auto n = static_cast<std::int32_t>(s.level_order.size());
     for (std::int32_t first = 0, end = 0; first < n; first = end) {
         const auto level_of = [&](std::int32_t i) { return s.level_of_block[index(s.level_order[index(i)])]; };
         while (end < n && level_of(end) == level_of(first)) ++end;
-        const auto color = static_cast<std::int32_t>(s.shock_colors.size());
-        lay_out_packets(s.shock_blocks, first, end, s.shock_packed, &s.shock_colors);
-        s.shock_levels.push_back({color, static_cast<std::int32_t>(s.shock_colors.size()),
+        const auto group = static_cast<std::int32_t>(s.shock_groups.size());
+        lay_out_packets(s.shock_blocks, first, end, s.shock_packed, s.shock_groups);
+        s.shock_levels.push_back({group, static_cast<std::int32_t>(s.shock_groups.size()),
                                   s.shock_blocks[index(end - 1)].end - s.shock_blocks[index(first)].first});
     }
+    resize_rows(s.shock_packed);
     for_each(options.team, "pack shock", s.shock_packed.packets.size(), kBlockGrain,
              [&](std::size_t p) { fill_packet(s.shock_blocks, s.shock_rows, p, s.shock_packed); });
 }
@@ -120,7 +121,7 @@ class LevelSweeps {
           s_(s),
           seen_(threads > 1 ? std::span(s.seen) : std::span(&alone_, 1)),
           recorder_(options.team != nullptr ? options.team->recorder() : nullptr) {
-        if (recorder_ != nullptr) busy_.assign(index(threads) * s.shock_colors.size(), 0);
+        if (recorder_ != nullptr) busy_.assign(index(threads) * s.shock_groups.size(), 0);
     }
 
     /// On thread 0 also counts the visits.
@@ -144,13 +145,13 @@ class LevelSweeps {
             }
         }
     }
-    /// A group for each colour of each level.
+    /// Of each level.
     void record(std::int32_t region) const {
         for (std::size_t l = 0; l < sweeps_.size(); ++l)
-            for (std::int32_t c = s_.shock_levels[l].first_color; c < s_.shock_levels[l].end_color; ++c) {
-                GroupSpan span{region, static_cast<std::int32_t>(packets_of(c).size()), sweeps_[l], 0};
+            for (std::int32_t g = s_.shock_levels[l].first_group; g < s_.shock_levels[l].end_group; ++g) {
+                GroupSpan span{region, packets_of(g).num_tasks(), sweeps_[l], 0};
                 for (std::size_t t = 0; t < index(threads_); ++t)
-                    span.busy += busy_[t * s_.shock_colors.size() + index(c)];
+                    span.busy += busy_[t * s_.shock_groups.size() + index(g)];
                 recorder_->add_group(span);
             }
     }
@@ -160,8 +161,8 @@ class LevelSweeps {
     double sweep_level(const ContactScratch::ShockLevel& level, int thread, int parity, SpinBarrier& barrier) {
         double& worst = seen_[index(thread)].worst[parity];
         worst = 0;
-        for (std::int32_t c = level.first_color; c < level.end_color; ++c) {
-            const auto packets = share_of(packets_of(c), thread, threads_);
+        for (std::int32_t g = level.first_group; g < level.end_group; ++g) {
+            const auto packets = packets_of(g).share(thread, threads_);
             const std::int64_t begin = recorder_ != nullptr ? recorder_->now() : 0;
             worst = std::max(worst, sweep(Cone::frozen,
                                           {.packets = packets.data(),
@@ -170,19 +171,16 @@ class LevelSweeps {
                                            .bodies = s_.velocity.data()},
                                           options_.isa));
             if (recorder_ != nullptr)
-                busy_[index(thread) * s_.shock_colors.size() + index(c)] += recorder_->now() - begin;
+                busy_[index(thread) * s_.shock_groups.size() + index(g)] += recorder_->now() - begin;
             barrier.wait();
         }
         double out = 0;
         for (const auto& seen : seen_) out = std::max(out, seen.worst[parity]);
         return out;
     }
-    [[nodiscard]] std::span<const ContactPacket> packets_of(std::int32_t color) const {
+    [[nodiscard]] GroupPackets packets_of(std::int32_t group) const {
         const std::span<const ContactPacket> all = s_.shock_packed.packets;
-        const std::size_t first = index(s_.shock_colors[index(color)]);
-        const std::size_t end =
-            index(color + 1) < s_.shock_colors.size() ? index(s_.shock_colors[index(color + 1)]) : all.size();
-        return all.subspan(first, end - first);
+        return flotilla::packets_of(s_.shock_groups, index(group), static_cast<std::int32_t>(all.size()), all);
     }
 
     const ContactSolveOptions& options_;
@@ -194,7 +192,7 @@ class LevelSweeps {
     std::int64_t visits_ = 0;
     TaskRecorder* recorder_;
     std::vector<int> sweeps_;        ///< by level, where recorded
-    std::vector<std::int64_t> busy_; ///< ns, by thread and colour
+    std::vector<std::int64_t> busy_; ///< ns, by thread and group
 };
 
 void run_levels(ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
@@ -204,7 +202,7 @@ void run_levels(ContactScratch::Island& island, const ContactSolveOptions& optio
     pack_levels(options, s);
     const bool together = options.team != nullptr && is_large(island);
     const auto width = [&](int most) {
-        return sweep_width(s.shock_packed.packets.size(), s.shock_colors.size(), most);
+        return sweep_width(s.shock_packed.packets.size(), s.shock_groups.size(), most);
     };
     const int threads = together ? width(options.team->size()) : 1;
     if (threads > 1) s.seen.assign(index(threads), {});

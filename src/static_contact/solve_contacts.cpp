@@ -78,6 +78,12 @@ void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& optio
     });
 }
 
+void unpack_impulses(ContactScratch& s, Team* team) {
+    constexpr std::size_t kGrain = 256;
+    for_each(team, "unpack impulses", s.packed.rows.size(), kGrain,
+             [&](std::size_t row) { unpack_impulses(s.packed, row, s.rows); });
+}
+
 // The impulses of PGS, in world coordinates and input order.
 void store_impulses(const ContactScratch& s, Team* team, std::span<Vec3> impulses) {
     constexpr std::size_t kGrain = 512;
@@ -136,7 +142,7 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     const int num_colors = assemble(contacts, bodies, options, impulses, scratch);
     list_island_bodies(bodies, scratch);
     solve_islands(bodies, options, scratch);
-    unpack_impulses(scratch.packed, scratch.rows);
+    unpack_impulses(scratch, options.team);
     store_impulses(scratch, options.team, impulses);
     propagate_shocks(bodies, options, scratch);
     store_velocities(scratch, bodies);

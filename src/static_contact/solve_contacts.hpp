@@ -76,7 +76,7 @@ struct ContactScratch {
     struct Island {
         std::int32_t first = 0, end = 0; ///< blocks
         std::int32_t first_packet = 0, end_packet = 0;
-        std::int32_t first_color = 0, end_color = 0; ///< in color_packets
+        std::int32_t first_group = 0, end_group = 0; ///< in groups
         std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
         int iterations = 0;
         int last_sweeps = 0; ///< of the last time it was swept
@@ -115,8 +115,8 @@ struct ContactScratch {
     std::vector<std::int32_t> island_of_body;            ///< per body in contact, -1: not movable
     std::vector<BodyVelocity> before_sweep, sweep_start; ///< per body in contact
     std::vector<Weight> weight;                          ///< per body in contact
-    std::vector<double> sums;                ///< parts of sums, at the place of their first body in island_bodies
-    std::vector<std::int32_t> color_packets; ///< first packet of each colour, by island
+    std::vector<double> sums;        ///< parts of sums, at the place of their first body in island_bodies
+    std::vector<PacketGroup> groups; ///< by island
     std::vector<std::int32_t> small_islands;
     /// What a thread that sweeps a large island tells the others. Those of one sweep and of the next lie apart: a fast thread may be
     /// there already.
@@ -129,11 +129,11 @@ struct ContactScratch {
     std::vector<ContactBlock> shock_blocks;
     std::vector<ContactRow> shock_rows;
     struct ShockLevel {
-        std::int32_t first_color, end_color; ///< in shock_colors
+        std::int32_t first_group, end_group; ///< in shock_groups
         std::int32_t rows;
     };
     std::vector<ShockLevel> shock_levels;
-    std::vector<std::int32_t> shock_colors; ///< first packet of each colour of each level
+    std::vector<PacketGroup> shock_groups; ///< of each level
     std::vector<BodyVelocity> before_shock;
 };
 

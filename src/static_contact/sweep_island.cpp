@@ -119,7 +119,7 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
 }
 
 bool is_large(const Island& island) {
-    return sweep_width(index(island.end_packet - island.first_packet), index(island.end_color - island.first_color),
+    return sweep_width(index(island.end_packet - island.first_packet), index(island.end_group - island.first_group),
                        2) > 1;
 }
 
@@ -149,8 +149,7 @@ class IslandSweeps {
               std::span(s.island_bodies).subspan(index(island.first_body), index(island.end_body - island.first_body))),
           packets_(std::span(s.packed.packets)
                        .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
-          colors_(std::span(s.color_packets)
-                      .subspan(index(island.first_color), index(island.end_color - island.first_color))),
+          groups_(std::span(s.groups).subspan(index(island.first_group), index(island.end_group - island.first_group))),
           seen_(threads > 1 ? std::span(s.seen) : std::span(&alone_, 1)),
           recorder_(options.team != nullptr ? options.team->recorder() : nullptr) {
         if (recorder_ != nullptr) busy_.assign(index(threads) * num_groups(), 0);
@@ -169,7 +168,7 @@ class IslandSweeps {
                 move_on(thread, m);
                 barrier.wait();
             }
-            const double worst = sweep_colors(thread, m, sweeps % 2, barrier);
+            const double worst = sweep_groups(thread, m, sweeps % 2, barrier);
             ++sweeps;
             known = worst <= options_.tolerance || sweeps % kLookEvery == 0;
             if (start_.momentum) add_up(thread);
@@ -202,11 +201,11 @@ class IslandSweeps {
     }
 
   private:
-    // Groups of the record: one per colour, then the loops over bodies (a task per kBodiesPerSum of them) and the looks.
-    [[nodiscard]] std::size_t num_groups() const { return colors_.size() + 2; }
+    // Groups of the record: those of packets, then the loops over bodies (a task per kBodiesPerSum of them) and the looks.
+    [[nodiscard]] std::size_t num_groups() const { return groups_.size() + 2; }
     [[nodiscard]] std::int32_t tasks_of(std::size_t group) const {
-        if (group < colors_.size()) return static_cast<std::int32_t>(packets_of(group).size());
-        return group == colors_.size() ? static_cast<std::int32_t>(num_sums())
+        if (group < groups_.size()) return packets_of(group).num_tasks();
+        return group == groups_.size() ? static_cast<std::int32_t>(num_sums())
                                        : static_cast<std::int32_t>(packets_.size());
     }
     /// Adds the time of a scope to a group of the record.
@@ -218,11 +217,8 @@ class IslandSweeps {
         busy_[index(thread) * num_groups() + group] += recorder_->now() - begin;
     }
 
-    [[nodiscard]] std::span<const ContactPacket> packets_of(std::size_t color) const {
-        const auto at = [&](std::size_t c) {
-            return index((c < colors_.size() ? colors_[c] : island_.end_packet) - island_.first_packet);
-        };
-        return packets_.subspan(at(color), at(color + 1) - at(color));
+    [[nodiscard]] GroupPackets packets_of(std::size_t group) const {
+        return flotilla::packets_of(groups_, group, island_.end_packet, s_.packed.packets);
     }
     [[nodiscard]] SweepView view_of(std::span<const ContactPacket> packets, double momentum) const {
         return {.packets = packets.data(),
@@ -236,7 +232,7 @@ class IslandSweeps {
     /// Calls work(bodies, slot) for the parts of the sum that are this thread's.
     template <class Work>
     void for_my_bodies(int thread, Work&& work) {
-        timed(thread, colors_.size(), [&] {
+        timed(thread, groups_.size(), [&] {
             const std::size_t first = num_sums() * index(thread) / index(threads_);
             const std::size_t end = num_sums() * index(thread + 1) / index(threads_);
             for (std::size_t k = first; k < end; ++k) {
@@ -266,27 +262,26 @@ class IslandSweeps {
     }
 
     void apply_impulses(int thread, SpinBarrier& barrier) {
-        for (std::size_t c = 0; c < colors_.size(); ++c) {
-            flotilla::apply_impulses(view_of(share_of(packets_of(c), thread, threads_), 0), options_.isa);
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            flotilla::apply_impulses(view_of(packets_of(g).share(thread, threads_), 0), options_.isa);
             barrier.wait();
         }
     }
 
     /// One sweep; returns the largest violation that any thread met.
-    double sweep_colors(int thread, double m, int parity, SpinBarrier& barrier) {
+    double sweep_groups(int thread, double m, int parity, SpinBarrier& barrier) {
         double& worst = seen_[index(thread)].worst[parity];
         worst = 0;
-        for (std::size_t c = 0; c < colors_.size(); ++c) {
-            timed(thread, c, [&] {
-                worst =
-                    std::max(worst, sweep(cone_, view_of(share_of(packets_of(c), thread, threads_), m), options_.isa));
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            timed(thread, g, [&] {
+                worst = std::max(worst, sweep(cone_, view_of(packets_of(g).share(thread, threads_), m), options_.isa));
             });
             barrier.wait();
         }
         return largest([parity](const Seen& seen) { return seen.worst[parity]; });
     }
     void look(int thread) {
-        timed(thread, colors_.size() + 1, [&] {
+        timed(thread, groups_.size() + 1, [&] {
             seen_[index(thread)].residual = find_residual(cone_, view_of(share_of(packets_, thread, threads_), 0),
                                                           options_.tolerance, options_.isa);
         });
@@ -330,7 +325,7 @@ class IslandSweeps {
     ContactScratch& s_;
     std::span<const std::int32_t> bodies_;
     std::span<const ContactPacket> packets_;
-    std::span<const std::int32_t> colors_; ///< first packet of each
+    std::span<const PacketGroup> groups_;
     Seen alone_;
     std::span<Seen> seen_; ///< by thread
     TaskRecorder* recorder_;
@@ -343,7 +338,7 @@ class IslandSweeps {
 void sweep_island(Island& island, const ContactSolveOptions& options, const SweepStart& start, ContactScratch& s) {
     const int threads = is_large(island) && options.team != nullptr
                             ? sweep_width(index(island.end_packet - island.first_packet),
-                                          index(island.end_color - island.first_color), options.team->size())
+                                          index(island.end_group - island.first_group), options.team->size())
                             : 1;
     if (threads > 1) s.seen.assign(index(threads), {}); // one large island at a time
     IslandSweeps sweeps(island, options, start, threads, s);
@@ -353,7 +348,7 @@ void sweep_island(Island& island, const ContactSolveOptions& options, const Swee
     }
     TaskRecorder* recorder = options.team->recorder();
     const int most_threads = sweep_width(index(island.end_packet - island.first_packet),
-                                         index(island.end_color - island.first_color), std::numeric_limits<int>::max());
+                                         index(island.end_group - island.first_group), std::numeric_limits<int>::max());
     const std::int32_t region =
         recorder != nullptr ? recorder->begin_region("contact sweeps", RegionKind::sweeps, most_threads, nullptr) : -1;
     options.team->together(threads, [&](int thread, SpinBarrier& barrier) { sweeps.run(thread, barrier); });
