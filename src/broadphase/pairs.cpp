@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include "parallel/compact.hpp"
 #include "parallel/team_sort.hpp"
@@ -147,17 +148,11 @@ std::size_t Broadphase::pair_large(Team& team, const std::vector<SweptBody>& bod
 }
 
 void Broadphase::gather(Team& team, std::size_t chunks) {
-    const auto count = [&](std::size_t begin, std::size_t end) {
-        std::size_t sum = 0;
-        for (std::size_t k = begin; k < end; ++k) sum += found_[k].size();
-        return sum;
+    const std::span<const std::vector<CandidatePair>> parts(found_.data(), chunks);
+    const auto put = [&](std::size_t place, const std::vector<CandidatePair>& part) {
+        std::copy(part.begin(), part.end(), pairs_.begin() + static_cast<std::ptrdiff_t>(place));
     };
-    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
-        for (std::size_t k = begin; k < end; place += found_[k++].size())
-            std::copy(found_[k].begin(), found_[k].end(), pairs_.begin() + static_cast<std::ptrdiff_t>(place));
-    };
-    compact(
-        &team, "gather pairs", chunks, kChunkGrain, places_, count, [&](std::size_t n) { pairs_.resize(n); }, fill);
+    gather_parts({&team, "gather pairs", kChunkGrain, places_}, parts, pairs_, put);
 }
 
 } // namespace flotilla

@@ -95,17 +95,9 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
 void merge_active(StepData& data, const std::vector<ListedPair>& list, std::vector<ListedPair>& active) {
     constexpr std::size_t kGrain = 512;
     const std::size_t before = active.size();
-    const auto count = [&](std::size_t begin, std::size_t end) {
-        std::size_t sum = 0;
-        for (std::size_t i = begin; i < end; ++i) sum += list[i].record->active ? 1u : 0u;
-        return sum;
-    };
-    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (list[i].record->active) active[before + place++] = list[i];
-    };
-    const auto resize = [&](std::size_t size) { active.resize(before + size); };
-    compact(&data.team, "active pairs", list.size(), kGrain, data.lists.chunk_places, count, resize, fill);
+    const auto kept = [&](std::size_t i) { return list[i].record->active; };
+    const auto item = [&](std::size_t i) { return list[i]; };
+    compact_if({&data.team, "active pairs", kGrain, data.lists.chunk_places}, list.size(), kept, active, before, item);
     const auto middle = static_cast<std::ptrdiff_t>(before);
     std::inplace_merge(active.begin(), active.begin() + middle, active.end());
     active.erase(std::unique(active.begin(), active.end()), active.end());

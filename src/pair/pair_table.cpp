@@ -23,23 +23,16 @@ std::uint64_t mixed(std::int32_t a, std::int32_t b) {
 
 void PairTable::start_step(Team& team, std::int64_t step) {
     const auto unused = [&](const PairRecord& r) { return r.a >= 0 && r.step != step_; };
-    const auto count = [&](std::size_t begin, std::size_t end) {
-        std::size_t sum = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            PairRecord& r = records_[i];
-            sum += unused(r) ? 1u : 0u;
-            r.active = r.processed = false;
-            r.start_distance = std::exchange(r.end_distance, -1.0);
-        }
-        return sum;
+    const auto start = [&](std::size_t i) {
+        PairRecord& r = records_[i];
+        r.active = r.processed = false;
+        r.start_distance = std::exchange(r.end_distance, -1.0);
+        return unused(r);
     };
+    const auto kept = [&](std::size_t i) { return unused(records_[i]); };
+    const auto item = [&](std::size_t i) { return &records_[i]; };
     const std::size_t first = free_.size();
-    const auto resize = [&](std::size_t size) { free_.resize(first + size); };
-    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (unused(records_[i])) free_[first + place++] = &records_[i];
-    };
-    compact(&team, "start pairs", records_.size(), kGrain, places_, count, resize, fill);
+    compact_if({&team, "start pairs", kGrain, places_}, records_.size(), start, kept, free_, first, item);
     for (std::size_t i = first; i < free_.size(); ++i) erase(free_[i]->a, free_[i]->b);
     team.for_each("forget pairs", free_.size() - first, kGrain,
                   [&](std::size_t i, int) { *free_[first + i] = PairRecord(); });

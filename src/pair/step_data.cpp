@@ -151,22 +151,15 @@ const std::vector<ListedPair>& list_pairs(StepData& data, const std::vector<Cand
     ListBuffers& l = data.lists;
     l.record.resize(pairs.size());
     l.wanted.resize(pairs.size());
-    const auto find = [&](std::size_t begin, std::size_t end) {
-        std::size_t count = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            l.record[i] = data.pairs.find(pairs[i].a, pairs[i].b);
-            if (l.record[i] != nullptr) data.pairs.use(*l.record[i]);
-            l.wanted[i] = wanted(pairs[i], l.record[i]) ? 1 : 0;
-            count += l.wanted[i];
-        }
-        return count;
+    const auto find = [&](std::size_t i) {
+        l.record[i] = data.pairs.find(pairs[i].a, pairs[i].b);
+        if (l.record[i] != nullptr) data.pairs.use(*l.record[i]);
+        l.wanted[i] = wanted(pairs[i], l.record[i]) ? 1 : 0;
+        return l.wanted[i] != 0;
     };
-    const auto resize = [&](std::size_t size) { l.listed.resize(size); };
-    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (l.wanted[i] != 0) l.listed[place++] = {pairs[i], l.record[i]};
-    };
-    compact(&data.team, "pair records", pairs.size(), kPairGrain, l.chunk_places, find, resize, fill);
+    const auto kept = [&](std::size_t i) { return l.wanted[i] != 0; };
+    const auto item = [&](std::size_t i) -> ListedPair { return {pairs[i], l.record[i]}; };
+    compact_if({&data.team, "pair records", kPairGrain, l.chunk_places}, pairs.size(), find, kept, l.listed, 0, item);
     for (ListedPair& p : l.listed) // one thread alone may make records
         if (p.record == nullptr) p.record = &data.pairs.get(data.model, data.state, p.pair.a, p.pair.b);
     return l.listed;

@@ -5,24 +5,73 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "parallel/team.hpp"
 
 namespace flotilla {
 
-/// Goes twice over [0, n) in chunks of `grain`. count(begin, end) says how many places the chunk fills, resize(total) makes room, and
-/// fill(begin, end, place) fills them from `place` on. `places` is scratch, kept by the caller; without a team a plain loop.
+/// How the items are looked at.
+struct ListLoop {
+    Team* team;                       ///< null: a plain loop
+    const char* name;                 ///< of the tasks, for records
+    std::size_t grain;                ///< items of a task, >= 1
+    std::vector<std::size_t>& places; ///< scratch, kept by the caller
+};
+
+/// Goes twice over [0, n) in chunks. count(begin, end) says how many places the chunk fills, resize(total) makes room, and
+/// fill(begin, end, place) fills them from `place` on.
 template <class Count, class Resize, class Fill>
-void compact(Team* team, const char* name, std::size_t n, std::size_t grain, std::vector<std::size_t>& places,
-             Count&& count, Resize&& resize, Fill&& fill) {
-    const std::size_t chunks = (n + grain - 1) / grain;
-    const auto end_of = [&](std::size_t chunk) { return std::min(n, (chunk + 1) * grain); };
+void compact(const ListLoop& loop, std::size_t n, Count&& count, Resize&& resize, Fill&& fill) {
+    const std::size_t chunks = (n + loop.grain - 1) / loop.grain;
+    const auto begin_of = [&](std::size_t chunk) { return chunk * loop.grain; };
+    const auto end_of = [&](std::size_t chunk) { return std::min(n, (chunk + 1) * loop.grain); };
+    std::vector<std::size_t>& places = loop.places;
     places.assign(chunks + 1, 0);
-    for_each(team, name, chunks, 1, [&](std::size_t k) { places[k + 1] = count(k * grain, end_of(k)); });
+    for_each(loop.team, loop.name, chunks, 1, [&](std::size_t k) { places[k + 1] = count(begin_of(k), end_of(k)); });
     std::partial_sum(places.begin(), places.end(), places.begin());
     resize(places.back());
-    for_each(team, name, chunks, 1, [&](std::size_t k) { fill(k * grain, end_of(k), places[k]); });
+    for_each(loop.team, loop.name, chunks, 1, [&](std::size_t k) { fill(begin_of(k), end_of(k), places[k]); });
+}
+
+/// Replaces what `out` holds from place `from` on by item(i) of those i in [0, n) that are kept, in their order. look(i) is called
+/// once for every i and says whether it is kept; kept(i), called afterwards, must say the same. `from` is at most out.size().
+template <class Look, class Kept, class T, class Item>
+void compact_if(const ListLoop& loop, std::size_t n, Look&& look, Kept&& kept, std::vector<T>& out, std::size_t from,
+                Item&& item) {
+    const auto count = [&](std::size_t begin, std::size_t end) {
+        std::size_t sum = 0;
+        for (std::size_t i = begin; i < end; ++i) sum += look(i) ? 1u : 0u;
+        return sum;
+    };
+    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
+        for (std::size_t i = begin; i < end; ++i)
+            if (kept(i)) out[from + place++] = item(i);
+    };
+    const auto resize = [&](std::size_t total) { out.resize(from + total); };
+    compact(loop, n, count, resize, fill);
+}
+
+/// The same where one function says it both times.
+template <class Kept, class T, class Item>
+void compact_if(const ListLoop& loop, std::size_t n, Kept&& kept, std::vector<T>& out, std::size_t from, Item&& item) {
+    compact_if(loop, n, kept, kept, out, from, item);
+}
+
+/// Makes `out` as large as all parts together and calls put(place, part) for each, `place` being the size of those before it.
+template <class Part, class Out, class Put>
+void gather_parts(const ListLoop& loop, std::span<const Part> parts, Out& out, Put&& put) {
+    const auto count = [&](std::size_t begin, std::size_t end) {
+        std::size_t sum = 0;
+        for (std::size_t k = begin; k < end; ++k) sum += parts[k].size();
+        return sum;
+    };
+    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
+        for (std::size_t k = begin; k < end; place += parts[k++].size()) put(place, parts[k]);
+    };
+    const auto resize = [&](std::size_t total) { out.resize(total); };
+    compact(loop, parts.size(), count, resize, fill);
 }
 
 } // namespace flotilla

@@ -134,17 +134,9 @@ void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& ou
         part.clear();
         for (std::size_t i = begin; i < end; ++i) append_pair(data, data.worker(thread), pairs[i], part);
     });
-    const std::span parts(scratch.parts.data(), chunks);
-    const auto count = [&](std::size_t begin, std::size_t end) {
-        std::size_t sum = 0;
-        for (const ContactSet& part : parts.subspan(begin, end - begin)) sum += part.contacts.size();
-        return sum;
-    };
-    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
-        for (std::size_t k = begin; k < end; place += parts[k++].contacts.size()) out.put(place, parts[k]);
-    };
-    const auto resize = [&](std::size_t size) { out.resize(size); };
-    compact(&data.team, "gather contacts", chunks, kGrain, scratch.places, count, resize, fill);
+    const std::span<const ContactSet> parts(scratch.parts.data(), chunks);
+    const auto put = [&](std::size_t place, const ContactSet& part) { out.put(place, part); };
+    gather_parts({&data.team, "gather contacts", kGrain, scratch.places}, parts, out, put);
     out.min_distance = std::numeric_limits<double>::infinity();
     for (const ContactSet& part : parts) out.min_distance = std::min(out.min_distance, part.min_distance);
     out.counters = {};
@@ -185,21 +177,14 @@ void VelocityArrays::store(Team* team, const Model& model, std::span<const Vec3>
 void select_contacts(const ContactSet& set, double time_step, const StaticStageOptions& options,
                      StaticStageScratch& scratch) {
     const auto wanted = [&](std::size_t i) { return !options.only_processed || set.processed[i] != 0; };
-    const auto count = [&](std::size_t begin, std::size_t end) {
-        std::size_t sum = 0;
-        for (std::size_t i = begin; i < end; ++i) sum += wanted(i) ? 1u : 0u;
-        return sum;
+    const auto with_target = [&](std::size_t i) {
+        Contact c = set.contacts[i];
+        const double full = (set.rest[i] - c.distance) / time_step; // equation 16
+        c.target = options.final_stage ? std::min(0.0, full) : full;
+        return c;
     };
-    const auto fill = [&](std::size_t begin, std::size_t end, std::size_t place) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (!wanted(i)) continue;
-            Contact& c = scratch.selected[place++] = set.contacts[i];
-            const double full = (set.rest[i] - c.distance) / time_step; // equation 16
-            c.target = options.final_stage ? std::min(0.0, full) : full;
-        }
-    };
-    const auto resize = [&](std::size_t size) { scratch.selected.resize(size); };
-    compact(options.team, "select contacts", set.contacts.size(), kContactGrain, scratch.places, count, resize, fill);
+    compact_if({options.team, "select contacts", kContactGrain, scratch.places}, set.size(), wanted, scratch.selected,
+               0, with_target);
 }
 
 StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,

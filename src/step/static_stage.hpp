@@ -17,6 +17,7 @@ struct ContactSet {
     double min_distance = std::numeric_limits<double>::infinity(); ///< m, of all feature pairs within proximity
     PruneCounters counters;                                        ///< of the search
 
+    [[nodiscard]] std::size_t size() const { return contacts.size(); }
     void clear();
     void resize(std::size_t size);
     /// Writes the contacts of `part` over those from `place` on.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "parallel/compact.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -48,8 +50,8 @@ Ints compacted(Team* team, std::size_t n, std::size_t grain, std::vector<std::si
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = repeat(i); k > 0; --k) kept[place++] = static_cast<int>(i);
     };
-    compact(
-        team, "test", n, grain, places, count, [&](std::size_t size) { kept.assign(size, -1); }, fill);
+    const auto resize = [&](std::size_t size) { kept.assign(size, -1); };
+    compact({team, "test", grain, places}, n, count, resize, fill);
     return kept;
 }
 
@@ -92,7 +94,7 @@ TEST(Compact, MakesRoomOnceBetweenTheTwoPasses) {
             EXPECT_EQ(place, begin);
             ++filled;
         };
-        compact(team, "test", 95, 10, places, count, resize, fill);
+        compact({team, "test", 10, places}, 95, count, resize, fill);
         EXPECT_EQ(filled, 10);
         EXPECT_EQ(sizes, (std::vector<std::size_t>{95}));
     });
@@ -106,9 +108,60 @@ TEST(Compact, AnEmptyListIsMadeEmpty) {
             ADD_FAILURE();
             return 0;
         };
-        compact(
-            team, "test", 0, 16, places, never, [&](std::size_t n) { size = n; }, never);
+        const auto resize = [&](std::size_t n) { size = n; };
+        compact({team, "test", 16, places}, 0, never, resize, never);
         EXPECT_EQ(size, 0u);
+    });
+}
+
+TEST(CompactIf, ReplacesTheRestOfAListByTheItemsThatAreKept) {
+    for_teams([](Team* team) {
+        std::vector<std::size_t> places;
+        Ints out;
+        const auto item = [](std::size_t i) { return static_cast<int>(2 * i); };
+        for (const std::size_t n : kSizes)
+            for (const Repeat& repeat : kRepeats)
+                for (const std::size_t from : {0u, 3u}) {
+                    const auto kept = [&](std::size_t i) { return repeat(i) > 0; };
+                    Ints wanted(from, -7);
+                    for (std::size_t i = 0; i < n; ++i)
+                        if (kept(i)) wanted.push_back(item(i));
+                    out.assign(from + 5, -7);
+                    compact_if({team, "test", 16, places}, n, kept, out, from, item);
+                    ASSERT_EQ(out, wanted) << n;
+                }
+    });
+}
+
+TEST(CompactIf, LooksAtEveryItemOnceAndFirst) {
+    for_teams([](Team* team) {
+        std::vector<std::size_t> places;
+        Ints looks(1000, 0), out;
+        const auto look = [&](std::size_t i) { return ++looks[i] == 1 && i % 2 == 0; };
+        const auto kept = [&](std::size_t i) {
+            EXPECT_EQ(looks, Ints(looks.size(), 1)) << "all were looked at";
+            return i % 2 == 0;
+        };
+        const auto item = [](std::size_t i) { return static_cast<int>(i); };
+        compact_if({team, "test", 16, places}, looks.size(), look, kept, out, 0, item);
+        EXPECT_EQ(out, serial(looks.size(), [](std::size_t i) { return 1 - i % 2; }));
+    });
+}
+
+TEST(GatherParts, PutsThemOneBehindTheOther) {
+    for_teams([](Team* team) {
+        std::vector<std::size_t> places;
+        Ints out(5, -7);
+        const auto put = [&](std::size_t place, const Ints& part) {
+            std::copy(part.begin(), part.end(), out.begin() + static_cast<std::ptrdiff_t>(place));
+        };
+        for (const std::size_t n : kSizes)
+            for (const Repeat& repeat : kRepeats) {
+                std::vector<Ints> parts;
+                for (std::size_t i = 0; i < n; ++i) parts.emplace_back(repeat(i), static_cast<int>(i));
+                gather_parts({team, "test", 16, places}, std::span<const Ints>(parts), out, put);
+                ASSERT_EQ(out, serial(n, repeat)) << n;
+            }
     });
 }
 
