@@ -128,11 +128,8 @@ RunWriter::RunWriter(const fs::path& folder, const RunInfo& info, const RunScene
                          std::to_string(reader.info().frame_every) + " steps; --resume cannot change that");
     started_ = reader.info().record.started;
     info_.record.resumed = resumed_json(reader.info().record.resumed, info, step);
+    const std::string steps = read_steps(); // before anything in the folder changes
     keep_frames(reader, step / info.frame_every + 1);
-    const std::string steps = read_text(folder / kStepsCsv);
-    if (!steps.empty() && !steps.starts_with(step_csv_header()))
-        throw IoError((folder / kStepsCsv).string() +
-                      ": its columns are not those that this version of flotilla writes");
     write_file(folder / kStepsCsv, step_csv_until(steps, step));
     write_run_json("running");
     steps_csv_ = std::make_unique<AppendFile>(folder / kStepsCsv);
@@ -153,14 +150,24 @@ void RunWriter::check_same_run(const RunInfo& earlier) const {
         throw InputError(folder_.string() + ": was made from another scene or other settings; --resume needs the same");
 }
 
-/// Removes the frames from `count` on. A segment on both sides of the border goes back into the buffer and is replaced when
-/// the buffer is written; until then its file stays.
+/// The run's steps.csv, whose columns must be those of the rows to come.
+std::string RunWriter::read_steps() const {
+    std::string steps = read_text(folder_ / kStepsCsv);
+    const std::string difference = step_csv_difference(steps);
+    if (!difference.empty())
+        throw IoError((folder_ / kStepsCsv).string() +
+                      ": its columns are not those that this version of flotilla writes: " + difference +
+                      "; resume the run with the version that began it, or start again with --overwrite");
+    return steps;
+}
+
+/// Removes the frames from `count` on, once those before are known to be there. A segment on both sides of the border goes back
+/// into the buffer and is replaced when the buffer is written; until then its file stays.
 void RunWriter::keep_frames(RunReader& reader, std::int64_t count) {
+    std::vector<fs::path> later;
     for (const auto& segment : list_segments(folder_)) {
         if (segment.first >= count) {
-            std::error_code error;
-            fs::remove(segment.path, error);
-            if (error) throw IoError(segment.path.string() + ": cannot remove: " + error.message());
+            later.push_back(segment.path);
         } else if (segment.last >= count) {
             first_frame_ = segment.first;
             for (std::int64_t k = segment.first; k < count; ++k) {
@@ -174,6 +181,11 @@ void RunWriter::keep_frames(RunReader& reader, std::int64_t count) {
     if (frames() < count)
         throw IoError(folder_.string() + ": frames " + std::to_string(frames()) + " to " + std::to_string(count - 1) +
                       " are missing, which come before the checkpoint; --overwrite starts again");
+    for (const fs::path& path : later) {
+        std::error_code error;
+        fs::remove(path, error);
+        if (error) throw IoError(path.string() + ": cannot remove: " + error.message());
+    }
 }
 
 RunWriter::~RunWriter() {

@@ -145,7 +145,8 @@ class RunWriter {
     /// Starts a run. InputError where the folder has content that `mode` excludes, IoError where another process writes into it.
     RunWriter(const std::filesystem::path& folder, const RunInfo& info, const RunScene& scene, OpenRun mode);
     /// Goes on with the run in the folder after step `step`: frames and rows of later steps are removed.
-    /// InputError where that run had another scene, other settings or another frame_every; IoError where frames are missing.
+    /// InputError where that run had another scene, other settings or another frame_every; IoError where frames are missing, or
+    /// where steps.csv is missing or has other columns than this version writes. Then nothing in the folder has changed.
     RunWriter(const std::filesystem::path& folder, const RunInfo& info, const RunScene& scene, std::int64_t step);
     /// Writes what is left and swallows errors; close() reports them.
     ~RunWriter();
@@ -165,6 +166,7 @@ class RunWriter {
   private:
     void clear_folder(OpenRun mode) const;
     void check_same_run(const RunInfo& earlier) const;
+    [[nodiscard]] std::string read_steps() const;
     void keep_frames(RunReader& reader, std::int64_t count);
     void append_frame(const FrameView& frame, std::span<const PathRotation> path);
     void append_activity(const ActivityView& activity);

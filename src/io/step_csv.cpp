@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "io/step_csv.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "base/text.hpp"
 #include "io/number.hpp"
 
 namespace flotilla::io {
@@ -53,6 +55,18 @@ std::string step_csv_row(const StepReport& row) {
     add(row.proximities), add(row.pruned_end_points), add(row.pruned_same_direction), add(row.pruned_angle);
     add(row.pruned_occluded);
     return text.append("\n");
+}
+
+std::string step_csv_difference(std::string_view text) {
+    if (text.empty()) return "";
+    const std::string header = step_csv_header();
+    const auto first_line = [](std::string_view lines) { return step_csv_fields(lines.substr(0, lines.find('\n'))); };
+    const std::vector<std::string_view> expected = first_line(header), found = first_line(text);
+    const auto [e, f] = std::mismatch(expected.begin(), expected.end(), found.begin(), found.end());
+    if (e == expected.end() && f == found.end()) return "";
+    if (f == found.end()) return "it has no column " + in_quotes(*e);
+    if (e == expected.end()) return "column " + in_quotes(*f) + " is not known";
+    return "it has column " + in_quotes(*f) + " where " + in_quotes(*e) + " is expected";
 }
 
 std::string step_csv_until(std::string_view text, std::int64_t last_step) {

@@ -5,7 +5,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "cli/killed_runs.hpp"
 #include "io/damage.hpp"
@@ -75,6 +80,57 @@ TEST_F(Resume, AnotherSceneOrOtherSettingsAreRefused) {
     EXPECT_EQ(step_hashes(run()), before);
     folder_.write("run/notes.txt", "mine");
     EXPECT_EQ(run_flotilla(options(9)).exit_code, 2);
+}
+
+/// What a folder's files hold, by name.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        std::ifstream in(entry.path(), std::ios::binary);
+        files[entry.path().filename().string()] = {std::istreambuf_iterator<char>(in), {}};
+    }
+    return files;
+}
+
+TEST_F(Resume, StepsWithOtherColumnsAreRefusedAndTheFolderStaysAsItIs) {
+    ASSERT_EQ(run_flotilla(options(12)).exit_code, 0);
+    const auto hashes = step_hashes(run());
+    fs::remove(file("checkpoint-00000012.h5")); // the frames after step 10 would go
+    const std::string steps = contents(run())["steps.csv"];
+    const std::string header = steps.substr(0, steps.find('\n'));
+    std::string renamed = header;
+    renamed.replace(renamed.find(",pairs,"), 7, ",couples,");
+    const std::pair<std::string, const char*> others[] = {
+        {header.substr(0, header.rfind(',')), R"(it has no column "pruned_occluded")"},
+        {header + ",weight", R"(column "weight" is not known)"},
+        {renamed, R"(it has column "couples" where "pairs" is expected)"},
+    };
+    for (const auto& [other, reason] : others) {
+        SCOPED_TRACE(other);
+        folder_.write("run/steps.csv", other + steps.substr(header.size()));
+        const auto before = contents(run());
+        const CommandOutput r = run_flotilla(options(14) + "--resume");
+        EXPECT_EQ(r.exit_code, 5);
+        EXPECT_NE(r.err.find(file("steps.csv").string() + ": "), std::string::npos) << r.err;
+        EXPECT_NE(r.err.find(reason), std::string::npos) << r.err;
+        EXPECT_TRUE(contents(run()) == before);
+    }
+    folder_.write("run/steps.csv", steps);
+    EXPECT_EQ(run_flotilla(options(12) + "--resume").exit_code, 0);
+    EXPECT_EQ(step_hashes(run()), hashes);
+}
+
+TEST_F(Resume, WhereAFileIsMissingTheOthersStayAsTheyAre) {
+    for (const char* missing : {"steps.csv", "frames-00000006-00000010.h5"}) {
+        SCOPED_TRACE(missing);
+        ASSERT_EQ(run_flotilla(options(12) + "--overwrite").exit_code, 0);
+        fs::remove(file("checkpoint-00000012.h5"));
+        ASSERT_TRUE(fs::remove(file(missing)));
+        const auto before = contents(run());
+        const CommandOutput r = run_flotilla(options(14) + "--resume");
+        EXPECT_EQ(r.exit_code, 5) << r.err;
+        EXPECT_TRUE(contents(run()) == before);
+    }
 }
 
 TEST_F(Resume, AMissingMeshIsNamed) {

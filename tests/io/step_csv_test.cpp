@@ -32,6 +32,18 @@ TEST(StepCsv, RowsAfterAStepAndATornLineAreDropped) {
     EXPECT_EQ(io::step_csv_until(torn, 12), io::step_csv_until(text, 11));
 }
 
+TEST(StepCsv, OtherColumnsAreNamed) {
+    const std::string header = io::step_csv_header();
+    EXPECT_EQ(io::step_csv_difference(header), "");
+    EXPECT_EQ(io::step_csv_difference(header + io::step_csv_row({})), "");
+    EXPECT_EQ(io::step_csv_difference(""), "");
+    EXPECT_EQ(io::step_csv_difference("step,time\n1,0.5\n"), R"(it has no column "total_ms")");
+    EXPECT_EQ(io::step_csv_difference("step,temps\n"), R"(it has column "temps" where "time" is expected)");
+    EXPECT_EQ(io::step_csv_difference(header.substr(0, header.size() - 1) + ",more\n"),
+              R"(column "more" is not known)");
+    EXPECT_EQ(io::step_csv_difference("\n"), R"(it has column "" where "step" is expected)");
+}
+
 TEST(StepCsv, ATableHasEveryWholeRowAndItsFields) {
     std::string text = io::step_csv_header();
     StepReport row;
