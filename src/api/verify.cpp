@@ -2,7 +2,6 @@
 #include <flotilla/verify.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -10,6 +9,7 @@
 #include <flotilla/scene_file.hpp>
 
 #include "audit/audit.hpp"
+#include "base/stopwatch.hpp"
 #include "base/text.hpp"
 #include "io/poses_csv.hpp"
 #include "io/run_folder.hpp"
@@ -67,8 +67,7 @@ class Verifier {
         gap_ = true;
     }
 
-    VerifyReport finish(double seconds) {
-        report_.seconds = seconds;
+    VerifyReport finish() {
         if (report_.motions_skipped > 0 && options_.motion != VerifyMotion::never && report_.unreadable.empty())
             report_.notes.push_back(
                 "frames are more than one time step apart: " + std::to_string(report_.motions_skipped) +
@@ -181,15 +180,18 @@ class Verifier {
     VerifyReport report_;
 };
 
-class Stopwatch {
-  public:
-    [[nodiscard]] double seconds() const {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+/// What check() reports, with the time that it took.
+template <class Check>
+VerifyReport timed(Check&& check) {
+    VerifyReport report;
+    double ms = 0;
+    {
+        const Stopwatch watch(ms);
+        report = check();
     }
-
-  private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
+    report.seconds = ms / 1000;
+    return report;
+}
 
 void tell(const VerifyOptions& options, double part) {
     if (options.progress) options.progress(std::clamp(part, 0.0, 1.0));
@@ -197,6 +199,44 @@ void tell(const VerifyOptions& options, double part) {
 
 audit::Motion motion_of(Trajectory trajectory) {
     return trajectory == Trajectory::rigid ? audit::Motion::rigid : audit::Motion::linear;
+}
+
+VerifyReport check_run(const std::filesystem::path& folder, const VerifyOptions& options) {
+    io::RunReader reader(folder);
+    Verifier verifier(reader.scene(), motion_of(reader.info().trajectory), options);
+    std::optional<std::int64_t> last_step;
+    for (std::int64_t k = 0; k < reader.frames(); ++k) {
+        try {
+            io::Frame frame = reader.frame(k);
+            const std::int64_t step = frame.step;
+            verifier.add(std::move(frame), last_step && step == *last_step + 1);
+            last_step = step;
+        } catch (const IoError& error) {
+            verifier.skip(error.what());
+        }
+        tell(options, static_cast<double>(k + 1) / static_cast<double>(reader.frames()));
+    }
+    return verifier.finish();
+}
+
+VerifyReport check_poses(const std::filesystem::path& scene_file, const std::filesystem::path& poses,
+                         const VerifyOptions& options) {
+    const Scene scene = build_scene(read_scene(scene_file), scene_file.string());
+    const io::RunScene bodies = io::make_run_scene(scene);
+    std::vector<std::string> names;
+    for (const auto& body : bodies.bodies) names.push_back(body.name);
+    io::PosesCsvReader reader(poses, names);
+    Verifier verifier(bodies, motion_of(scene.settings.trajectory), options);
+    std::optional<double> last_time;
+    for (io::Frame frame; reader.next(frame);) {
+        const double time = frame.time;
+        // Times in a file are rounded; half a step tells one step from two.
+        verifier.add(std::move(frame), last_time && std::abs(time - *last_time) < 1.5 * scene.settings.time_step);
+        last_time = time;
+        tell(options,
+             static_cast<double>(reader.position()) / static_cast<double>(std::max<std::uintmax_t>(reader.size(), 1)));
+    }
+    return verifier.finish();
 }
 
 } // namespace
@@ -225,43 +265,12 @@ std::string to_string(const VerifyFault& fault) {
 }
 
 VerifyReport verify_run(const std::filesystem::path& folder, const VerifyOptions& options) {
-    const Stopwatch watch;
-    io::RunReader reader(folder);
-    Verifier verifier(reader.scene(), motion_of(reader.info().trajectory), options);
-    std::optional<std::int64_t> last_step;
-    for (std::int64_t k = 0; k < reader.frames(); ++k) {
-        try {
-            io::Frame frame = reader.frame(k);
-            const std::int64_t step = frame.step;
-            verifier.add(std::move(frame), last_step && step == *last_step + 1);
-            last_step = step;
-        } catch (const IoError& error) {
-            verifier.skip(error.what());
-        }
-        tell(options, static_cast<double>(k + 1) / static_cast<double>(reader.frames()));
-    }
-    return verifier.finish(watch.seconds());
+    return timed([&] { return check_run(folder, options); });
 }
 
 VerifyReport verify_poses(const std::filesystem::path& scene_file, const std::filesystem::path& poses,
                           const VerifyOptions& options) {
-    const Stopwatch watch;
-    const Scene scene = build_scene(read_scene(scene_file), scene_file.string());
-    const io::RunScene bodies = io::make_run_scene(scene);
-    std::vector<std::string> names;
-    for (const auto& body : bodies.bodies) names.push_back(body.name);
-    io::PosesCsvReader reader(poses, names);
-    Verifier verifier(bodies, motion_of(scene.settings.trajectory), options);
-    std::optional<double> last_time;
-    for (io::Frame frame; reader.next(frame);) {
-        const double time = frame.time;
-        // Times in a file are rounded; half a step tells one step from two.
-        verifier.add(std::move(frame), last_time && std::abs(time - *last_time) < 1.5 * scene.settings.time_step);
-        last_time = time;
-        tell(options,
-             static_cast<double>(reader.position()) / static_cast<double>(std::max<std::uintmax_t>(reader.size(), 1)));
-    }
-    return verifier.finish(watch.seconds());
+    return timed([&] { return check_poses(scene_file, poses, options); });
 }
 
 } // namespace flotilla
