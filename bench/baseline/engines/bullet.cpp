@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // flotilla_bullet: a scene simulated by Bullet (bulletphysics.org), single precision as Debian builds it.
-//  - panels: movable meshes as compounds of one convex hull per triangle, each with a margin of half the gap around it.
+//  - panels: movable meshes as compounds of thin convex hulls (panels.hpp), each with a margin of half the gap around it.
 //  - gimpact: movable meshes as btGImpactMeshShape, which Bullet's author calls deprecated, with the same margin.
 // Static meshes are triangle meshes in both. Friction and restitution of a pair are products in Bullet; bodies get the square
 // roots of theirs, so that pairs have the geometric mean, as in flotilla. Nothing sleeps.
@@ -9,12 +9,14 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <cmath>
+#include <iostream>
 #include <map>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "engine.hpp"
+#include "panels.hpp"
 
 namespace {
 
@@ -78,7 +80,8 @@ class Bullet final : public Engine {
         const ShapeDescription& shape = scene_.description.shapes[index];
         const auto margin = static_cast<btScalar>(arguments.gap / 2);
         const std::vector<Vec3> vertices = vertices_about_mass(shape, scene_.masses[index]);
-        if (movable && arguments.shape == "panels") return make_panels(shape, vertices, margin);
+        if (movable && arguments.shape == "panels")
+            return make_panels({vertices, shape.triangles}, {.thickness = arguments.panel_thickness}, margin);
         auto mesh = std::make_unique<btTriangleMesh>();
         for (const Triangle& t : shape.triangles)
             mesh->addTriangle(corner(vertices, t[0]), corner(vertices, t[1]), corner(vertices, t[2]));
@@ -90,14 +93,16 @@ class Bullet final : public Engine {
         return keep(std::move(gimpact), margin);
     }
 
-    btCollisionShape* make_panels(const ShapeDescription& shape, const std::vector<Vec3>& vertices, btScalar margin) {
+    btCollisionShape* make_panels(const TriangleMesh& mesh, const PanelLimits& limits, btScalar margin) {
         auto compound = std::make_unique<btCompoundShape>();
-        for (const Triangle& t : shape.triangles) {
+        const std::vector<Panel> panels = merge_into_panels(mesh, limits);
+        for (const Panel& panel : panels) {
             auto hull = std::make_unique<btConvexHullShape>();
-            for (const std::int32_t v : t) hull->addPoint(corner(vertices, v), false);
+            for (const std::int32_t v : panel_vertices(mesh, panel)) hull->addPoint(corner(mesh.vertices, v), false);
             hull->recalcLocalAabb();
             compound->addChildShape(btTransform::getIdentity(), keep(std::move(hull), margin));
         }
+        std::cout << "panels: " << panels.size() << " of " << mesh.triangles.size() << " triangles\n";
         return keep(std::move(compound), margin);
     }
 

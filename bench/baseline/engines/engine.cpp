@@ -68,6 +68,10 @@ int run_engine(int argc, char** argv, const std::string& name, const std::vector
     app.add_option("--steps", arguments.steps, "Steps")->required()->check(CLI::PositiveNumber);
     app.add_option("--dt", arguments.dt, "Time step, s")->check(CLI::PositiveNumber);
     app.add_option("--gap", arguments.gap, "Kept between surfaces, m")->check(CLI::NonNegativeNumber);
+    app.add_option(
+           "--panel-thickness", arguments.panel_thickness,
+           "Of the thin convex panels that meshes are cut into where the engine takes such, m; 0: a panel per triangle")
+        ->check(CLI::NonNegativeNumber);
     app.add_option("--iterations", arguments.iterations, "Of the engine's solver (default: its own)");
     app.add_option("--shape", arguments.shape, "How meshes are taken")->check(CLI::IsMember(shapes));
     CLI11_PARSE(app, argc, argv);

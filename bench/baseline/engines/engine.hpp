@@ -19,6 +19,7 @@ struct EngineArguments {
     std::string scene, output, shape; ///< `shape`: how the engine takes the meshes, its own words
     double dt = 1.0 / 24;             ///< s
     double gap = 0.01;                ///< m, kept between surfaces where the engine can
+    double panel_thickness = 0;       ///< m, of convex panels that meshes are cut into; 0: a panel for each triangle
     int steps = 0;
     int iterations = 0; ///< of the engine's solver; 0: its default
 };
