@@ -110,10 +110,10 @@ TEST(Panels, OpeningsStayOpen) {
 }
 
 TEST(Panels, SharpFoldIsCutHoweverThin) {
-    // Two triangles folded back on each other by 170 degrees: the slab that holds them is thin, but they face apart.
-    const double c = std::cos(0.17), s = std::sin(0.17);
+    // A small triangle folded back on a large one by 170 degrees: one slab and one hull hold both, but they face apart.
+    const double c = 0.1 * std::cos(0.17), s = 0.1 * std::sin(0.17);
     const TriangleMesh mesh{{{0, 0, 0}, {0, 1, 0}, {1, 0.5, 0}, {c, 0.5, s}}, {{0, 2, 1}, {0, 1, 3}}};
-    EXPECT_EQ(merge_into_panels(mesh, {.thickness = 0.5}).size(), 2U);
+    EXPECT_EQ(merge_into_panels(mesh, {.thickness = 0.5, .overhang = 1}).size(), 2U);
 }
 
 TEST(Panels, TrianglesWithoutAreaAreKept) {
