@@ -100,7 +100,7 @@ int number_regions(const ContactBodies& bodies, ContactScratch& s) {
     return static_cast<int>(regions);
 }
 
-// Moves the packets of every (island, colour), four pairs each, into the order of their first pair's region; what is left over
+// Moves the packets of every (island, colour), four pairs each, into the order of their pairs' mean region; what is left over
 // stays behind them.
 void order_packets_by_region(ContactScratch& s) {
     const auto same = [&](std::int32_t p, std::int32_t q) {
@@ -113,7 +113,12 @@ void order_packets_by_region(ContactScratch& s) {
         s.packet_order.resize(index(full));
         std::iota(s.packet_order.begin(), s.packet_order.end(), 0);
         const auto pair_at = [&](std::int32_t packet) { return first + index(packet) * kPacketLanes; };
-        const auto region = [&](std::int32_t packet) { return s.region_of_pair[index(s.pair_order[pair_at(packet)])]; };
+        const auto region = [&](std::int32_t packet) { // times kPacketLanes
+            std::int32_t sum = 0;
+            for (std::size_t lane = 0; lane < kPacketLanes; ++lane)
+                sum += s.region_of_pair[index(s.pair_order[pair_at(packet) + lane])];
+            return sum;
+        };
         std::sort(s.packet_order.begin(), s.packet_order.end(),
                   [&](std::int32_t p, std::int32_t q) { return std::pair(region(p), p) < std::pair(region(q), q); });
         for (std::int32_t k = 0; k < full; ++k)
@@ -121,6 +126,15 @@ void order_packets_by_region(ContactScratch& s) {
                         kPacketLanes, s.sorted.begin() + static_cast<std::ptrdiff_t>(pair_at(k)));
     }
     s.pair_order.swap(s.sorted);
+}
+
+// By region, forwards where the number of contacts is even against the largest one, else backwards: when the pairs are sorted by that
+// number afterwards, a packet with pairs of two numbers has them from the same end.
+void sort_by_region_to_and_fro(int num_regions, ContactScratch& s) {
+    s.region_to_and_fro.resize(s.pairs.size());
+    for (std::size_t k = 0; k < s.pairs.size(); ++k)
+        s.region_to_and_fro[k] = s.missing[k] % 2 == 0 ? s.region_of_pair[k] : num_regions - 1 - s.region_of_pair[k];
+    stable_sort_by_key(s.region_to_and_fro, num_regions, s.pair_order, s.counts, s.sorted);
 }
 
 // Sorts the pairs by (island, colour) and cuts the islands out of that list. Within a colour the order changes no bit: pairs with
@@ -143,7 +157,7 @@ int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
         const BodyPair& p = s.pairs[k];
         s.region_of_pair[k] = s.region[index(s.movable[index(p.a)] ? p.a : p.b)];
     }
-    if (num_regions > 1) stable_sort_by_key(s.region_of_pair, num_regions, s.pair_order, s.counts, s.sorted);
+    if (num_regions > 1) sort_by_region_to_and_fro(num_regions, s);
     stable_sort_by_key(s.missing, most + 1, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.color, num_colors, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.island_of_pair, num_islands, s.pair_order, s.counts, s.sorted);

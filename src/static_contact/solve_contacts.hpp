@@ -102,7 +102,7 @@ struct ContactScratch {
     std::vector<std::int32_t> packet_order;
     std::vector<std::int32_t> counts, sorted;
     std::vector<std::int32_t> region, cell, body_order; ///< of bodies in contact
-    std::vector<std::int32_t> region_of_pair;
+    std::vector<std::int32_t> region_of_pair, region_to_and_fro;
     ColoringScratch coloring;
     ContactGraphScratch graph;
     std::vector<BodyVelocity> velocity; ///< per body in contact
