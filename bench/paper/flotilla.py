@@ -6,7 +6,6 @@ import math
 import os
 import re
 import subprocess
-import tempfile
 
 
 class Failed(Exception):
@@ -19,20 +18,13 @@ class Flotilla:
     def __init__(self, command, folder, threads):
         self.command, self.folder, self.threads = command, folder, threads
         self.commit = None  # of the command, as its first run says
-        self.peak_mib = 0.0  # of the latest call: its largest resident memory
         os.makedirs(folder, exist_ok=True)
 
     def call(self, *arguments, expect=(0,)):
-        with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as errors:
-            process = subprocess.Popen([self.command, *map(str, arguments)], stdout=out, stderr=errors)
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            self.peak_mib = usage.ru_maxrss / 1024
-            out.seek(0), errors.seek(0)
-            text = out.read()
-            if process.returncode not in expect:
-                raise Failed(f"flotilla {' '.join(map(str, arguments))}: exit code {process.returncode}\n{text}{errors.read()}")
-        return text
+        done = subprocess.run([self.command, *map(str, arguments)], capture_output=True, text=True)
+        if done.returncode not in expect:
+            raise Failed(f"flotilla {' '.join(map(str, arguments))}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+        return done.stdout
 
     def scene(self, name, bodies=0, seed=1, edit=None):
         """The path of a library scene's file. edit(scene) may change it, a dict, before it is written."""
@@ -57,19 +49,19 @@ class Flotilla:
         """Runs `scene` (a path), verifies it frame by frame and in between, and returns a Run."""
         folder = os.path.join(self.folder, label)
         arguments = [word for key, value in (settings or {}).items() for word in ("--set", f"{key}={value}")]
-        self.call("run", scene, "--output", folder, "--overwrite", "--quiet", "--steps", steps, "--threads", self.threads,
-                  *arguments, *options)
+        text = self.call("run", scene, "--output", folder, "--overwrite", "--quiet", "--steps", steps, "--threads", self.threads,
+                         *arguments, *options)
         if self.commit is None:
             with open(os.path.join(folder, "run.json"), encoding="utf-8") as file:
                 self.commit = json.load(file)["commit"]
-        return Run(self, folder, verify)
+        return Run(self, folder, verify, float(re.search(r"peak memory: ([\d.]+) MiB", text).group(1)))
 
 
 class Run:
     """A finished run."""
 
-    def __init__(self, flotilla, folder, verify):
-        self.flotilla, self.folder, self.peak_mib = flotilla, folder, flotilla.peak_mib
+    def __init__(self, flotilla, folder, verify, peak_mib):
+        self.flotilla, self.folder, self.peak_mib = flotilla, folder, peak_mib
         with open(os.path.join(folder, "steps.csv"), encoding="utf-8") as file:
             self.steps = list(csv.DictReader(file))
         self.frames_verified = self.intersections = 0

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <sstream>
 
 #include <flotilla/error.hpp>
@@ -69,6 +70,15 @@ void print_threads(const std::vector<ThreadReport>& threads) {
                     static_cast<long>(threads[k].tasks), static_cast<long>(threads[k].stolen));
 }
 
+/// The most memory that the process ever had resident, MiB, without what was inherited from the one that started it; none where the
+/// system does not say.
+std::optional<double> peak_memory() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::stod(line.substr(6)) / 1024; // kB
+    return std::nullopt;
+}
+
 void print_summary(const RunTotals& s) {
     const double n = s.steps > 0 ? static_cast<double>(s.steps) : 1;
     std::printf("%ld bodies, %ld steps", static_cast<long>(s.bodies), static_cast<long>(s.steps));
@@ -94,6 +104,7 @@ void print_summary(const RunTotals& s) {
         std::printf("%.6g m\n", s.min_distance);
     else
         std::printf("nothing came within the proximity distance\n");
+    if (const std::optional<double> peak = peak_memory()) std::printf("peak memory: %.1f MiB\n", *peak);
     std::printf("energy at the end: %.6g J (kinetic %.6g J)\n", s.last.energy, s.last.kinetic_energy);
     std::printf("state hash: %016lx\n", static_cast<unsigned long>(s.last.state_hash));
     print_threads(s.threads);

@@ -46,6 +46,17 @@ TEST_F(RunThreads, ChangeNoBit) {
     EXPECT_NE(last_.find("waiting, ms"), std::string::npos) << last_;
 }
 
+TEST_F(RunThreads, PeakMemoryIsOfTheRunAlone) {
+    const std::vector<char> ours(std::size_t{400} << 20, 1); // what a child inherits counts in getrusage()
+    run("");
+    const std::string key = "peak memory: ";
+    const std::size_t at = last_.find(key);
+    ASSERT_NE(at, std::string::npos) << last_;
+    const double mib = std::stod(last_.substr(at + key.size()));
+    EXPECT_GT(mib, 5);
+    EXPECT_LT(mib, 200) << ours.size();
+}
+
 TEST_F(RunThreads, InstructionSetsChangeNoBit) {
     const auto expected = run("--threads 2");
     for (const char* name : {"scalar", "avx2", "none such"}) {
