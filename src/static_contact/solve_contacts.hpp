@@ -38,8 +38,8 @@ struct ContactSolveOptions {
     bool warm_start = true;  ///< start from the impulses handed in
     bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
     /// An island is good enough, too, where no contact violates more than so many times the tolerance, >= 1, and no more than one in a
-    /// hundred more than the tolerance: then it takes no shock. In a pile that is a boat that is jammed somewhere, and a shock
-    /// would leave velocities off from which the next solve could go on; in a stack that leans, all contacts are above.
+    /// hundred more than the tolerance: then it takes no shock. That spares time, but a
+    /// body that slides where more sweeps or a shock would hold it is one of those few.
     double good_enough = 1;
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; two fifths as
     /// many where it is good enough; 0: never. What is left then are impulses that bodies in contact at many points could exchange
