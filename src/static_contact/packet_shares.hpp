@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <span>
 
+#include "parallel/sweep_width.hpp"
 #include "static_contact/contact_packets.hpp"
 
 namespace flotilla {
@@ -40,6 +41,15 @@ struct GroupPackets {
     const auto first = static_cast<std::size_t>(groups[group].first);
     const auto last = static_cast<std::size_t>(group + 1 < groups.size() ? groups[group + 1].first : end);
     return {packets.subspan(first, last - first), groups[group].alone};
+}
+
+/// How many threads, at most `most`, sweeps of the groups are worth: a group for one thread counts as one task.
+[[nodiscard]] inline int sweep_width_of(std::span<const PacketGroup> groups, std::int32_t end,
+                                        std::span<const ContactPacket> packets, int most) {
+    std::size_t tasks = 0;
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        tasks += static_cast<std::size_t>(packets_of(groups, g, end, packets).num_tasks());
+    return sweep_width(tasks, groups.size(), most);
 }
 
 } // namespace flotilla

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 
-#include "parallel/sweep_width.hpp"
 #include "static_contact/assemble.hpp"
 #include "static_contact/island_energy.hpp"
 #include "static_contact/packet_shares.hpp"
@@ -200,9 +199,10 @@ void run_levels(ContactScratch::Island& island, const ContactSolveOptions& optio
     const double tolerance = options.tolerance / order_by_level(island, s);
     copy_levels(options, s);
     pack_levels(options, s);
-    const bool together = options.team != nullptr && is_large(island);
+    const bool together = options.team != nullptr && is_large(island, s);
     const auto width = [&](int most) {
-        return sweep_width(s.shock_packed.packets.size(), s.shock_groups.size(), most);
+        const auto end = static_cast<std::int32_t>(s.shock_packed.packets.size());
+        return sweep_width_of(s.shock_groups, end, s.shock_packed.packets, most);
     };
     const int threads = together ? width(options.team->size()) : 1;
     if (threads > 1) s.seen.assign(index(threads), {});

@@ -67,7 +67,7 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
 void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();
     for (std::size_t k = 0; k < s.islands.size(); ++k) {
-        if (options.team == nullptr || is_large(s.islands[k]))
+        if (options.team == nullptr || is_large(s.islands[k], s))
             solve_island(s.islands[k], bodies, options, s);
         else
             s.small_islands.push_back(static_cast<std::int32_t>(k));

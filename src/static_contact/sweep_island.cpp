@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "parallel/sweep_width.hpp"
 #include "static_contact/assemble.hpp"
 #include "static_contact/packet_shares.hpp"
 
@@ -52,6 +51,14 @@ double turned_back(std::span<const std::int32_t> bodies, const ContactScratch& s
                w.angular * dot(y.angular - x.angular, x.angular - before.angular);
     }
     return sum;
+}
+
+std::span<const PacketGroup> groups_of(const Island& island, const ContactScratch& s) {
+    return std::span(s.groups).subspan(index(island.first_group), index(island.end_group - island.first_group));
+}
+
+int width_of(const Island& island, const ContactScratch& s, int most) {
+    return sweep_width_of(groups_of(island, s), island.end_packet, s.packed.packets, most);
 }
 
 /// The sequence of m, and whether the residual still falls.
@@ -118,10 +125,7 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
     }
 }
 
-bool is_large(const Island& island) {
-    return sweep_width(index(island.end_packet - island.first_packet), index(island.end_group - island.first_group),
-                       2) > 1;
-}
+bool is_large(const Island& island, const ContactScratch& s) { return width_of(island, s, 2) > 1; }
 
 SweepView view_of(const Island& island, ContactScratch& s) {
     return {.packets = s.packed.packets.data() + island.first_packet,
@@ -149,7 +153,7 @@ class IslandSweeps {
               std::span(s.island_bodies).subspan(index(island.first_body), index(island.end_body - island.first_body))),
           packets_(std::span(s.packed.packets)
                        .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
-          groups_(std::span(s.groups).subspan(index(island.first_group), index(island.end_group - island.first_group))),
+          groups_(groups_of(island, s)),
           seen_(threads > 1 ? std::span(s.seen) : std::span(&alone_, 1)),
           recorder_(options.team != nullptr ? options.team->recorder() : nullptr) {
         if (recorder_ != nullptr) busy_.assign(index(threads) * num_groups(), 0);
@@ -336,19 +340,16 @@ class IslandSweeps {
 // is confirmed on the state that it left. With momentum it also sees what the extrapolation added, so that one that does not pass is
 // looked at now and then.
 void sweep_island(Island& island, const ContactSolveOptions& options, const SweepStart& start, ContactScratch& s) {
-    const int threads = is_large(island) && options.team != nullptr
-                            ? sweep_width(index(island.end_packet - island.first_packet),
-                                          index(island.end_group - island.first_group), options.team->size())
-                            : 1;
+    const bool together = options.team != nullptr && is_large(island, s);
+    const int threads = together ? width_of(island, s, options.team->size()) : 1;
     if (threads > 1) s.seen.assign(index(threads), {}); // one large island at a time
     IslandSweeps sweeps(island, options, start, threads, s);
-    if (!is_large(island) || options.team == nullptr) {
+    if (!together) {
         SpinBarrier alone(1, false);
         return sweeps.run(0, alone);
     }
     TaskRecorder* recorder = options.team->recorder();
-    const int most_threads = sweep_width(index(island.end_packet - island.first_packet),
-                                         index(island.end_group - island.first_group), std::numeric_limits<int>::max());
+    const int most_threads = width_of(island, s, std::numeric_limits<int>::max());
     const std::int32_t region =
         recorder != nullptr ? recorder->begin_region("contact sweeps", RegionKind::sweeps, most_threads, nullptr) : -1;
     options.team->together(threads, [&](int thread, SpinBarrier& barrier) { sweeps.run(thread, barrier); });

@@ -435,7 +435,7 @@ TEST(SolveContacts, PacketsHaveFewIdleLanes) {
 
 TEST(SolveContacts, SmallColorsInARowAreLeftToOneThread) {
     std::vector<ContactBlock> blocks;
-    for (const auto [color, pairs] : {std::pair{0, 40}, {1, 8}, {2, 20}, {3, 4}, {4, 40}, {5, 1}})
+    for (const auto& [color, pairs] : {std::pair{0, 40}, {1, 8}, {2, 20}, {3, 4}, {4, 40}, {5, 1}})
         for (int k = 0; k < pairs; ++k) {
             ContactBlock& block = blocks.emplace_back();
             block.color = color;
@@ -458,6 +458,8 @@ TEST(SolveContacts, SmallColorsInARowAreLeftToOneThread) {
     const GroupPackets large = packets_of(island, 2, 29, packed.packets);
     EXPECT_EQ(large.num_tasks(), 10);
     EXPECT_EQ(large.share(0, 2).size() + large.share(1, 2).size(), 10u);
+    EXPECT_EQ(sweep_width_of(island.subspan(1, 1), 18, packed.packets, 2), 1) << "nothing to share out";
+    EXPECT_EQ(sweep_width_of(island.subspan(2, 1), 28, packed.packets, 2), 2);
 }
 
 // --- order ---
