@@ -142,11 +142,11 @@ double sweep(Cone cone, const SweepView& view, Isa isa) {
     return sweep_any<ScalarPack>(cone, view);
 }
 
-Residual find_residual(Cone cone, const SweepView& view, double tolerance, Isa isa) {
+double largest_violation(Cone cone, const SweepView& view, Isa isa) {
 #if defined(__x86_64__)
-    if (isa != Isa::scalar) return find_residual_avx2(cone, view, tolerance);
+    if (isa != Isa::scalar) return largest_violation_avx2(cone, view);
 #endif
-    return find_residual_any<ScalarPack>(cone, view, tolerance);
+    return largest_violation_any<ScalarPack>(cone, view);
 }
 
 void apply_impulses(const SweepView& view, Isa isa) {

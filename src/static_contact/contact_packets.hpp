@@ -89,20 +89,15 @@ struct SweepView {
 /// One sweep in packet order. Returns the largest violation met, m/s.
 double sweep(Cone cone, const SweepView& view, Isa isa);
 
-/// What contacts violate at the present velocities.
-struct Residual {
-    double largest = 0;     ///< m/s
-    std::int64_t above = 0; ///< contacts that violate more than the tolerance
-};
-/// Changes nothing. `tolerance` in m/s.
-Residual find_residual(Cone cone, const SweepView& view, double tolerance, Isa isa);
+/// The largest violation at the present velocities, m/s; changes nothing.
+double largest_violation(Cone cone, const SweepView& view, Isa isa);
 
 /// V += M^-1 J^T lambda for the impulses that the rows hold: the warm start.
 void apply_impulses(const SweepView& view, Isa isa);
 
 /// Kernels compiled for AVX2; call only where the processor has it.
 double sweep_avx2(Cone cone, const SweepView& view);
-Residual find_residual_avx2(Cone cone, const SweepView& view, double tolerance);
+double largest_violation_avx2(Cone cone, const SweepView& view);
 void apply_impulses_avx2(const SweepView& view);
 
 } // namespace flotilla

@@ -103,7 +103,7 @@ void store_velocities(const ContactScratch& s, const ContactBodies& bodies) {
 }
 
 void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
-    const auto unfinished = [&](const Island& i) { return !i.good_enough; };
+    const auto unfinished = [&](const Island& i) { return !(i.residual <= options.tolerance); };
     if (!options.shock || std::none_of(s.islands.begin(), s.islands.end(), unfinished)) return;
     s.level.resize(s.bodies.size());
     contact_levels(s.pairs, s.movable, s.graph, s.level);

@@ -37,15 +37,10 @@ struct ContactSolveOptions {
     double tolerance = 1e-6; ///< m/s, L-infinity violation at which an island stops
     bool warm_start = true;  ///< start from the impulses handed in
     bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
-    /// An island is good enough, too, where no contact violates more than so many times the tolerance, >= 1, and no more than one in a
-    /// hundred more than the tolerance: then it takes no shock. That spares time, but a
-    /// body that slides where more sweeps or a shock would hold it is one of those few.
-    double good_enough = 1;
-    /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; two fifths as
-    /// many where it is good enough; 0: never. What is left then are impulses that bodies in contact at many points could exchange
-    /// for ever, hardly moving.
+    /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
+    /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
     int patience = 0;
-    bool shock = true; ///< propagate a shock where PGS ended above what is good enough
+    bool shock = true; ///< propagate a shock where PGS ended above the tolerance
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
     /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
@@ -79,9 +74,8 @@ struct ContactScratch {
         std::int32_t first_group = 0, end_group = 0; ///< in groups
         std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
         int iterations = 0;
-        int last_sweeps = 0; ///< of the last time it was swept
-        double residual = 0; ///< m/s
-        bool good_enough = false;
+        int last_sweeps = 0;                      ///< of the last time it was swept
+        double residual = 0;                      ///< m/s
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
         bool shocked = false;
@@ -122,7 +116,7 @@ struct ContactScratch {
     /// there already.
     struct alignas(64) Seen {
         double worst[2] = {}; ///< m/s, by parity of the sweep
-        Residual residual;
+        double residual = 0;  ///< m/s
     };
     std::vector<Seen> seen;                                ///< by thread
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level

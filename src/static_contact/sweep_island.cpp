@@ -23,8 +23,6 @@ constexpr int kLookEvery = 10;
 constexpr std::size_t kBodiesPerSum = 64;
 /// An island stalls whose residual did not fall by a fifth for some time.
 constexpr double kLeastFall = 0.8;
-/// One contact in so many may be above the tolerance where an island is good enough.
-constexpr std::int64_t kMostAbove = 100;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -64,8 +62,7 @@ int width_of(const Island& island, const ContactScratch& s, int most) {
 /// The sequence of m, and whether the residual still falls.
 class Progress {
   public:
-    explicit Progress(const ContactSolveOptions& options)
-        : patience_far_(options.patience), patience_near_((2 * options.patience + 4) / 5) {}
+    explicit Progress(const ContactSolveOptions& options) : patience_(options.patience) {}
 
     double momentum(bool restart) {
         const double next = (1 + std::sqrt(1 + 4 * theta_ * theta_)) / 2;
@@ -73,12 +70,11 @@ class Progress {
         theta_ = restart ? 1.0 : next;
         return m;
     }
-    void saw(int sweeps, double residual, bool good_enough) {
+    void saw(int sweeps, double residual) {
         if (residual <= kLeastFall * mark_) {
             mark_ = residual;
             mark_sweeps_ = sweeps;
         }
-        patience_ = good_enough ? patience_near_ : patience_far_;
         rose_ = residual > kMostRise * lowest_;
         lowest_ = rose_ ? residual : std::min(lowest_, residual);
     }
@@ -88,7 +84,7 @@ class Progress {
 
   private:
     static constexpr double kNone = std::numeric_limits<double>::infinity();
-    int patience_far_, patience_near_, patience_ = patience_far_;
+    int patience_;
     double theta_ = 1;
     double mark_ = kNone; ///< the residual when it last had fallen by so much, and when that was
     int mark_sweeps_ = 0;
@@ -163,8 +159,7 @@ class IslandSweeps {
         if (start_.apply_impulses) apply_impulses(thread, barrier);
         if (start_.momentum) remember(thread);
         Progress progress(options_);
-        double m = 0;
-        Residual residual;
+        double m = 0, residual = 0;
         bool known = false, stalled = false;
         int sweeps = 0;
         while (sweeps < options_.iterations && !stalled) {
@@ -180,8 +175,8 @@ class IslandSweeps {
             if (known || start_.momentum) barrier.wait();
             if (known) {
                 residual = seen_residual();
-                if (residual.largest <= options_.tolerance) break;
-                progress.saw(sweeps, residual.largest, is_good_enough(residual));
+                if (residual <= options_.tolerance) break;
+                progress.saw(sweeps, residual);
             }
             stalled = progress.stalls(sweeps);
             if (start_.momentum) m = progress.momentum(progress.rose() || turned_back_sum() > 0);
@@ -286,25 +281,12 @@ class IslandSweeps {
     }
     void look(int thread) {
         timed(thread, groups_.size() + 1, [&] {
-            seen_[index(thread)].residual = find_residual(cone_, view_of(share_of(packets_, thread, threads_), 0),
-                                                          options_.tolerance, options_.isa);
+            seen_[index(thread)].residual =
+                largest_violation(cone_, view_of(share_of(packets_, thread, threads_), 0), options_.isa);
         });
     }
-    [[nodiscard]] Residual seen_residual() const {
-        Residual sum;
-        for (const Seen& seen : seen_) {
-            sum.largest = std::max(sum.largest, seen.residual.largest);
-            sum.above += seen.residual.above;
-        }
-        return sum;
-    }
-    [[nodiscard]] std::int64_t num_contacts() const {
-        return s_.blocks[index(island_.end - 1)].end - s_.blocks[index(island_.first)].first;
-    }
-    [[nodiscard]] bool is_good_enough(const Residual& residual) const {
-        return residual.largest <= options_.tolerance ||
-               (residual.largest <= options_.good_enough * options_.tolerance &&
-                kMostAbove * residual.above <= num_contacts());
+    [[nodiscard]] double seen_residual() const {
+        return largest([](const Seen& seen) { return seen.residual; });
     }
     template <class Value>
     [[nodiscard]] double largest(Value&& value) const {
@@ -313,12 +295,12 @@ class IslandSweeps {
         return out;
     }
 
-    void finish(int sweeps, const Residual& residual) {
-        island_.residual = residual.largest;
-        island_.good_enough = is_good_enough(residual);
+    void finish(int sweeps, double residual) {
+        island_.residual = residual;
         island_.iterations += sweeps;
         island_.last_sweeps = sweeps;
-        island_.visits += sweeps * num_contacts();
+        const std::int64_t contacts = s_.blocks[index(island_.end - 1)].end - s_.blocks[index(island_.first)].first;
+        island_.visits += sweeps * contacts;
     }
 
     Island& island_;

@@ -193,26 +193,15 @@ inline double sweep_packets(const SweepView& view) {
     return largest_lane(worst);
 }
 
-inline std::int64_t count_bits(unsigned mask) {
-    std::int64_t count = 0;
-    for (; mask != 0; mask &= mask - 1) ++count;
-    return count;
-}
-
 template <class P, Cone kCone>
-inline Residual find_residual_of(const SweepView& view, double tolerance) {
+inline double largest_violation_of(const SweepView& view) {
     P worst = P::all(0);
-    const P limit = P::all(tolerance);
-    Residual residual;
     for_each_row<P, false>(
         view, [&](const ContactPacket& packet, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
             const PackFrame<P> frame = load_frame<P>(packet, row, lane);
-            const P found = violation<kCone>(load_local<P>(row, lane), contact_velocity(frame, a, b));
-            worst = max(worst, found);
-            residual.above += count_bits(mask_bits(limit < found));
+            worst = max(worst, violation<kCone>(load_local<P>(row, lane), contact_velocity(frame, a, b)));
         });
-    residual.largest = largest_lane(worst);
-    return residual;
+    return largest_lane(worst);
 }
 
 template <class P>
@@ -234,13 +223,13 @@ inline double sweep_any(Cone cone, const SweepView& view) {
 }
 
 template <class P>
-inline Residual find_residual_any(Cone cone, const SweepView& view, double tolerance) {
+inline double largest_violation_any(Cone cone, const SweepView& view) {
     switch (cone) {
-    case Cone::pyramid: return find_residual_of<P, Cone::pyramid>(view, tolerance);
-    case Cone::disc: return find_residual_of<P, Cone::disc>(view, tolerance);
+    case Cone::pyramid: return largest_violation_of<P, Cone::pyramid>(view);
+    case Cone::disc: return largest_violation_of<P, Cone::disc>(view);
     case Cone::frozen: break;
     }
-    return find_residual_of<P, Cone::frozen>(view, tolerance);
+    return largest_violation_of<P, Cone::frozen>(view);
 }
 
 } // namespace

@@ -11,9 +11,6 @@ namespace {
 
 // Sweeps after which a solve that gets nowhere is given up, at least, and as a share of the limit: who asks for many means it.
 constexpr int kPatience = 50, kPatienceShare = 20;
-// Times the tolerance. With 5 a settled pile takes half as many sweeps and no shocks; but what is above the tolerance then is a boat
-// that slides, and it slides on for seconds where an accurate solve holds it.
-constexpr double kGoodEnough = 1;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -205,7 +202,6 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     solve.warm_start = s.warm_start;
     solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
     solve.shock = s.shock_propagation;
-    solve.good_enough = kGoodEnough;
     solve.tangents = s.tangents;
     solve.seed = s.seed;
     solve.team = options.team;

@@ -245,39 +245,19 @@ TEST(SolveContacts, MomentumNeedsTensOfTimesFewerSweeps) {
     }
 }
 
-/// A body held between two walls that both ask it to come at 0.1 m/s: no impulses do that, and they grow for ever. So many
-/// others stand beside it, at rest.
-ContactWorld make_jam(int others) {
+TEST(SolveContacts, GivesUpWhereTheResidualFallsNoMore) {
+    // A body held between two walls that both ask it to come: no impulses do that, and they grow for ever.
     ContactWorld w;
     w.add_body(0);
     const auto body = w.add_body(1);
     w.add_body(0);
     w.add_contact(0, body, {}, kUp, 0, 0.1);
     w.add_contact(body, 2, {}, kUp, 0, 0.1);
-    for (int i = 0; i < others; ++i) w.add_contact(body, w.add_body(1), {}, {1, 0, 0});
-    return w;
-}
-
-TEST(SolveContacts, GivesUpWhereTheResidualFallsNoMore) {
-    const ContactSolveStats stats = make_jam(0).solve({.patience = 50});
+    const ContactSolveStats stats = w.solve({.patience = 50});
     EXPECT_GT(stats.residual, 0.09);
     EXPECT_GE(stats.iterations, 50);
     EXPECT_LE(stats.iterations, 100);
     EXPECT_EQ(stats.shocked_islands, 1);
-}
-
-TEST(SolveContacts, AFewJammedContactsAreGoodEnough) {
-    const ContactSolveOptions options{.tolerance = 0.05, .good_enough = 5, .patience = 50};
-    const ContactSolveStats few = make_jam(300).solve(options); // sooner, and nothing is left to a shock
-    EXPECT_GE(few.iterations, 20);
-    EXPECT_LE(few.iterations, 40);
-    EXPECT_EQ(few.shocked_islands, 0);
-    const ContactSolveStats many = make_jam(60).solve(options); // one of 62 is more than one in a hundred
-    EXPECT_GE(many.iterations, 50);
-    EXPECT_EQ(many.shocked_islands, 1);
-    ContactSolveOptions strict = options; // and 0.2 m/s are too much here
-    strict.good_enough = 1.5;
-    EXPECT_EQ(make_jam(300).solve(strict).shocked_islands, 1);
 }
 
 TEST(SolveContacts, AColumnCarriesTheWeightAbove) {
