@@ -4,6 +4,8 @@
 
 #include <immintrin.h>
 
+#include "geometry/pack_avx2.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -12,12 +14,18 @@ struct Avx512Mask {
 };
 
 struct Avx512Pack {
+    using Half = Avx2Pack;
     static constexpr int kWidth = 8;
     __m512d v;
 
     static Avx512Pack all(double x) { return {_mm512_set1_pd(x)}; }
     static Avx512Pack load(const double* p) { return {_mm512_loadu_pd(p)}; }
     void store(double* p) const { _mm512_storeu_pd(p, v); }
+    static Avx512Pack join(Half low, Half high) {
+        return {_mm512_insertf64x4(_mm512_castpd256_pd512(low.v), high.v, 1)};
+    }
+    [[nodiscard]] Half low() const { return {_mm512_castpd512_pd256(v)}; }
+    [[nodiscard]] Half high() const { return {_mm512_extractf64x4_pd(v, 1)}; }
     static Avx512Mask lanes(unsigned bits) { return {static_cast<__mmask8>(bits)}; }
 
     friend Avx512Pack operator+(Avx512Pack a, Avx512Pack b) { return {_mm512_add_pd(a.v, b.v)}; }

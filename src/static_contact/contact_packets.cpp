@@ -13,9 +13,17 @@ namespace {
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-void set_lane(Lanes (&out)[6], std::size_t lane, const Sym3& j) {
-    const double values[] = {j.xx, j.yy, j.zz, j.xy, j.xz, j.yz};
-    for (std::size_t i = 0; i < 6; ++i) out[i][lane] = values[i];
+template <class Fields>
+void set_lane(Fields& out, std::size_t lane, int field, const Vec3& v) {
+    const auto f = static_cast<std::size_t>(field);
+    out.field[f][lane] = v.x;
+    out.field[f + 1][lane] = v.y;
+    out.field[f + 2][lane] = v.z;
+}
+
+void set_lane(ContactPacket& out, std::size_t lane, int field, const Sym3& j) {
+    set_lane(out, lane, field, Vec3{j.xx, j.yy, j.zz});
+    set_lane(out, lane, field + 3, Vec3{j.xy, j.xz, j.yz});
 }
 
 void set_bodies(std::span<const ContactBlock> blocks, ContactPacket& p) {
@@ -25,21 +33,12 @@ void set_bodies(std::span<const ContactBlock> blocks, ContactPacket& p) {
         const ContactBlock& block = blocks[lane];
         p.a[lane] = block.a;
         p.b[lane] = block.b;
-        p.inv_mass_a[lane] = block.inv_mass_a;
-        p.inv_mass_b[lane] = block.inv_mass_b;
-        set_lane(p.inv_inertia_a, lane, block.inv_inertia_a);
-        set_lane(p.inv_inertia_b, lane, block.inv_inertia_b);
-        p.offset[0][lane] = block.offset.x;
-        p.offset[1][lane] = block.offset.y;
-        p.offset[2][lane] = block.offset.z;
+        p.field[ContactPacket::kInvMassA][lane] = block.inv_mass_a;
+        p.field[ContactPacket::kInvMassB][lane] = block.inv_mass_b;
+        set_lane(p, lane, ContactPacket::kInvInertiaA, block.inv_inertia_a);
+        set_lane(p, lane, ContactPacket::kInvInertiaB, block.inv_inertia_b);
+        set_lane(p, lane, ContactPacket::kOffset, block.offset);
     }
-}
-
-void set_lane(PacketRow& out, std::size_t lane, int field, const Vec3& v) {
-    const auto f = static_cast<std::size_t>(field);
-    out.field[f][lane] = v.x;
-    out.field[f + 1][lane] = v.y;
-    out.field[f + 2][lane] = v.z;
 }
 
 void set_lane(PacketRow& out, std::size_t lane, const ContactRow& row) {
@@ -64,7 +63,7 @@ void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, std::span<co
         const bool idle = lane >= blocks.size() || blocks[lane].first + k >= blocks[lane].end;
         source[lane] = idle ? -1 : blocks[lane].first + k;
         if (idle)
-            set_lane(out, lane, PacketRow::kMassDiagonal, {1, 1, 1});
+            set_lane(out, lane, PacketRow::kMassDiagonal, Vec3{1, 1, 1});
         else
             set_lane(out, lane, rows[index(blocks[lane].first + k)]);
     }
@@ -101,6 +100,7 @@ void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_bl
             longest = std::max(longest, blocks[index(end)].end - blocks[index(end)].first);
         ContactPacket& packet = packed.packets.emplace_back();
         packet.num_pairs = end - first;
+        packet.color = color;
         packet.first = rows;
         packet.end = rows += longest;
         packed.first_block.push_back(first);
@@ -137,21 +137,24 @@ void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<Co
 
 double sweep(Cone cone, const SweepView& view, Isa isa) {
 #if defined(__x86_64__)
-    if (isa != Isa::scalar) return sweep_avx2(cone, view);
+    if (isa == Isa::avx512) return sweep_avx512(cone, view);
+    if (isa == Isa::avx2) return sweep_avx2(cone, view);
 #endif
     return sweep_any<ScalarPack>(cone, view);
 }
 
 double largest_violation(Cone cone, const SweepView& view, Isa isa) {
 #if defined(__x86_64__)
-    if (isa != Isa::scalar) return largest_violation_avx2(cone, view);
+    if (isa == Isa::avx512) return largest_violation_avx512(cone, view);
+    if (isa == Isa::avx2) return largest_violation_avx2(cone, view);
 #endif
     return largest_violation_any<ScalarPack>(cone, view);
 }
 
 void apply_impulses(const SweepView& view, Isa isa) {
 #if defined(__x86_64__)
-    if (isa != Isa::scalar) return apply_impulses_avx2(view);
+    if (isa == Isa::avx512) return apply_impulses_avx512(view);
+    if (isa == Isa::avx2) return apply_impulses_avx2(view);
 #endif
     apply_all<ScalarPack>(view);
 }

@@ -5,8 +5,8 @@
 // A visit computes the relative velocity at a contact once, does the three rows on it in the contact's own frame
 // (local_contact.hpp) and applies the sum of their impulses once. This is the row by row sweep of [29] in exact
 // arithmetic, with a third of the body updates and half of the memory. A pair's velocities stay in registers over all its
-// contacts. Pairs of a packet share no movable body, so their chains of operations are independent: vectors of one or of
-// four lanes give the same bits, and so would packets of one colour run in parallel.
+// contacts. Pairs of a packet share no movable body, so their chains of operations are independent: vectors of one, four
+// or eight lanes give the same bits, and so would packets of one colour run in parallel.
 #pragma once
 
 #include <cstdint>
@@ -21,24 +21,25 @@ namespace flotilla {
 constexpr int kPacketLanes = 4;
 using Lanes = double[kPacketLanes];
 
-/// Up to four body pairs. Masses are copied in: a sweep touches packets, rows and velocities only. Lanes without a pair
+/// Up to four body pairs of one colour. Masses are copied in: a sweep touches packets, rows and velocities only. Lanes without a pair
 /// repeat the bodies of lane 0 with inverse masses of 0, so they are read and never written.
-struct ContactPacket {
+struct alignas(64) ContactPacket {
+    static constexpr int kInvMassA = 0, kInvMassB = 1;
+    static constexpr int kInvInertiaA = 2, kInvInertiaB = 8; ///< xx yy zz xy xz yz
+    static constexpr int kOffset = 14;                       ///< m: centre of mass of a minus that of b
+    Lanes field[17] = {};
     std::int32_t a[kPacketLanes] = {}, b[kPacketLanes] = {};
     std::int32_t first = 0, end = 0; ///< packed rows
     std::int32_t num_pairs = 0;      ///< lanes in use: the first ones
-    std::int32_t pad = 0;
-    Lanes inv_mass_a = {}, inv_mass_b = {};
-    Lanes inv_inertia_a[6] = {}, inv_inertia_b[6] = {}; ///< xx yy zz xy xz yz
-    Lanes offset[3] = {};                               ///< m: centre of mass of a minus that of b
+    std::int32_t color = 0;
 };
-static_assert(sizeof(ContactPacket) == 48 + 17 * sizeof(Lanes));
+static_assert(sizeof(ContactPacket) == 640);
 
 /// One contact of each pair: fields of ContactRow and the impulse before the last visit, 26 doubles per contact, read in order
 /// once per visit; only the impulses are written. A big pile is bound by this stream, so the second tangent (normal x first) and
 /// the arm from b (the pair's offset + the arm from a) are computed. A pair with fewer contacts than others of its packet
 /// has idle rows below: no direction, no arm, no impulse, W = 1.
-struct PacketRow {
+struct alignas(64) PacketRow {
     static constexpr int kMassDiagonal = 0, kInvMassDiagonal = 3, kCoupling = 6, kImpulse = 9, kTarget = 12;
     static constexpr int kFriction = 13, kNormal = 14, kTangent1 = 17, kArmA = 20, kPrevious = 23;
     Lanes field[26] = {};
@@ -95,9 +96,12 @@ double largest_violation(Cone cone, const SweepView& view, Isa isa);
 /// V += M^-1 J^T lambda for the impulses that the rows hold: the warm start.
 void apply_impulses(const SweepView& view, Isa isa);
 
-/// Kernels compiled for AVX2; call only where the processor has it.
+/// Kernels compiled for AVX2 and for AVX-512 (F, DQ, VL); call only where the processor has it.
 double sweep_avx2(Cone cone, const SweepView& view);
+double sweep_avx512(Cone cone, const SweepView& view);
 double largest_violation_avx2(Cone cone, const SweepView& view);
+double largest_violation_avx512(Cone cone, const SweepView& view);
 void apply_impulses_avx2(const SweepView& view);
+void apply_impulses_avx512(const SweepView& view);
 
 } // namespace flotilla

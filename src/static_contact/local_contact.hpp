@@ -103,7 +103,7 @@ inline PackVec2<P> disc_impulse(const LocalPack<P>& c, const PackVec2<P>& u, P b
 
 /// One visit: the change that eqs 17-20 ask for at relative velocity u (of the present impulse). Does not apply it.
 template <Cone kCone, class P>
-inline LocalUpdate<P> visit(const LocalPack<P>& c, const PackVec<P>& u) {
+[[gnu::always_inline]] inline LocalUpdate<P> visit(const LocalPack<P>& c, const PackVec<P>& u) {
     LocalUpdate<P> r;
     r.change.x = normal_change(c, u.x);
     const P bound = friction_bound<kCone>(c, c.impulse.x + r.change.x);
@@ -127,7 +127,7 @@ inline LocalUpdate<P> visit(const LocalPack<P>& c, const PackVec<P>& u) {
 /// which is zero exactly at a solution of eqs 17-20 (of the disc law, with W the larger tangential diagonal, for
 /// Cone::disc). The friction bound is that of the present normal impulse.
 template <Cone kCone, class P>
-inline P violation(const LocalPack<P>& c, const PackVec<P>& u) {
+[[gnu::always_inline]] inline P violation(const LocalPack<P>& c, const PackVec<P>& u) {
     const P bound = friction_bound<kCone>(c, c.impulse.x);
     PackVec2<P> l, scale{c.mass_diagonal.y, c.mass_diagonal.z};
     if constexpr (kCone == Cone::disc) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Sweeps over packets, written once for every vector width. Include after a pack header. A packet is done in groups of
-// P::kWidth lanes, contact by contact, the groups side by side: their chains are independent, and each alone is bound by
-// the latency of about thirty dependent operations.
+// Sweeps over packets, written once for every vector width. Include after a pack header. A packet is done contact by contact, in
+// groups of P::kWidth lanes where P is narrower than a packet; where P is twice as wide, two packets of one colour go side by side:
+// they touch different bodies, so the bits are those of one after the other, and about thirty dependent operations a row are waited
+// for once in place of twice.
 #pragma once
 
 #include <cstddef>
@@ -32,22 +33,57 @@ inline PackVec<P> operator*(const PackSym3<P>& a, const PackVec<P>& v) {
             (a.xz * v.x + a.yz * v.y) + a.zz * v.z};
 }
 
+/// Lanes of a packet and of one of its rows.
+template <class P>
+struct RowAt {
+    const ContactPacket* packet;
+    PacketRow* row;
+    int lane; ///< the first of P::kWidth
+
+    [[nodiscard]] P pair(int field) const { return P::load(packet->field[field] + lane); }
+    [[nodiscard]] P load(int field) const { return P::load(row->field[field] + lane); }
+    void store(int field, P value) const { value.store(row->field[field] + lane); }
+};
+
+/// The pack for the lanes of one packet, or of a part of it: P, or half of it.
+template <class P>
+struct OnePacket {
+    using Pack = P;
+};
+template <class P>
+requires(P::kWidth > kPacketLanes) struct OnePacket<P> {
+    using Pack = typename P::Half;
+    static_assert(Pack::kWidth == kPacketLanes);
+};
+
+/// The same row of two packets, side by side.
+template <class P>
+struct RowsAt {
+    RowAt<typename P::Half> low, high;
+
+    [[nodiscard]] P pair(int field) const { return P::join(low.pair(field), high.pair(field)); }
+    [[nodiscard]] P load(int field) const { return P::join(low.load(field), high.load(field)); }
+    void store(int field, P value) const {
+        low.store(field, value.low());
+        high.store(field, value.high());
+    }
+};
+
 /// One side of a group of pairs: a body per lane.
 template <class P>
 struct PackBody {
     PackVec<P> linear, angular;
 };
 
-template <class P>
-inline PackVec<P> load_vec(const PacketRow& row, int field, int lane) {
-    return {P::load(row.field[field] + lane), P::load(row.field[field + 1] + lane),
-            P::load(row.field[field + 2] + lane)};
+template <class P, class At>
+inline PackVec<P> load_vec(const At& at, int field) {
+    return {at.load(field), at.load(field + 1), at.load(field + 2)};
 }
 
-template <class P>
-inline PackSym3<P> load_inertia(const Lanes (&j)[6], int lane) {
-    return {P::load(j[0] + lane), P::load(j[1] + lane), P::load(j[2] + lane),
-            P::load(j[3] + lane), P::load(j[4] + lane), P::load(j[5] + lane)};
+template <class P, class At>
+inline PackSym3<P> load_inertia(const At& at, int field) {
+    return {at.pair(field),     at.pair(field + 1), at.pair(field + 2),
+            at.pair(field + 3), at.pair(field + 4), at.pair(field + 5)};
 }
 
 template <class P>
@@ -79,11 +115,14 @@ inline void store_bodies(const PackBody<P>& body, const std::int32_t* id, const 
     }
 }
 
-template <class P>
-inline LocalPack<P> load_local(const PacketRow& row, int lane) {
-    return {load_vec<P>(row, PacketRow::kMassDiagonal, lane), load_vec<P>(row, PacketRow::kInvMassDiagonal, lane),
-            load_vec<P>(row, PacketRow::kCoupling, lane),     load_vec<P>(row, PacketRow::kImpulse, lane),
-            P::load(row.field[PacketRow::kTarget] + lane),    P::load(row.field[PacketRow::kFriction] + lane)};
+template <class P, class At>
+[[gnu::always_inline]] inline LocalPack<P> load_local(const At& at) {
+    return {load_vec<P>(at, PacketRow::kMassDiagonal),
+            load_vec<P>(at, PacketRow::kInvMassDiagonal),
+            load_vec<P>(at, PacketRow::kCoupling),
+            load_vec<P>(at, PacketRow::kImpulse),
+            at.load(PacketRow::kTarget),
+            at.load(PacketRow::kFriction)};
 }
 
 /// Where the contacts of a row are and how they lie.
@@ -91,41 +130,42 @@ template <class P>
 struct PackFrame {
     PackVec<P> normal, tangent_1, tangent_2, arm_a, arm_b;
 };
-template <class P>
-inline PackFrame<P> load_frame(const ContactPacket& packet, const PacketRow& row, int lane) {
+template <class P, class At>
+[[gnu::always_inline]] inline PackFrame<P> load_frame(const At& at) {
     PackFrame<P> f;
-    f.normal = load_vec<P>(row, PacketRow::kNormal, lane);
-    f.tangent_1 = load_vec<P>(row, PacketRow::kTangent1, lane);
+    f.normal = load_vec<P>(at, PacketRow::kNormal);
+    f.tangent_1 = load_vec<P>(at, PacketRow::kTangent1);
     f.tangent_2 = cross(f.normal, f.tangent_1);
-    f.arm_a = load_vec<P>(row, PacketRow::kArmA, lane);
-    f.arm_b = f.arm_a + PackVec<P>{P::load(packet.offset[0] + lane), P::load(packet.offset[1] + lane),
-                                   P::load(packet.offset[2] + lane)};
+    f.arm_a = load_vec<P>(at, PacketRow::kArmA);
+    constexpr int kOffset = ContactPacket::kOffset;
+    f.arm_b = f.arm_a + PackVec<P>{at.pair(kOffset), at.pair(kOffset + 1), at.pair(kOffset + 2)};
     return f;
 }
 
 /// Velocity of b against a at the contacts of a row (eq. 15), in their frames.
 template <class P>
-inline PackVec<P> contact_velocity(const PackFrame<P>& f, const PackBody<P>& a, const PackBody<P>& b) {
+[[gnu::always_inline]] inline PackVec<P> contact_velocity(const PackFrame<P>& f, const PackBody<P>& a,
+                                                          const PackBody<P>& b) {
     const PackVec<P> v = (b.linear + cross(b.angular, f.arm_b)) - (a.linear + cross(a.angular, f.arm_a));
     return {dot(f.normal, v), dot(f.tangent_1, v), dot(f.tangent_2, v)};
 }
 
 /// V += M^-1 J^T l of eq. 22 (the paper leaves out J^T), for impulses l on b and -l on a in the contacts' frames.
-template <class P>
-inline void apply(const ContactPacket& packet, const PackFrame<P>& f, int lane, const PackVec<P>& l, PackBody<P>& a,
-                  PackBody<P>& b) {
+template <class P, class At>
+[[gnu::always_inline]] inline void apply(const At& at, const PackFrame<P>& f, const PackVec<P>& l, PackBody<P>& a,
+                                         PackBody<P>& b) {
     const PackVec<P> world = (l.x * f.normal + l.y * f.tangent_1) + l.z * f.tangent_2;
-    a.linear = a.linear - P::load(packet.inv_mass_a + lane) * world;
-    a.angular = a.angular - load_inertia<P>(packet.inv_inertia_a, lane) * cross(f.arm_a, world);
-    b.linear = b.linear + P::load(packet.inv_mass_b + lane) * world;
-    b.angular = b.angular + load_inertia<P>(packet.inv_inertia_b, lane) * cross(f.arm_b, world);
+    a.linear = a.linear - at.pair(ContactPacket::kInvMassA) * world;
+    a.angular = a.angular - load_inertia<P>(at, ContactPacket::kInvInertiaA) * cross(f.arm_a, world);
+    b.linear = b.linear + at.pair(ContactPacket::kInvMassB) * world;
+    b.angular = b.angular + load_inertia<P>(at, ContactPacket::kInvInertiaB) * cross(f.arm_b, world);
 }
 
-template <class P>
-inline void store_vec(const PackVec<P>& v, int lane, int field, PacketRow& row) {
-    v.x.store(row.field[field] + lane);
-    v.y.store(row.field[field + 1] + lane);
-    v.z.store(row.field[field + 2] + lane);
+template <class P, class At>
+[[gnu::always_inline]] inline void store_vec(const At& at, int field, const PackVec<P>& v) {
+    at.store(field, v.x);
+    at.store(field + 1, v.y);
+    at.store(field + 2, v.z);
 }
 
 template <class P>
@@ -144,62 +184,137 @@ inline void fetch_bodies(const SweepView& view, std::int64_t p) {
     if (!kWrite || p >= view.num_packets) return;
     const ContactPacket& packet = view.packets[p];
     for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
-        if (packet.inv_mass_a[lane] > 0) fetch_to_write(view.bodies + packet.a[lane]);
-        if (packet.inv_mass_b[lane] > 0) fetch_to_write(view.bodies + packet.b[lane]);
+        if (packet.field[ContactPacket::kInvMassA][lane] > 0) fetch_to_write(view.bodies + packet.a[lane]);
+        if (packet.field[ContactPacket::kInvMassB][lane] > 0) fetch_to_write(view.bodies + packet.b[lane]);
     }
 }
 
-/// Calls at_row(row, lane, a, b) for every row and group of every packet, contact by contact, with the bodies' velocities
-/// kept between the rows of a packet; writes them back if kWrite.
-template <class P, bool kWrite, class AtRow>
-inline void for_each_row(const SweepView& view, AtRow at_row) {
-    constexpr std::size_t kGroups = kPacketLanes / P::kWidth;
-    for (std::int64_t p = 0; p < view.num_packets; ++p) {
-        const ContactPacket& packet = view.packets[p];
-        fetch_bodies<kWrite>(view, p + 1);
-        const auto groups = static_cast<std::size_t>((packet.num_pairs + P::kWidth - 1) / P::kWidth);
-        PackBody<P> a[kGroups], b[kGroups];
+/// A packet under way: the velocities of its bodies between its first row and its last.
+template <class P>
+struct OpenPacket {
+    static constexpr std::size_t kGroups = kPacketLanes / P::kWidth;
+    const ContactPacket* packet;
+    PacketRow* rows;
+    PackBody<P> a[kGroups], b[kGroups];
+
+    OpenPacket(const SweepView& view, std::int64_t p)
+        : packet(view.packets + p), rows(view.rows + view.packets[p].first) {
         for (std::size_t g = 0; g < kGroups; ++g) {
-            a[g] = load_bodies<P>(view.bodies, packet.a + g * P::kWidth);
-            b[g] = load_bodies<P>(view.bodies, packet.b + g * P::kWidth);
-        }
-        for (std::int32_t k = packet.first; k < packet.end; ++k)
-            for (std::size_t g = 0; g < groups; ++g)
-                at_row(packet, view.rows[k], static_cast<int>(g) * P::kWidth, a[g], b[g]);
-        for (std::size_t g = 0; kWrite && g < groups; ++g) {
-            const std::size_t lane = g * P::kWidth;
-            store_bodies(a[g], packet.a + lane, packet.inv_mass_a + lane, view.bodies);
-            store_bodies(b[g], packet.b + lane, packet.inv_mass_b + lane, view.bodies);
+            a[g] = load_bodies<P>(view.bodies, packet->a + g * P::kWidth);
+            b[g] = load_bodies<P>(view.bodies, packet->b + g * P::kWidth);
         }
     }
+    [[nodiscard]] std::int32_t num_rows() const { return packet->end - packet->first; }
+    /// Groups that have a pair.
+    [[nodiscard]] std::size_t num_groups() const {
+        return kGroups == 1 ? 1 : static_cast<std::size_t>((packet->num_pairs + P::kWidth - 1) / P::kWidth);
+    }
+    /// Calls at_row for the rows from `first` on.
+    template <class AtRow>
+    void do_rows(std::int32_t first, AtRow&& at_row) {
+        for (std::int32_t k = first; k < num_rows(); ++k)
+            for (std::size_t g = 0; g < num_groups(); ++g)
+                at_row(RowAt<P>{packet, rows + k, static_cast<int>(g) * P::kWidth}, a[g], b[g]);
+    }
+    void close(BodyVelocity* bodies) const {
+        for (std::size_t g = 0; g < num_groups(); ++g) {
+            const std::size_t lane = g * P::kWidth;
+            store_bodies(a[g], packet->a + lane, packet->field[ContactPacket::kInvMassA] + lane, bodies);
+            store_bodies(b[g], packet->b + lane, packet->field[ContactPacket::kInvMassB] + lane, bodies);
+        }
+    }
+};
+
+template <class P>
+inline PackVec<P> join(const PackVec<typename P::Half>& low, const PackVec<typename P::Half>& high) {
+    return {P::join(low.x, high.x), P::join(low.y, high.y), P::join(low.z, high.z)};
+}
+template <class P>
+inline PackBody<P> join(const PackBody<typename P::Half>& low, const PackBody<typename P::Half>& high) {
+    return {join<P>(low.linear, high.linear), join<P>(low.angular, high.angular)};
+}
+template <class P>
+inline PackVec<typename P::Half> low_of(const PackVec<P>& v) {
+    return {v.x.low(), v.y.low(), v.z.low()};
+}
+template <class P>
+inline PackVec<typename P::Half> high_of(const PackVec<P>& v) {
+    return {v.x.high(), v.y.high(), v.z.high()};
+}
+
+/// The rows that both packets have, side by side. Returns their number.
+template <class P, class AtRow>
+inline std::int32_t do_common_rows(OpenPacket<typename P::Half>& low, OpenPacket<typename P::Half>& high,
+                                   AtRow&& at_row) {
+    const std::int32_t rows = low.num_rows() < high.num_rows() ? low.num_rows() : high.num_rows();
+    PackBody<P> a = join<P>(low.a[0], high.a[0]), b = join<P>(low.b[0], high.b[0]);
+    for (std::int32_t k = 0; k < rows; ++k)
+        at_row(RowsAt<P>{{low.packet, low.rows + k, 0}, {high.packet, high.rows + k, 0}}, a, b);
+    low.a[0] = {low_of(a.linear), low_of(a.angular)};
+    low.b[0] = {low_of(b.linear), low_of(b.angular)};
+    high.a[0] = {high_of(a.linear), high_of(a.angular)};
+    high.b[0] = {high_of(b.linear), high_of(b.angular)};
+    return rows;
+}
+
+/// Calls at_row(rows, a, b) for every row of every packet, contact by contact, with the bodies' velocities kept between the rows of a
+/// packet; writes them back if kWrite.
+template <class P, bool kWrite, class AtRow>
+inline void for_each_row(const SweepView& view, AtRow at_row) {
+    using One = typename OnePacket<P>::Pack;
+    for (std::int64_t p = 0; p < view.num_packets; ++p) {
+        OpenPacket<One> open(view, p);
+        std::int32_t done = 0;
+        if constexpr (P::kWidth > kPacketLanes) {
+            if (p + 1 < view.num_packets && view.packets[p + 1].color == open.packet->color) {
+                OpenPacket<One> second(view, ++p);
+                fetch_bodies<kWrite>(view, p + 1);
+                fetch_bodies<kWrite>(view, p + 2);
+                done = do_common_rows<P>(open, second, at_row);
+                second.do_rows(done, at_row);
+                if constexpr (kWrite) second.close(view.bodies);
+            }
+        }
+        fetch_bodies<kWrite>(view, p + 1);
+        open.do_rows(done, at_row);
+        if constexpr (kWrite) open.close(view.bodies);
+    }
+}
+
+/// In every lane the larger one of `worst` and of what a row of one packet, or of two, found.
+template <class One, class Q>
+inline void keep_largest(One& worst, Q found) {
+    if constexpr (One::kWidth == Q::kWidth)
+        worst = max(worst, found);
+    else
+        worst = max(worst, max(found.low(), found.high()));
 }
 
 template <class P, Cone kCone>
 inline double sweep_packets(const SweepView& view) {
-    P worst = P::all(0);
-    const P momentum = P::all(view.momentum);
-    for_each_row<P, true>(view,
-                          [&](const ContactPacket& packet, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
-                              LocalPack<P> local = load_local<P>(row, lane);
-                              const PackVec<P> before = load_vec<P>(row, PacketRow::kPrevious, lane);
-                              store_vec(local.impulse, lane, PacketRow::kPrevious, row);
-                              local.impulse = local.impulse + momentum * (local.impulse - before);
-                              const PackFrame<P> frame = load_frame<P>(packet, row, lane);
-                              const LocalUpdate<P> update = visit<kCone>(local, contact_velocity(frame, a, b));
-                              store_vec(local.impulse + update.change, lane, PacketRow::kImpulse, row);
-                              apply(packet, frame, lane, update.change, a, b);
-                              worst = max(worst, update.violation);
-                          });
+    typename OnePacket<P>::Pack worst = OnePacket<P>::Pack::all(0);
+    for_each_row<P, true>(
+        view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b) __attribute__((always_inline)) {
+            LocalPack<Q> local = load_local<Q>(at);
+            const PackVec<Q> before = load_vec<Q>(at, PacketRow::kPrevious);
+            store_vec(at, PacketRow::kPrevious, local.impulse);
+            local.impulse = local.impulse + Q::all(view.momentum) * (local.impulse - before);
+            const PackFrame<Q> frame = load_frame<Q>(at);
+            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity(frame, a, b));
+            store_vec(at, PacketRow::kImpulse, local.impulse + update.change);
+            apply(at, frame, update.change, a, b);
+            keep_largest(worst, update.violation);
+        });
     return largest_lane(worst);
 }
 
 template <class P, Cone kCone>
 inline double largest_violation_of(const SweepView& view) {
-    P worst = P::all(0);
+    typename OnePacket<P>::Pack worst = OnePacket<P>::Pack::all(0);
     for_each_row<P, false>(
-        view, [&](const ContactPacket& packet, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
-            const PackFrame<P> frame = load_frame<P>(packet, row, lane);
-            worst = max(worst, violation<kCone>(load_local<P>(row, lane), contact_velocity(frame, a, b)));
+        view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b) __attribute__((always_inline)) {
+            const PackFrame<Q> frame = load_frame<Q>(at);
+            keep_largest(worst, violation<kCone>(load_local<Q>(at), contact_velocity(frame, a, b)));
         });
     return largest_lane(worst);
 }
@@ -207,8 +322,8 @@ inline double largest_violation_of(const SweepView& view) {
 template <class P>
 inline void apply_all(const SweepView& view) {
     for_each_row<P, true>(
-        view, [&](const ContactPacket& packet, PacketRow& row, int lane, PackBody<P>& a, PackBody<P>& b) {
-            apply(packet, load_frame<P>(packet, row, lane), lane, load_vec<P>(row, PacketRow::kImpulse, lane), a, b);
+        view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b) __attribute__((always_inline)) {
+            apply(at, load_frame<Q>(at), load_vec<Q>(at, PacketRow::kImpulse), a, b);
         });
 }
 
