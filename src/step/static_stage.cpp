@@ -172,13 +172,21 @@ void VelocityArrays::store(Team* team, const Model& model, std::span<const Vec3>
     });
 }
 
+// A target below the tolerance asks for less than a solve may leave undone, and not in vain: bodies that touch at many points cannot
+// approach each other a little at some of them and not at others, and contacts that hold more than the tiny target allows hand their
+// load to the others so slowly that the sweeps never end. So a contact within tolerance * time step of its rest distance (8 um at
+// the defaults) is at rest, and farther ones go that far.
+double without_dead_band(double target, double tolerance) {
+    return target > 0 ? std::max(target - tolerance, 0.0) : std::min(target + tolerance, 0.0);
+}
+
 /// The contacts that the stage acts on, with its targets.
-void select_contacts(const ContactSet& set, double time_step, const StaticStageOptions& options,
+void select_contacts(const ContactSet& set, double time_step, double tolerance, const StaticStageOptions& options,
                      StaticStageScratch& scratch) {
     const auto wanted = [&](std::size_t i) { return !options.only_processed || set.processed[i] != 0; };
     const auto with_target = [&](std::size_t i) {
         Contact c = set.contacts[i];
-        const double full = (set.rest[i] - c.distance) / time_step; // equation 16
+        const double full = without_dead_band((set.rest[i] - c.distance) / time_step, tolerance); // equation 16
         c.target = options.final_stage ? std::min(0.0, full) : full;
         return c;
     };
@@ -191,7 +199,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
                                       std::span<const WarmImpulse> other, const StaticStageOptions& options,
                                       StaticStageScratch& scratch) {
     const Settings& s = model.settings;
-    select_contacts(set, s.time_step, options, scratch);
+    select_contacts(set, s.time_step, s.static_tolerance, options, scratch);
     load_warm(options.team, scratch.selected, warm, other, options.warm_factor, scratch.impulses);
     VelocityArrays& b = scratch.bodies;
     b.load(options.team, model, poses, motion);
