@@ -137,8 +137,38 @@ void sort_by_region_to_and_fro(int num_regions, ContactScratch& s) {
     stable_sort_by_key(s.region_to_and_fro, num_regions, s.pair_order, s.counts, s.sorted);
 }
 
+// A contact without impulse is parked where the gap is this much wider than what the bodies would cross in the step, m/s.
+constexpr double kParkedMargin = 5e-3;
+
+bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& bodies, const ContactScratch& s) {
+    if (warm_impulse != Vec3{}) return false;
+    const std::size_t a = index(c.a), b = index(c.b);
+    const auto velocity_of = [&](std::size_t body) {
+        const BodyVelocity& v = s.velocity[index(s.local[body])];
+        return v.linear + cross(v.angular, c.point - bodies.position[body]);
+    };
+    return c.target < -kParkedMargin - length(velocity_of(b) - velocity_of(a));
+}
+
+constexpr std::size_t kPairGrain = 32; // body pairs of a task
+
+// Marks the contacts of every pair that are parked, and counts the others.
+void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
+                   std::span<const Vec3> impulses, ContactScratch& s) {
+    s.parked.resize(s.order.size());
+    s.num_awake.resize(s.pairs.size());
+    for_each(options.team, "park contacts", s.pairs.size(), kPairGrain, [&](std::size_t p) {
+        s.num_awake[p] = 0;
+        for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
+            const std::size_t c = index(s.order[index(i)]);
+            s.parked[index(i)] = is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies, s);
+            s.num_awake[p] += s.parked[index(i)] ? 0 : 1;
+        }
+    });
+}
+
 // Sorts the pairs by (island, colour) and cuts the islands out of that list. Within a colour the order changes no bit: pairs with
-// equally many contacts come together, because they fill a packet best, and of those the ones near each other.
+// equally many contacts that are awake come together, because they fill a packet best, and of those the ones near each other.
 int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
     s.color.resize(s.pairs.size());
     s.island_of_pair.resize(s.pairs.size());
@@ -147,10 +177,9 @@ int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
     s.pair_order.resize(s.pairs.size());
     std::iota(s.pair_order.begin(), s.pair_order.end(), 0);
     std::int32_t most = 0;
-    for (std::size_t k = 0; k < s.pairs.size(); ++k) most = std::max(most, s.first_contact[k + 1] - s.first_contact[k]);
+    for (const std::int32_t awake : s.num_awake) most = std::max(most, awake);
     s.missing.resize(s.pairs.size());
-    for (std::size_t k = 0; k < s.pairs.size(); ++k)
-        s.missing[k] = most - (s.first_contact[k + 1] - s.first_contact[k]);
+    for (std::size_t k = 0; k < s.pairs.size(); ++k) s.missing[k] = most - s.num_awake[k];
     const int num_regions = number_regions(bodies, s);
     s.region_of_pair.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) {
@@ -223,9 +252,7 @@ ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBo
     return row;
 }
 
-constexpr std::size_t kPairGrain = 32; // body pairs of a task
-
-// Blocks and rows of all pairs, in `pair_order`.
+// Blocks and rows of all pairs, in `pair_order`; those of a pair that are parked behind the others.
 void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
                  std::span<const Vec3> impulses, ContactScratch& s) {
     s.blocks.resize(s.pair_order.size());
@@ -241,13 +268,15 @@ void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies,
         const std::size_t p = index(s.pair_order[k]);
         ContactBlock block = make_block(s.pairs[p], bodies, s);
         block.color = s.color[p];
-        block.first = block.end = s.blocks[k].first;
-        for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i, ++block.end) {
-            const std::size_t c = index(s.order[index(i)]);
+        block.first = s.blocks[k].first;
+        std::int32_t awake = block.first, parked = block.parked = block.first + s.num_awake[p];
+        for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
+            const std::size_t c = index(s.order[index(i)]), row = index(s.parked[index(i)] ? parked++ : awake++);
             const Vec3 warm = options.warm_start ? impulses[c] : Vec3{};
-            s.rows[index(block.end)] = make_row(contacts[c], block, bodies, s, warm, options);
-            s.source[index(block.end)] = count_of(c);
+            s.rows[row] = make_row(contacts[c], block, bodies, s, warm, options);
+            s.source[row] = count_of(c);
         }
+        block.end = parked;
         s.blocks[k] = block;
     });
 }
@@ -269,6 +298,7 @@ int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, con
     order_contacts(contacts, bodies, s);
     gather_bodies(contacts, bodies, s);
     gather_pairs(contacts, s);
+    park_contacts(contacts, bodies, options, impulses, s);
     const int num_colors = order_pairs(bodies, s);
     make_blocks(contacts, bodies, options, impulses, s);
     s.packed.clear();

@@ -55,17 +55,21 @@ void set_lane(PacketRow& out, std::size_t lane, const ContactRow& row) {
     set_lane(out, lane, PacketRow::kArmA, row.arm_a);
 }
 
-// Row k of each block; W = 1 keeps the divisions of an idle lane finite.
-void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, std::span<const ContactRow> rows, PacketRow& out,
-              std::int32_t* source) {
+// Row k of each block, awake or parked; W = 1 keeps the divisions of an idle lane finite.
+void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, bool parked, std::span<const ContactRow> rows,
+              PacketRow& out, std::int32_t* source) {
     out = {};
     for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
-        const bool idle = lane >= blocks.size() || blocks[lane].first + k >= blocks[lane].end;
-        source[lane] = idle ? -1 : blocks[lane].first + k;
-        if (idle)
+        source[lane] = -1;
+        if (lane < blocks.size()) {
+            const ContactBlock& block = blocks[lane];
+            const std::int32_t row = k + (parked ? block.parked : block.first);
+            if (row < (parked ? block.end : block.parked)) source[lane] = row;
+        }
+        if (source[lane] < 0)
             set_lane(out, lane, PacketRow::kMassDiagonal, Vec3{1, 1, 1});
         else
-            set_lane(out, lane, rows[index(blocks[lane].first + k)]);
+            set_lane(out, lane, rows[index(source[lane])]);
     }
 }
 
@@ -78,8 +82,9 @@ void join_small_groups(std::vector<PacketGroup>& groups, std::size_t first, std:
     for (std::size_t g = first, next = first; g < groups.size(); g = next) {
         const auto end_of = [&](std::size_t i) { return i + 1 < groups.size() ? groups[i + 1].first : end; };
         const std::int32_t begin = groups[g].first;
-        while (next < groups.size() && (next == g || end_of(next) - begin <= kMostAlone)) ++next;
-        groups[kept++] = {begin, next - g > 1};
+        std::int32_t swept = 0;
+        while (next < groups.size() && (next == g || end_of(next) - begin <= kMostAlone)) swept += groups[next++].swept;
+        groups[kept++] = {begin, swept, next - g > 1};
     }
     groups.resize(kept);
 }
@@ -90,26 +95,38 @@ void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_bl
                      PackedContacts& packed, std::vector<PacketGroup>& groups) {
     const std::size_t first_group = groups.size();
     std::int32_t rows = packed.packets.empty() ? 0 : packed.packets.back().end;
+    std::int32_t parked = packed.packets.empty() ? 0 : packed.packets.back().end_parked;
     for (std::int32_t first = first_block, end = first; first < end_block; first = end) {
         const std::int32_t color = blocks[index(first)].color;
         if (first == first_block || blocks[index(first - 1)].color != color)
-            groups.push_back({static_cast<std::int32_t>(packed.packets.size()), false});
+            groups.push_back({static_cast<std::int32_t>(packed.packets.size()), 0, false});
         const std::int32_t limit = std::min(end_block, first + kPacketLanes);
-        std::int32_t longest = 0;
-        for (; end < limit && blocks[index(end)].color == color; ++end)
-            longest = std::max(longest, blocks[index(end)].end - blocks[index(end)].first);
+        std::int32_t longest = 0, longest_parked = 0;
+        for (; end < limit && blocks[index(end)].color == color; ++end) {
+            const ContactBlock& block = blocks[index(end)];
+            longest = std::max(longest, block.parked - block.first);
+            longest_parked = std::max(longest_parked, block.end - block.parked);
+        }
         ContactPacket& packet = packed.packets.emplace_back();
         packet.num_pairs = end - first;
         packet.color = color;
         packet.first = rows;
         packet.end = rows += longest;
+        packet.first_parked = parked;
+        packet.end_parked = parked += longest_parked;
+        groups.back().swept += longest > 0 ? 1 : 0;
         packed.first_block.push_back(first);
     }
     join_small_groups(groups, first_group, static_cast<std::int32_t>(packed.packets.size()));
 }
 
 void resize_rows(PackedContacts& packed) {
-    const std::size_t rows = packed.packets.empty() ? 0 : index(packed.packets.back().end);
+    const std::int32_t awake = packed.packets.empty() ? 0 : packed.packets.back().end;
+    for (ContactPacket& packet : packed.packets) {
+        packet.first_parked += awake;
+        packet.end_parked += awake;
+    }
+    const std::size_t rows = packed.packets.empty() ? 0 : index(packed.packets.back().end_parked);
     packed.rows.resize(rows);
     packed.source.resize(rows * kPacketLanes);
 }
@@ -119,10 +136,14 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
     ContactPacket& packet = packed.packets[p];
     const auto members = blocks.subspan(index(packed.first_block[p]), index(packet.num_pairs));
     set_bodies(members, packet);
-    for (std::int32_t k = 0; k < packet.end - packet.first; ++k) {
-        const std::size_t row = index(packet.first + k);
-        fill_row(members, k, rows, packed.rows[row], packed.source.data() + row * kPacketLanes);
-    }
+    const auto fill = [&](std::int32_t first, std::int32_t end, bool parked) {
+        for (std::int32_t k = 0; k < end - first; ++k) {
+            const std::size_t row = index(first + k);
+            fill_row(members, k, parked, rows, packed.rows[row], packed.source.data() + row * kPacketLanes);
+        }
+    };
+    fill(packet.first, packet.end, false);
+    fill(packet.first_parked, packet.end_parked, true);
 }
 
 void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows) {
@@ -149,6 +170,14 @@ double largest_violation(Cone cone, const SweepView& view, Isa isa) {
     if (isa == Isa::avx2) return largest_violation_avx2(cone, view);
 #endif
     return largest_violation_any<ScalarPack>(cone, view);
+}
+
+double largest_parked_violation(Cone cone, const SweepView& view, Isa isa) {
+#if defined(__x86_64__)
+    if (isa == Isa::avx512) return largest_parked_violation_avx512(cone, view);
+    if (isa == Isa::avx2) return largest_parked_violation_avx2(cone, view);
+#endif
+    return largest_parked_violation_any<ScalarPack>(cone, view);
 }
 
 void apply_impulses(const SweepView& view, Isa isa) {

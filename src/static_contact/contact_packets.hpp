@@ -29,9 +29,13 @@ struct alignas(64) ContactPacket {
     static constexpr int kOffset = 14;                       ///< m: centre of mass of a minus that of b
     Lanes field[17] = {};
     std::int32_t a[kPacketLanes] = {}, b[kPacketLanes] = {};
-    std::int32_t first = 0, end = 0; ///< packed rows
-    std::int32_t num_pairs = 0;      ///< lanes in use: the first ones
+    std::int32_t first = 0, end = 0;               ///< packed rows that are awake
+    std::int32_t first_parked = 0, end_parked = 0; ///< packed rows that sweeps leave out until the packet is woken
+    std::int32_t num_pairs = 0;                    ///< lanes in use: the first ones
     std::int32_t color = 0;
+    std::int32_t woken = 0;
+
+    [[nodiscard]] bool swept() const { return first < end || woken != 0; }
 };
 static_assert(sizeof(ContactPacket) == 640);
 
@@ -48,7 +52,7 @@ static_assert(sizeof(PacketRow) == 832);
 
 struct PackedContacts {
     std::vector<ContactPacket> packets;
-    std::vector<PacketRow> rows;
+    std::vector<PacketRow> rows;           ///< awake ones of all packets, then parked ones
     std::vector<std::int32_t> source;      ///< row of each lane of `rows` it was packed from; -1: idle
     std::vector<std::int32_t> first_block; ///< by packet
     /// Keeps the rows, which fill_packet() writes over.
@@ -62,6 +66,7 @@ struct PackedContacts {
 /// colours in a row, all to one thread, which takes less time than the others would wait for one another.
 struct PacketGroup {
     std::int32_t first = 0; ///< packet
+    std::int32_t swept = 0; ///< packets with rows that are awake
     bool alone = false;     ///< one thread does it
 };
 
@@ -69,7 +74,7 @@ struct PacketGroup {
 /// packet. Appends their groups to `groups`.
 void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first, std::int32_t end, PackedContacts& packed,
                      std::vector<PacketGroup>& groups);
-/// Room for the rows of all packets laid out.
+/// Room for the rows of all packets laid out; gives the parked ones their places behind the others.
 void resize_rows(PackedContacts& packed);
 /// Copies the contents of a packet that was laid out; different packets may be filled side by side.
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t packet,
@@ -90,8 +95,9 @@ struct SweepView {
 /// One sweep in packet order. Returns the largest violation met, m/s.
 double sweep(Cone cone, const SweepView& view, Isa isa);
 
-/// The largest violation at the present velocities, m/s; changes nothing.
+/// The largest violation at the present velocities of rows that are swept, and of parked ones that are not; m/s; changes nothing.
 double largest_violation(Cone cone, const SweepView& view, Isa isa);
+double largest_parked_violation(Cone cone, const SweepView& view, Isa isa);
 
 /// V += M^-1 J^T lambda for the impulses that the rows hold: the warm start.
 void apply_impulses(const SweepView& view, Isa isa);
@@ -101,6 +107,8 @@ double sweep_avx2(Cone cone, const SweepView& view);
 double sweep_avx512(Cone cone, const SweepView& view);
 double largest_violation_avx2(Cone cone, const SweepView& view);
 double largest_violation_avx512(Cone cone, const SweepView& view);
+double largest_parked_violation_avx2(Cone cone, const SweepView& view);
+double largest_parked_violation_avx512(Cone cone, const SweepView& view);
 void apply_impulses_avx2(const SweepView& view);
 void apply_impulses_avx512(const SweepView& view);
 

@@ -27,6 +27,7 @@ namespace flotilla {
 /// A group as the packets from its first one to the next group's, or to `end`.
 struct GroupPackets {
     std::span<const ContactPacket> packets;
+    std::int32_t swept = 0;
     bool alone = false;
 
     [[nodiscard]] std::span<const ContactPacket> share(int thread, int threads) const {
@@ -34,13 +35,13 @@ struct GroupPackets {
         return share_of(packets, thread, threads);
     }
     /// How many tasks could be done side by side.
-    [[nodiscard]] std::int32_t num_tasks() const { return alone ? 1 : static_cast<std::int32_t>(packets.size()); }
+    [[nodiscard]] std::int32_t num_tasks() const { return alone ? 1 : swept; }
 };
 [[nodiscard]] inline GroupPackets packets_of(std::span<const PacketGroup> groups, std::size_t group, std::int32_t end,
                                              std::span<const ContactPacket> packets) {
     const auto first = static_cast<std::size_t>(groups[group].first);
     const auto last = static_cast<std::size_t>(group + 1 < groups.size() ? groups[group + 1].first : end);
-    return {packets.subspan(first, last - first), groups[group].alone};
+    return {packets.subspan(first, last - first), groups[group].swept, groups[group].alone};
 }
 
 /// How many threads, at most `most`, sweeps of the groups are worth: a group for one thread counts as one task.

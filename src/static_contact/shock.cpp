@@ -80,7 +80,7 @@ void copy_levels(const ContactSolveOptions& options, ContactScratch& s) {
         const std::int32_t level_a = s.level[index(old.a)], level_b = s.level[index(old.b)];
         ContactBlock& block = s.shock_blocks[i] = freeze(old, level_a < level_b, level_b < level_a);
         block.first = rows;
-        block.end = rows += old.end - old.first;
+        block.parked = block.end = rows += old.end - old.first; // frozen levels move the others as they like
     }
     s.shock_rows.resize(index(rows));
     for_each(options.team, "shock rows", n, kBlockGrain, [&](std::size_t i) {

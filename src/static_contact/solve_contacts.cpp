@@ -22,10 +22,15 @@ std::span<const ContactBlock> blocks_of(const Island& island, const ContactScrat
 // Puts the island back to velocities before the solve and no impulses.
 void forget_warm_start(const Island& island, const ContactBodies& bodies, ContactScratch& s) {
     const SweepView view = view_of(island, s);
-    for (std::int64_t p = 0; p < view.num_packets; ++p)
-        for (std::int32_t r = view.packets[p].first; r < view.packets[p].end; ++r)
+    const auto clear = [&](std::int32_t first, std::int32_t end) {
+        for (std::int32_t r = first; r < end; ++r)
             for (const int field : {PacketRow::kImpulse, PacketRow::kPrevious})
                 for (int c = 0; c < 3; ++c) std::fill_n(view.rows[r].field[field + c], kPacketLanes, 0.0);
+    };
+    for (std::int64_t p = 0; p < view.num_packets; ++p) {
+        clear(view.packets[p].first, view.packets[p].end);
+        clear(view.packets[p].first_parked, view.packets[p].end_parked);
+    }
     for (const ContactBlock& block : blocks_of(island, s))
         for (const std::int32_t body : {block.a, block.b}) {
             const auto id = static_cast<std::size_t>(s.bodies[static_cast<std::size_t>(body)]);

@@ -57,7 +57,7 @@ struct ContactSolveStats {
     int islands = 0;
     int colors = 0;
     int iterations = 0;      ///< most sweeps of an island
-    std::int64_t visits = 0; ///< contact updates, shock passes included
+    std::int64_t visits = 0; ///< contact updates, shock passes included; those woken on the way as if from the start
     double residual = 0;     ///< m/s, violation of all of eqs 17-20 by the final PGS state, before a shock
     int shocked_islands = 0; ///< islands whose velocities come from a shock pass
     int cold_islands = 0;    ///< islands whose warm start was taken back because it added energy
@@ -91,6 +91,8 @@ struct ContactScratch {
     std::vector<std::uint8_t> movable;       ///< per body in contact
     std::vector<BodyPair> pairs;             ///< bodies in contact, sorted
     std::vector<std::int32_t> first_contact; ///< per pair, into `order`; one more at the end
+    std::vector<std::uint8_t> parked;        ///< as `order`
+    std::vector<std::int32_t> num_awake;     ///< contacts of each pair that are not parked
     std::vector<std::int32_t> color, island_of_pair, level, missing;
     std::vector<std::int32_t> pair_order; ///< pairs by (island, colour)
     std::vector<std::int32_t> packet_order;
@@ -136,6 +138,9 @@ struct ContactScratch {
 /// changes velocities only: its impulses know nothing of the weight above, so they are no measure of a force and are
 /// neither handed out nor used as a friction bound.
 /// Contacts between two bodies of infinite mass get zero.
+/// Most contacts of a resting pile are gaps that nothing will close in the step. Those without impulse that the bodies are far from
+/// closing are parked: sweeps leave them out, but looks do not, and a packet with one that is violated is woken. So the residual
+/// counts all contacts.
 ContactSolveStats solve_contacts(std::span<const Contact> contacts, const ContactBodies& bodies,
                                  const ContactSolveOptions& options, std::span<Vec3> impulses, ContactScratch& scratch);
 

@@ -10,6 +10,9 @@ double sweep_avx512(Cone cone, const SweepView& view) { return sweep_any<Avx512P
 double largest_violation_avx512(Cone cone, const SweepView& view) {
     return largest_violation_any<Avx512Pack>(cone, view);
 }
+double largest_parked_violation_avx512(Cone cone, const SweepView& view) {
+    return largest_parked_violation_any<Avx512Pack>(cone, view);
+}
 void apply_impulses_avx512(const SweepView& view) { apply_all<Avx512Pack>(view); }
 
 } // namespace flotilla

@@ -19,6 +19,8 @@ constexpr double kMostMomentum = 0.9;
 constexpr double kMostRise = 2;
 /// Sweeps between two looks at the residual: one costs about half a sweep.
 constexpr int kLookEvery = 10;
+/// Sweeps after which parked contacts are looked at before the first look: most that will be woken are violated by then.
+constexpr int kFirstPeek = 2, kSecondPeek = 5;
 /// Bodies whose parts of a sum are added up by one thread.
 constexpr std::size_t kBodiesPerSum = 64;
 /// An island stalls whose residual did not fall by a fifth for some time.
@@ -170,9 +172,11 @@ class IslandSweeps {
             const double worst = sweep_groups(thread, m, sweeps % 2, barrier);
             ++sweeps;
             known = worst <= options_.tolerance || sweeps % kLookEvery == 0;
+            const bool peek = !known && (sweeps == kFirstPeek || sweeps == kSecondPeek);
             if (start_.momentum) add_up(thread);
             if (known) look(thread);
-            if (known || start_.momentum) barrier.wait();
+            if (peek) wake_violated(thread);
+            if (known || peek || start_.momentum) barrier.wait();
             if (known) {
                 residual = seen_residual();
                 if (residual <= options_.tolerance) break;
@@ -280,10 +284,27 @@ class IslandSweeps {
         return largest([parity](const Seen& seen) { return seen.worst[parity]; });
     }
     void look(int thread) {
+        double residual = 0;
         timed(thread, groups_.size() + 1, [&] {
-            seen_[index(thread)].residual =
-                largest_violation(cone_, view_of(share_of(packets_, thread, threads_), 0), options_.isa);
+            residual = largest_violation(cone_, view_of(share_of(packets_, thread, threads_), 0), options_.isa);
         });
+        seen_[index(thread)].residual = std::max(residual, wake_violated(thread));
+    }
+    /// Wakes packets whose parked contacts are violated; returns the largest violation of those that were parked.
+    double wake_violated(int thread) {
+        double worst = 0;
+        timed(thread, groups_.size() + 1, [&] {
+            const auto share = share_of(packets_, thread, threads_); // as in look(), which reads what this changes
+            const auto first = static_cast<std::size_t>(share.data() - packets_.data()), end = first + share.size();
+            for (std::size_t p = first; p < end; ++p) {
+                if (packets_[p].first_parked == packets_[p].end_parked || packets_[p].woken != 0) continue;
+                const double violation =
+                    largest_parked_violation(cone_, view_of(packets_.subspan(p, 1), 0), options_.isa);
+                if (violation > options_.tolerance) packets_[p].woken = 1;
+                worst = std::max(worst, violation);
+            }
+        });
+        return worst;
     }
     [[nodiscard]] double seen_residual() const {
         return largest([](const Seen& seen) { return seen.residual; });
@@ -299,8 +320,18 @@ class IslandSweeps {
         island_.residual = residual;
         island_.iterations += sweeps;
         island_.last_sweeps = sweeps;
-        const std::int64_t contacts = s_.blocks[index(island_.end - 1)].end - s_.blocks[index(island_.first)].first;
-        island_.visits += sweeps * contacts;
+        island_.visits += sweeps * num_swept();
+    }
+    [[nodiscard]] std::int64_t num_swept() const {
+        std::int64_t contacts = 0;
+        for (std::size_t p = 0; p < packets_.size(); ++p) {
+            const std::size_t first = index(s_.packed.first_block[index(island_.first_packet) + p]);
+            for (std::size_t k = first; k < first + index(packets_[p].num_pairs); ++k) {
+                const ContactBlock& block = s_.blocks[k];
+                contacts += (packets_[p].woken != 0 ? block.end : block.parked) - block.first;
+            }
+        }
+        return contacts;
     }
 
     Island& island_;
@@ -310,7 +341,7 @@ class IslandSweeps {
     Cone cone_;
     ContactScratch& s_;
     std::span<const std::int32_t> bodies_;
-    std::span<const ContactPacket> packets_;
+    std::span<ContactPacket> packets_;
     std::span<const PacketGroup> groups_;
     Seen alone_;
     std::span<Seen> seen_; ///< by thread

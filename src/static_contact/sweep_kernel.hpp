@@ -209,12 +209,22 @@ struct OpenPacket {
     [[nodiscard]] std::size_t num_groups() const {
         return kGroups == 1 ? 1 : static_cast<std::size_t>((packet->num_pairs + P::kWidth - 1) / P::kWidth);
     }
-    /// Calls at_row for the rows from `first` on.
+    /// Calls at_row for the rows [from, to) of those that begin at `first`.
     template <class AtRow>
-    void do_rows(std::int32_t first, AtRow&& at_row) {
-        for (std::int32_t k = first; k < num_rows(); ++k)
+    void do_rows(PacketRow* first, std::int32_t from, std::int32_t to, AtRow&& at_row) {
+        for (std::int32_t k = from; k < to; ++k)
             for (std::size_t g = 0; g < num_groups(); ++g)
-                at_row(RowAt<P>{packet, rows + k, static_cast<int>(g) * P::kWidth}, a[g], b[g]);
+                at_row(RowAt<P>{packet, first + k, static_cast<int>(g) * P::kWidth}, a[g], b[g]);
+    }
+    /// Those from `done` on that are awake, then those that were parked.
+    template <class AtRow>
+    void do_rest(const SweepView& view, std::int32_t done, AtRow&& at_row) {
+        do_rows(rows, done, num_rows(), at_row);
+        if (packet->woken != 0) do_parked(view, at_row);
+    }
+    template <class AtRow>
+    void do_parked(const SweepView& view, AtRow&& at_row) {
+        do_rows(view.rows + packet->first_parked, 0, packet->end_parked - packet->first_parked, at_row);
     }
     void close(BodyVelocity* bodies) const {
         for (std::size_t g = 0; g < num_groups(); ++g) {
@@ -266,26 +276,28 @@ inline std::int32_t do_common_rows(OpenPacket<typename P::Half>& low, OpenPacket
     return rows;
 }
 
-/// Calls at_row(rows, a, b) for every row of every packet, contact by contact, with the bodies' velocities kept between the rows of a
+/// Calls at_row(rows, a, b) for every row that is swept, packet by packet, with the bodies' velocities kept between the rows of a
 /// packet; writes them back if kWrite.
 template <class P, bool kWrite, class AtRow>
 inline void for_each_row(const SweepView& view, AtRow at_row) {
     using One = typename OnePacket<P>::Pack;
     for (std::int64_t p = 0; p < view.num_packets; ++p) {
+        if (!view.packets[p].swept()) continue;
         OpenPacket<One> open(view, p);
         std::int32_t done = 0;
         if constexpr (P::kWidth > kPacketLanes) {
-            if (p + 1 < view.num_packets && view.packets[p + 1].color == open.packet->color) {
+            if (p + 1 < view.num_packets && view.packets[p + 1].color == open.packet->color &&
+                view.packets[p + 1].swept()) {
                 OpenPacket<One> second(view, ++p);
                 fetch_bodies<kWrite>(view, p + 1);
                 fetch_bodies<kWrite>(view, p + 2);
                 done = do_common_rows<P>(open, second, at_row);
-                second.do_rows(done, at_row);
+                second.do_rest(view, done, at_row);
                 if constexpr (kWrite) second.close(view.bodies);
             }
         }
         fetch_bodies<kWrite>(view, p + 1);
-        open.do_rows(done, at_row);
+        open.do_rest(view, done, at_row);
         if constexpr (kWrite) open.close(view.bodies);
     }
 }
@@ -328,6 +340,20 @@ inline double largest_violation_of(const SweepView& view) {
     return largest_lane(worst);
 }
 
+template <class P, Cone kCone>
+inline double largest_parked_violation_of(const SweepView& view) {
+    using One = typename OnePacket<P>::Pack;
+    One worst = One::all(0);
+    for (std::int64_t p = 0; p < view.num_packets; ++p) {
+        const ContactPacket& packet = view.packets[p];
+        if (packet.woken != 0 || packet.first_parked == packet.end_parked) continue;
+        OpenPacket<One>(view, p).do_parked(view, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
+            worst = max(worst, violation<kCone>(load_local<One>(at), contact_velocity(load_frame<One>(at), a, b)));
+        });
+    }
+    return largest_lane(worst);
+}
+
 template <class P>
 inline void apply_all(const SweepView& view) {
     for_each_row<P, true>(
@@ -354,6 +380,16 @@ inline double largest_violation_any(Cone cone, const SweepView& view) {
     case Cone::frozen: break;
     }
     return largest_violation_of<P, Cone::frozen>(view);
+}
+
+template <class P>
+inline double largest_parked_violation_any(Cone cone, const SweepView& view) {
+    switch (cone) {
+    case Cone::pyramid: return largest_parked_violation_of<P, Cone::pyramid>(view);
+    case Cone::disc: return largest_parked_violation_of<P, Cone::disc>(view);
+    case Cone::frozen: break;
+    }
+    return largest_parked_violation_of<P, Cone::frozen>(view);
 }
 
 } // namespace

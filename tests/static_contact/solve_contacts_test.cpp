@@ -413,16 +413,71 @@ TEST(SolveContacts, PacketsHaveFewIdleLanes) {
     EXPECT_GT(static_cast<double>(w.contacts.size()) / lanes, 0.8);
 }
 
+// --- parked contacts ---
+
+TEST(SolveContacts, AContactThatOthersCloseIsWoken) {
+    ContactWorld w; // a moves against b, which would then cross its gap to c, at rest as well
+    const auto a = w.add_body(1), b = w.add_body(1), c = w.add_body(1);
+    w.velocity[static_cast<std::size_t>(a)] = {0, 0, 10};
+    w.add_contact(a, b, {}, kUp);
+    w.add_contact(b, c, {}, kUp, 0, -0.1);
+    w.solve({.tolerance = 1e-9});
+    EXPECT_EQ(w.scratch.parked, (std::vector<std::uint8_t>{0, 1}));
+    const auto z = [&](std::int32_t body) { return w.velocity[static_cast<std::size_t>(body)].z; };
+    EXPECT_NEAR(z(a), 10.1 / 3, 1e-8);
+    EXPECT_NEAR(z(b), 10.1 / 3, 1e-8);
+    EXPECT_NEAR(z(c), 10.1 / 3 - 0.1, 1e-8);
+}
+
+TEST(SolveContacts, AParkedContactIsNotSwept) {
+    ContactWorld w;
+    w.add_body(0);
+    for (int i = 0; i < 8; ++i) {
+        const auto body = w.add_body(1);
+        w.velocity.back() = {0, 0, -0.4};
+        w.add_contact(0, body, {}, kUp, 0, i < 4 ? 0.0 : -1.0);
+    }
+    const ContactSolveStats stats = w.solve({.iterations = 10});
+    EXPECT_EQ(stats.visits, 4 * stats.iterations);
+    for (std::size_t i = 1; i <= 8; ++i) EXPECT_EQ(w.velocity[i].z, i <= 4 ? 0 : -0.4);
+    w.velocity[8].z = -0.999; // near enough: no longer parked
+    EXPECT_EQ(w.solve({.iterations = 1}).visits, 5);
+}
+
+// Every second contact a gap that is about as wide as what the bodies cross, but so that they do not close at the start.
+void open_gaps(ContactWorld& w) {
+    for (std::size_t k = 0; k < w.contacts.size(); k += 2) {
+        Contact& c = w.contacts[k];
+        c.target = -1.01 * length(w.velocity_at(c.b, c.point) - w.velocity_at(c.a, c.point)) - 0.01;
+    }
+}
+
+TEST(SolveContacts, ParkedContactsAreObeyed) {
+    std::int64_t parked = 0, woken = 0;
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        ContactWorld w = make_random(seed, 60, 20, 0, true);
+        open_gaps(w);
+        ASSERT_LE(w.solve(accurate()).residual, 1e-12) << seed;
+        for (const Contact& c : w.contacts)
+            EXPECT_GE(dot(c.normal, w.velocity_at(c.b, c.point) - w.velocity_at(c.a, c.point)), c.target - 1e-11)
+                << seed;
+        for (const std::uint8_t p : w.scratch.parked) parked += p;
+        for (const ContactPacket& p : w.scratch.packed.packets) woken += p.woken;
+    }
+    EXPECT_GT(parked, 100);
+    EXPECT_GT(woken, 10);
+}
+
 TEST(SolveContacts, SmallColorsInARowAreLeftToOneThread) {
     std::vector<ContactBlock> blocks;
     for (const auto& [color, pairs] : {std::pair{0, 40}, {1, 8}, {2, 20}, {3, 4}, {4, 40}, {5, 1}})
         for (int k = 0; k < pairs; ++k) {
             ContactBlock& block = blocks.emplace_back();
             block.color = color;
-            block.end = block.first + 1;
+            block.parked = block.end = block.first + 1;
         }
     PackedContacts packed;
-    std::vector<PacketGroup> groups{{-1, false}}; // an earlier island's
+    std::vector<PacketGroup> groups{{-1, 0, false}}; // an earlier island's
     lay_out_packets(blocks, 0, static_cast<std::int32_t>(blocks.size()), packed, groups);
     ASSERT_EQ(packed.packets.size(), 10u + 2 + 5 + 1 + 10 + 1);
     std::vector<std::pair<int, bool>> found;
@@ -465,7 +520,8 @@ TEST(SolveContacts, TheOrderOfTheInputChangesNoBit) {
 TEST(SolveContacts, TheWidthOfTheVectorsChangesNoBit) {
     if (best_isa() == Isa::scalar) GTEST_SKIP() << "this processor has no wide kernel";
     for (unsigned seed = 0; seed < 12; ++seed) {
-        const ContactWorld start = make_random(seed, 60, seed % 2 ? 60 : 7, seed % 3 ? 0.4 : 0.0, seed % 4 != 0);
+        ContactWorld start = make_random(seed, 60, seed % 2 ? 60 : 7, seed % 3 ? 0.4 : 0.0, seed % 4 != 0);
+        if (seed % 2 == 0) open_gaps(start);
         ContactSolveOptions options{.iterations = 15, .tolerance = 1e-9};
         options.tangents = seed % 5 < 2 ? Tangents::aligned : Tangents::random;
         for (const Isa isa : {Isa::scalar, Isa::avx2}) {
