@@ -92,7 +92,7 @@ void set_setting(Settings& settings, std::string_view key, std::string_view valu
 ///  - balanced: `Settings{}`, figure 20 with warm start and a physical tolerance: figure 20's 1e-6 m/s is never reached in a
 ///    pile within 1000 sweeps and only means "always run to the limit". 2e-4 m/s is 1/2000 of what gravity adds in a step
 ///    and lets a resting contact creep by at most 0.2 mm per second. In a tower the errors of all contacts below add up: the top of
-///    20 blocks sways by about 1 mm at up to 50 times the tolerance.
+///    20 blocks sways by about 0.4 mm at up to 15 times the tolerance.
 ///  - accurate: friction along the slip direction, tight tolerance, rotating trajectories certified, no sleeping.
 ///  - reference: accurate with iteration limits that are practically never reached, to measure the others against.
 /// Throws InputError for an unknown name.

@@ -69,13 +69,16 @@ TEST(Rest, ABlockOnASlopeKeepsItsCorners) {
 
 // What is left of the approach at a contact moves all blocks above it: the top is as fast as tens of tolerances.
 TEST(Rest, AStackOfTwentyBlocksStandsStill) {
-    for (const double tolerance : {Settings{}.static_tolerance, 2e-5}) {
+    struct Bounds {
+        double tolerance, fastest, drift; // the last two in tolerances, and in a second
+    };
+    for (const auto& [tolerance, fastest, drift] : {Bounds{Settings{}.static_tolerance, 25, 4}, {2e-5, 100, 10}}) {
         std::printf("stack of 20, tolerance %g m/s: ", tolerance);
         const Rest rest = watch(stack_of_twenty(tolerance));
         EXPECT_GE(rest.contacts, 4 * 20);
-        EXPECT_LT(rest.fastest, 100 * tolerance);
+        EXPECT_LT(rest.fastest, fastest * tolerance);
         constexpr double kSecond = 1;
-        EXPECT_LT(rest.drift, 10 * tolerance * kSecond);
+        EXPECT_LT(rest.drift, drift * tolerance * kSecond);
         EXPECT_LT(rest.from_start, 20 * tolerance * kSecond);
     }
 }
