@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/search.hpp"
 #include "parallel/compact.hpp"
 
 namespace flotilla {
@@ -54,9 +55,9 @@ auto group_key(const Item& x) {
 }
 constexpr auto kByGroup = [](const auto& x, const auto& y) { return group_key(x) < group_key(y); };
 
-/// The impulse of the same feature pair; failing that, the only one of the same vertex.
-const WarmImpulse* find_warm(std::span<const WarmImpulse> warm, const Contact& contact) {
-    const auto first = std::lower_bound(warm.begin(), warm.end(), contact, kByGroup);
+/// The impulse of the same feature pair; failing that, the only one of the same vertex. `guess`: about where it is.
+const WarmImpulse* find_warm(std::span<const WarmImpulse> warm, const Contact& contact, std::size_t guess) {
+    const auto first = warm.begin() + static_cast<std::ptrdiff_t>(lower_bound_near(warm, guess, contact, kByGroup));
     auto w = first;
     for (; w != warm.end() && group_key(*w) == group_key(contact); ++w)
         if (w->feature_key == contact.feature_key) return &*w;
@@ -69,9 +70,10 @@ void load_warm(Team* team, const std::vector<Contact>& contacts, std::span<const
     impulses.resize(contacts.size());
     for_each(team, "warm start", contacts.size(), kContactGrain, [&](std::size_t i) {
         impulses[i] = {};
-        if (const WarmImpulse* w = find_warm(own, contacts[i]))
+        // Few contacts come and go in a step, so the list of the last one is nearly this one.
+        if (const WarmImpulse* w = find_warm(own, contacts[i], i))
             impulses[i] = w->impulse;
-        else if (const WarmImpulse* v = find_warm(other, contacts[i]))
+        else if (const WarmImpulse* v = find_warm(other, contacts[i], i))
             impulses[i] = other_factor * v->impulse;
     });
 }
