@@ -48,9 +48,10 @@ struct Settings {
     int dynamic_iterations = 100;      ///< sweeps of Algorithm 2
     int dynamic_pair_iterations = 20;  ///< impulses per pair and sweep
     int static_iterations = 1000;      ///< sweeps of projected Gauss-Seidel
-    double static_tolerance = 2e-4;    ///< L-infinity constraint violation, m/s; not figure 20's 1e-6, see preset()
-    bool warm_start = true;            ///< start PGS from the last impulses
-    bool shock_propagation = true;     ///< after PGS reached its limit
+    /// L-infinity constraint violation, m/s; not figure 20's 1e-6, see preset(). Targets below it (eq. 16) are none.
+    double static_tolerance = 2e-4;
+    bool warm_start = true;        ///< start PGS from the last impulses
+    bool shock_propagation = true; ///< after PGS reached its limit
 
     bool sleeping = true; ///< resting islands sleep
     Trajectory trajectory = Trajectory::linear;
