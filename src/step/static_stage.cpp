@@ -177,9 +177,12 @@ void VelocityArrays::store(Team* team, const Model& model, std::span<const Vec3>
 // A target below the tolerance asks for less than a solve may leave undone, and not in vain: bodies that touch at many points cannot
 // approach each other a little at some of them and not at others, and contacts that hold more than the tiny target allows hand their
 // load to the others so slowly that the sweeps never end. So a contact within tolerance * time step of its rest distance (8 um at
-// the defaults) is at rest, and farther ones go that far.
-double without_dead_band(double target, double tolerance) {
-    return target > 0 ? std::max(target - tolerance, 0.0) : std::min(target + tolerance, 0.0);
+// the defaults) is at rest, and farther ones go that far. Never more than a share of the rest distance, which is that of the bodies:
+// what keeps small ones off each other must not be lost.
+double equation_16(double rest, double distance, double time_step, double tolerance) {
+    constexpr double kMostOfRest = 0.02;
+    const double target = (rest - distance) / time_step, band = std::min(tolerance, kMostOfRest * rest / time_step);
+    return target > 0 ? std::max(target - band, 0.0) : std::min(target + band, 0.0);
 }
 
 /// The contacts that the stage acts on, with its targets.
@@ -188,7 +191,7 @@ void select_contacts(const ContactSet& set, double time_step, double tolerance, 
     const auto wanted = [&](std::size_t i) { return !options.only_processed || set.processed[i] != 0; };
     const auto with_target = [&](std::size_t i) {
         Contact c = set.contacts[i];
-        const double full = without_dead_band((set.rest[i] - c.distance) / time_step, tolerance); // equation 16
+        const double full = equation_16(set.rest[i], c.distance, time_step, tolerance);
         c.target = options.final_stage ? std::min(0.0, full) : full;
         return c;
     };
