@@ -324,12 +324,13 @@ class IslandSweeps {
     }
     [[nodiscard]] std::int64_t num_swept() const {
         std::int64_t contacts = 0;
+        for (std::int32_t k = island_.first; k < island_.end; ++k)
+            contacts += s_.num_awake[index(s_.pair_order[index(k)])];
         for (std::size_t p = 0; p < packets_.size(); ++p) {
+            if (packets_[p].woken == 0) continue;
             const std::size_t first = index(s_.packed.first_block[index(island_.first_packet) + p]);
-            for (std::size_t k = first; k < first + index(packets_[p].num_pairs); ++k) {
-                const ContactBlock& block = s_.blocks[k];
-                contacts += (packets_[p].woken != 0 ? block.end : block.parked) - block.first;
-            }
+            for (std::size_t k = first; k < first + index(packets_[p].num_pairs); ++k)
+                contacts += s_.blocks[k].end - s_.blocks[k].parked;
         }
         return contacts;
     }

@@ -362,34 +362,27 @@ inline void apply_all(const SweepView& view) {
         });
 }
 
+/// call.operator()<cone>().
+template <class Call>
+inline double with_cone(Cone cone, Call&& call) {
+    switch (cone) {
+    case Cone::pyramid: return call.template operator()<Cone::pyramid>();
+    case Cone::disc: return call.template operator()<Cone::disc>();
+    case Cone::frozen: break;
+    }
+    return call.template operator()<Cone::frozen>();
+}
 template <class P>
 inline double sweep_any(Cone cone, const SweepView& view) {
-    switch (cone) {
-    case Cone::pyramid: return sweep_packets<P, Cone::pyramid>(view);
-    case Cone::disc: return sweep_packets<P, Cone::disc>(view);
-    case Cone::frozen: break;
-    }
-    return sweep_packets<P, Cone::frozen>(view);
+    return with_cone(cone, [&]<Cone kCone>() { return sweep_packets<P, kCone>(view); });
 }
-
 template <class P>
 inline double largest_violation_any(Cone cone, const SweepView& view) {
-    switch (cone) {
-    case Cone::pyramid: return largest_violation_of<P, Cone::pyramid>(view);
-    case Cone::disc: return largest_violation_of<P, Cone::disc>(view);
-    case Cone::frozen: break;
-    }
-    return largest_violation_of<P, Cone::frozen>(view);
+    return with_cone(cone, [&]<Cone kCone>() { return largest_violation_of<P, kCone>(view); });
 }
-
 template <class P>
 inline double largest_parked_violation_any(Cone cone, const SweepView& view) {
-    switch (cone) {
-    case Cone::pyramid: return largest_parked_violation_of<P, Cone::pyramid>(view);
-    case Cone::disc: return largest_parked_violation_of<P, Cone::disc>(view);
-    case Cone::frozen: break;
-    }
-    return largest_parked_violation_of<P, Cone::frozen>(view);
+    return with_cone(cone, [&]<Cone kCone>() { return largest_parked_violation_of<P, kCone>(view); });
 }
 
 } // namespace
