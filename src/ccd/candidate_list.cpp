@@ -35,7 +35,11 @@ double relative_displacement(const RigidShape& a, const MatrixPose& a_from, cons
 
 CandidateMargins CandidateList::strayed(const BodyMotion& a, const BodyMotion& b) const {
     return {relative_displacement(*a.shape, start_[0], matrix_pose(a.at0), *b.shape, start_[1], matrix_pose(b.at0)),
-            relative_displacement(*a.shape, end_[0], matrix_pose(a.at1), *b.shape, end_[1], matrix_pose(b.at1))};
+            strayed_at_end(a, b)};
+}
+
+double CandidateList::strayed_at_end(const BodyMotion& a, const BodyMotion& b) const {
+    return relative_displacement(*a.shape, end_[0], matrix_pose(a.at1), *b.shape, end_[1], matrix_pose(b.at1));
 }
 
 void CandidateList::build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
@@ -118,21 +122,20 @@ void CandidateList::drop() {
     begin_ = {};
 }
 
-int CandidateList::last_slot(FeatureTest test, const BodyMotion& a, const BodyMotion& b) const {
-    const double end = relative_displacement(*a.shape, end_[0], matrix_pose(test == FeatureTest::near ? a.at0 : a.at1),
-                                             *b.shape, end_[1], matrix_pose(test == FeatureTest::near ? b.at0 : b.at1));
-    double far = end;
-    if (test == FeatureTest::swept && margins_.start > 0) far = std::max(far, strayed(a, b).start * double{scale0_});
+int CandidateList::last_slot(FeatureTest test, const CandidateMargins& strayed) const {
+    double far = strayed.end;
+    if (test == FeatureTest::swept && margins_.start > 0) far = std::max(far, strayed.start * double{scale0_});
     return slot(static_cast<float>(far * kScaleRoom));
 }
 
 std::span<const FeaturePair> CandidateList::select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,
-                                                   const CoarseReach& reach, FeatureBuffer& buffer) const {
+                                                   const CandidateMargins& strayed, const CoarseReach& reach,
+                                                   FeatureBuffer& buffer) const {
     if (features_.empty()) return {};
     if (buffer.size() < size() + 1) buffer.resize(size() + 1);
     const FeatureArrays arrays_a = feature_arrays(a), arrays_b = feature_arrays(b);
     const Isa isa = best_isa();
-    const auto slots = static_cast<std::size_t>(last_slot(test, a, b)) + 1;
+    const auto slots = static_cast<std::size_t>(last_slot(test, strayed)) + 1;
     std::size_t n = 0;
     for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::face_vertex, FeatureKind::edge_edge}) {
         const std::size_t first = static_cast<std::size_t>(kind) * kSlots;

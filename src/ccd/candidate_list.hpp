@@ -56,6 +56,7 @@ class CandidateList {
   public:
     /// A bound on what the motion of the two bodies strays from the reference.
     [[nodiscard]] CandidateMargins strayed(const BodyMotion& a, const BodyMotion& b) const;
+    [[nodiscard]] double strayed_at_end(const BodyMotion& a, const BodyMotion& b) const;
     [[nodiscard]] bool covers(const CandidateMargins& strayed) const {
         return strayed.start <= margins_.start && strayed.end <= margins_.end;
     }
@@ -67,9 +68,11 @@ class CandidateList {
     void drop();
 
     /// All pairs of the list whose coarse boxes come within the reach, which is at most the list's (FeatureTest::near: for bodies
-    /// that rest at the end of a covered motion). They stand in `buffer`, until its next use.
+    /// that rest at the end of a covered motion, of which `strayed` need say no more than that). They stand in `buffer`, until its
+    /// next use.
     [[nodiscard]] std::span<const FeaturePair> select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,
-                                                      const CoarseReach& reach, FeatureBuffer& buffer) const;
+                                                      const CandidateMargins& strayed, const CoarseReach& reach,
+                                                      FeatureBuffer& buffer) const;
 
     [[nodiscard]] bool empty() const { return margins_.end < 0; } ///< there is no list
     [[nodiscard]] bool refined() const { return refined_; }
@@ -87,7 +90,7 @@ class CandidateList {
         return static_cast<int>(
             std::max(0.0f, std::min(strayed * slots_per_metre_, float{kSlots - 1}))); // NaN becomes 0
     }
-    [[nodiscard]] int last_slot(FeatureTest test, const BodyMotion& a, const BodyMotion& b) const;
+    [[nodiscard]] int last_slot(FeatureTest test, const CandidateMargins& strayed) const;
 
     std::array<MatrixPose, 2> start_, end_; ///< of the reference motion
     CandidateMargins margins_{-1, -1};
@@ -95,6 +98,12 @@ class CandidateList {
     float scale0_ = 0, slots_per_metre_ = 0;            ///< of the listing
     std::vector<FeatureIds> features_;                  ///< by kind, and of a kind by slot
     std::array<std::uint32_t, 3 * kSlots + 1> begin_{}; ///< where each kind's slots begin
+};
+
+/// A list that covers the motion of a query, which strays by so much from the list's reference. Null: there is none.
+struct CoveringList {
+    const CandidateList* list = nullptr;
+    CandidateMargins strayed; ///< m
 };
 
 } // namespace flotilla

@@ -29,19 +29,19 @@ class EarliestHit {
           node_reach_(swept_reach(options.separation, a, b), std::max(a.max_abs(), b.max_abs())),
           scratch_(scratch) {}
 
-    PairHit run(const CandidateList* list) {
+    PairHit run(const CoveringList& list) {
         ++scratch_.counters.pair_queries;
-        if (list != nullptr)
-            scan(*list);
+        if (list.list != nullptr)
+            scan(list);
         else
             traverse();
         return best_;
     }
 
   private:
-    void scan(const CandidateList& list) {
-        scratch_.counters.box_tests += static_cast<std::int64_t>(list.size());
-        auto left = list.select(FeatureTest::swept, a_, b_, node_reach_, scratch_.features_);
+    void scan(const CoveringList& list) {
+        scratch_.counters.box_tests += static_cast<std::int64_t>(list.list->size());
+        auto left = list.list->select(FeatureTest::swept, a_, b_, list.strayed, node_reach_, scratch_.features_);
         while (!left.empty()) {
             const auto other = [&](const FeaturePair& f) { return f.kind != left[0].kind; };
             const auto few = left.first(std::min(kBatch, left.size()));
@@ -150,7 +150,7 @@ double swept_reach(double separation, const BodyMotion& a, const BodyMotion& b) 
     return separation * kNodeMargin + kNodeRoom * std::max(a.max_abs(), b.max_abs());
 }
 
-PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const CandidateList* list,
+PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const CoveringList& list,
                      CcdScratch& scratch) {
     PairHit best = EarliestHit(a, b, options, scratch).run(list);
     if (!best.hit) return best;

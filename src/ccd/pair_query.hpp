@@ -65,7 +65,7 @@ struct HitOptions {
 /// entry of their boxes: so the answer does not depend on how candidates were found or in which order they were tried.
 /// `list`, where given, must cover the motions and have been built to reach swept_reach(separation).
 [[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
-                                   const CandidateList* list, CcdScratch& scratch);
+                                   const CoveringList& list, CcdScratch& scratch);
 
 /// What a list must reach at any time of the step for queries with a separation, m.
 [[nodiscard]] double swept_reach(double separation, const BodyMotion& a, const BodyMotion& b);

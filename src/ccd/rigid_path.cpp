@@ -37,7 +37,7 @@ class SegmentedPath {
         if (balls_apart(i, options.separation)) return std::nullopt;
         ++scratch_.counters.segments;
         const BodyMotion a = segment(0, i), b = segment(1, i);
-        PairHit hit = earliest_hit(a, b, options, nullptr, scratch_);
+        PairHit hit = earliest_hit(a, b, options, {}, scratch_);
         if (!hit.hit) return std::nullopt;
         hit.toi = std::min((i + hit.toi) / segments_, 1.0);
         return hit;
@@ -117,7 +117,7 @@ PathCut cut_path(const BodyMotion& a, const BodyMotion& b, const PathLengths& le
 }
 
 PairHit earliest_hit_on_path(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const PathCut& cut,
-                             const CandidateList* list, CcdScratch& scratch) {
+                             const CoveringList& list, CcdScratch& scratch) {
     if (cut.gap == 0) return earliest_hit(a, b, options, list, scratch);
     SegmentedPath path(a, b, cut.segments, scratch);
     HitOptions chord = options;

@@ -36,6 +36,6 @@ struct PathCut {
 /// min(separation, 0.95 d0 - g) on their paths. The cubic looks at the chords with its own tolerance.
 /// `list`: only where there is one segment; must reach swept_reach(separation + kArcShare * rest).
 [[nodiscard]] PairHit earliest_hit_on_path(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
-                                           const PathCut& cut, const CandidateList* list, CcdScratch& scratch);
+                                           const PathCut& cut, const CoveringList& list, CcdScratch& scratch);
 
 } // namespace flotilla

@@ -37,14 +37,14 @@ bool may_approach(const Impulsive& a, const Impulsive& b, double radius_a, doubl
 /// up to the proximity distance, it is also fast enough to come below the rest distance within one more step: stage 7 would cut
 /// exactly these approaches to (d_rest - d)/dt, and a fast body that happens to end a step there would lose its rebound.
 std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, PairRecord& record) {
-    const Stopwatch watch(worker.counters.detection_ms);
     const BodyMotion a = data.trajectories.at_end(at(record.a)), b = data.trajectories.at_end(at(record.b));
     const Impulsive body_a = data.clusters.impulsive(record.a), body_b = data.clusters.impulsive(record.b);
     if (!may_approach(body_a, body_b, a.shape->radius, b.shape->radius, data.approach)) {
         record.processed = record.processed || near_at_end(data, worker, record);
         return std::nullopt;
     }
-    const CandidateList* list = end_candidates(data, record);
+    const Stopwatch watch(worker.counters.detection_ms);
+    const CoveringList list = end_candidates(data, record);
     record.processed = find_proximities(a, b, record.lengths.proximity, data.angle_cos, list, worker.proximity).near ||
                        record.processed;
     worker.points.clear();

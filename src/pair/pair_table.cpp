@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/prefetch.hpp"
 #include "parallel/compact.hpp"
 
 namespace flotilla {
@@ -56,6 +57,15 @@ PairRecord* PairTable::find(std::int32_t a, std::int32_t b) const {
     return slots_.empty() ? nullptr : slots_[slot(a, b)].record;
 }
 
+void PairTable::find(std::span<const CandidatePair> pairs, std::span<PairRecord*> out) const {
+    if (slots_.empty()) return std::fill(out.begin(), out.end(), nullptr);
+    for (const CandidatePair& p : pairs) __builtin_prefetch(&slots_[mixed(p.a, p.b) & (slots_.size() - 1)]);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        out[i] = slots_[slot(pairs[i].a, pairs[i].b)].record;
+        if (out[i] != nullptr) fetch_to_write(out[i]);
+    }
+}
+
 PairRecord& PairTable::get(const Model& model, const State& state, std::int32_t a, std::int32_t b) {
     if (2 * (records_.size() - free_.size() + 1) > slots_.size()) index(std::max(kFirstSlots, 2 * slots_.size()));
     Slot& s = slots_[slot(a, b)];
@@ -71,7 +81,7 @@ PairRecord& PairTable::get(const Model& model, const State& state, std::int32_t 
 }
 
 PairRecord& PairTable::new_record() {
-    if (free_.empty()) return records_.emplace_back();
+    if (free_.empty()) return records_.add();
     PairRecord& r = *free_.back();
     free_.pop_back();
     return r;
@@ -93,8 +103,8 @@ void PairTable::erase(std::int32_t a, std::int32_t b) {
 
 void PairTable::index(std::size_t slots) {
     slots_.assign(slots, {});
-    for (PairRecord& r : records_)
-        if (r.a >= 0) slots_[slot(r.a, r.b)] = {r.a, r.b, &r};
+    for (std::size_t i = 0; i < records_.size(); ++i)
+        if (PairRecord& r = records_[i]; r.a >= 0) slots_[slot(r.a, r.b)] = {r.a, r.b, &r};
 }
 
 } // namespace flotilla

@@ -2,11 +2,14 @@
 // What is known of body pairs: proofs, by the versions they are about, and the leaves that may meet.
 #pragma once
 
-#include <deque>
+#include <memory>
+#include <span>
 #include <vector>
 
+#include "base/slab_list.hpp"
 #include "ccd/candidate_list.hpp"
 #include "parallel/team.hpp"
+#include "state/candidate_pairs.hpp"
 
 namespace flotilla {
 
@@ -21,19 +24,21 @@ struct PairCandidates {
     double last_strayed = 0;  ///< m, at the end of the step, when the last list no longer covered the motion
 };
 
-struct PairRecord {
+/// Two cache lines: what every step reads of every pair, then what it reads of some.
+struct alignas(64) PairRecord {
     std::int32_t a = -1, b = -1;
-    std::uint64_t proved_a = 0, proved_b = 0; ///< versions for which the CCD found no hit (way b of DESIGN 4.2)
-    std::uint64_t missed_a = 0, missed_b = 0; ///< versions for which stage 1's own CCD found no hit, proved or not
-    std::uint64_t left_a = 0, left_b = 0;     ///< versions for which an operation changed nothing: left to stage 5
-    std::int64_t step = -1;                   ///< of the last use
-    bool active = false;                      ///< stage 1 applied an impulse to it in this step
-    bool processed = false;                   ///< examined by stage 1 and found hitting or near: stage 7 acts on it
-    PairLengths lengths{};                    ///< m
-    double start_distance = -1;               ///< m, at x^n; infinite beyond the proximity distance, < 0: not known
-    double end_distance = -1;                 ///< the same at the end of the step
-    PairCandidates candidates;                ///< a cache: changes cost only
+    std::uint64_t proved_a = 0, proved_b = 0;   ///< versions for which the CCD found no hit (way b of DESIGN 4.2)
+    std::int64_t step = -1;                     ///< of the last use
+    bool active = false;                        ///< stage 1 applied an impulse to it in this step
+    bool processed = false;                     ///< examined by stage 1 and found hitting or near: stage 7 acts on it
+    double start_distance = -1;                 ///< m, at x^n; infinite beyond the proximity distance, < 0: not known
+    double end_distance = -1;                   ///< the same at the end of the step
+    std::unique_ptr<PairCandidates> candidates; ///< a cache: changes cost only; null until a query asks for it
+    std::uint64_t missed_a = 0, missed_b = 0;   ///< versions for which stage 1's own CCD found no hit, proved or not
+    std::uint64_t left_a = 0, left_b = 0;       ///< versions for which an operation changed nothing: left to stage 5
+    PairLengths lengths{};                      ///< m
 };
+static_assert(sizeof(PairRecord) == 128);
 
 /// Open addressing by (a, b). Nothing that decides ever iterates over it: order comes from sorted lists of pairs. Records live as
 /// long as each step uses them, and stay where they are. Proofs need no clearing, because versions are never used again.
@@ -49,6 +54,9 @@ class PairTable {
     PairRecord& get(const Model& model, const State& state, std::int32_t a, std::int32_t b);
     /// Null: there is none.
     [[nodiscard]] PairRecord* find(std::int32_t a, std::int32_t b) const;
+    /// The records of some pairs, some hundreds at most: all of them asked for, then looked up, so that the waits for memory overlap.
+    /// `out` has their number of places.
+    void find(std::span<const CandidatePair> pairs, std::span<PairRecord*> out) const;
     /// Keeps a record for this step.
     void use(PairRecord& record) const { record.step = step_; }
 
@@ -63,7 +71,7 @@ class PairTable {
     PairRecord& new_record();
 
     std::vector<Slot> slots_; ///< a power of two of them
-    std::deque<PairRecord> records_;
+    SlabList<PairRecord, 256> records_;
     std::vector<PairRecord*> free_;   ///< records of no pair
     std::vector<std::size_t> places_; ///< scratch
     std::int64_t step_ = 0;

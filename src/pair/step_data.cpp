@@ -48,16 +48,16 @@ double way_of(const BodyMotion& a, const BodyMotion& b) {
 /// How far the motion may stray from the one a new list is made for.
 CandidateMargins choose_margins(const PairRecord& r, double way) {
     const double base = r.lengths.proximity;
-    if (way < base) return {kSlowMargin * base, std::clamp(2 * r.candidates.last_strayed, kSlowMargin * base, base)};
+    if (way < base) return {kSlowMargin * base, std::clamp(2 * r.candidates->last_strayed, kSlowMargin * base, base)};
     // A fast pair starts the next step elsewhere: its list serves this step only, whose start states are fixed.
-    return {0, std::clamp(2 * r.candidates.last_strayed, kSmallestMargin * base, kLargestMargin * base)};
+    return {0, std::clamp(2 * r.candidates->last_strayed, kSmallestMargin * base, kLargestMargin * base)};
 }
 
 /// A list that covers the motion, made now if that seems to pay; else null.
-const CandidateList* candidates(const StepData& data, Worker& worker, PairRecord& r, const BodyMotion& a,
-                                const BodyMotion& b) {
-    if (!data.keep_candidates) return nullptr;
-    PairCandidates& c = r.candidates;
+CoveringList candidates(const StepData& data, Worker& worker, PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
+    if (!data.keep_candidates) return {};
+    if (r.candidates == nullptr) r.candidates = std::make_unique<PairCandidates>();
+    PairCandidates& c = *r.candidates;
     const bool first = c.step != data.state.step;
     if (first) {
         c.busy = c.queries > 1 && c.step + 1 == data.state.step;
@@ -65,18 +65,18 @@ const CandidateList* candidates(const StepData& data, Worker& worker, PairRecord
         c.queries = 0;
     }
     ++c.queries;
-    const CandidateMargins strayed = c.list.strayed(a, b);
-    const bool covers = c.list.covers(strayed);
-    if (covers && (++c.uses <= kUsesBeforeRefining || c.list.refined())) return &c.list;
+    const bool live = !c.list.empty();
+    const CandidateMargins strayed = live ? c.list.strayed(a, b) : CandidateMargins{};
+    const bool covers = live && c.list.covers(strayed);
+    if (covers && (++c.uses <= kUsesBeforeRefining || c.list.refined())) return {&c.list, strayed};
     const double way = way_of(a, b);
     const bool resting = way < kRestingWay * r.lengths.proximity;
-    if (covers && !resting) return &c.list;
+    if (covers && !resting) return {&c.list, strayed};
     const CandidateReach reach{swept_reach(largest_separation(data, r), a, b), r.lengths.proximity};
     if (covers) {
         c.list.build(a, b, reach, choose_margins(r, way), true, worker.ccd.listing);
-        return &c.list;
+        return {&c.list, {}};
     }
-    const bool live = !c.list.empty();
     if (live) c.paid = c.uses > 0;
     c.last_strayed = live && !first ? strayed.end : 0;
     c.uses = 0;
@@ -84,10 +84,10 @@ const CandidateList* candidates(const StepData& data, Worker& worker, PairRecord
     if ((first && !c.busy && margins.start == 0) || !c.paid) {
         c.list.drop();
         c.paid = true;
-        return nullptr;
+        return {};
     }
     c.list.build(a, b, reach, margins, resting, worker.ccd.listing);
-    return &c.list;
+    return {&c.list, {}};
 }
 
 /// The distance of the bodies at x^n, from the last contact search where that looked at the pair.
@@ -95,7 +95,7 @@ double start_distance(const StepData& data, Worker& worker, PairRecord& r) {
     if (r.start_distance < 0) {
         const ProximityResult result =
             find_proximities(data.trajectories.at_start(at(r.a)), data.trajectories.at_start(at(r.b)),
-                             r.lengths.proximity, data.angle_cos, nullptr, worker.proximity);
+                             r.lengths.proximity, data.angle_cos, {}, worker.proximity);
         r.start_distance = result.near ? result.distance : std::numeric_limits<double>::infinity();
     }
     return r.start_distance;
@@ -124,11 +124,12 @@ PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod me
     if (data.trajectories.still(at(r.a)) && data.trajectories.still(at(r.b))) return {};
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
     if (method == CcdMethod::conservative && stay_apart(data, r, a, b)) return {};
+    const Stopwatch watch(worker.counters.detection_ms); // reading the clock costs as much as what comes before
     const double separation = method == CcdMethod::cubic ? cubic_tolerance(data.model.settings) : r.lengths.separation;
     const bool turns = !a.straight() || !b.straight();
     const PathCut cut = turns ? cut_path(a, b, {r.lengths.rest, start_distance(data, worker, r)}) : PathCut{};
     return earliest_hit_on_path(a, b, {separation, CcdStart::relaxed, method}, cut,
-                                cut.segments == 1 ? candidates(data, worker, r, a, b) : nullptr, worker.ccd);
+                                cut.segments == 1 ? candidates(data, worker, r, a, b) : CoveringList{}, worker.ccd);
 }
 
 constexpr std::size_t kBodyGrain = 128, kPairGrain = 256; // items of a task
@@ -151,15 +152,23 @@ const std::vector<ListedPair>& list_pairs(StepData& data, const std::vector<Cand
     ListBuffers& l = data.lists;
     l.record.resize(pairs.size());
     l.wanted.resize(pairs.size());
-    const auto find = [&](std::size_t i) {
-        l.record[i] = data.pairs.find(pairs[i].a, pairs[i].b);
-        if (l.record[i] != nullptr) data.pairs.use(*l.record[i]);
-        l.wanted[i] = wanted(pairs[i], l.record[i]) ? 1 : 0;
-        return l.wanted[i] != 0;
+    const auto find = [&](std::size_t begin, std::size_t end) {
+        const std::size_t count = end - begin;
+        data.pairs.find(std::span(pairs).subspan(begin, count), std::span(l.record).subspan(begin, count));
+        std::size_t found = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (l.record[i] != nullptr) data.pairs.use(*l.record[i]);
+            l.wanted[i] = wanted(pairs[i], l.record[i]) ? 1 : 0;
+            found += l.wanted[i];
+        }
+        return found;
     };
-    const auto kept = [&](std::size_t i) { return l.wanted[i] != 0; };
-    const auto item = [&](std::size_t i) -> ListedPair { return {pairs[i], l.record[i]}; };
-    compact_if({&data.team, "pair records", kPairGrain, l.chunk_places}, pairs.size(), find, kept, l.listed, 0, item);
+    const auto keep = [&](std::size_t begin, std::size_t end, std::size_t place) {
+        for (std::size_t i = begin; i < end; ++i)
+            if (l.wanted[i] != 0) l.listed[place++] = {pairs[i], l.record[i]};
+    };
+    const auto resize = [&](std::size_t total) { l.listed.resize(total); };
+    compact({&data.team, "pair records", kPairGrain, l.chunk_places}, pairs.size(), find, resize, keep);
     for (ListedPair& p : l.listed) // one thread alone may make records
         if (p.record == nullptr) p.record = &data.pairs.get(data.model, data.state, p.pair.a, p.pair.b);
     return l.listed;
@@ -179,13 +188,15 @@ void collect(StepData& data, StageCounters& counters) {
     }
 }
 
-const CandidateList* end_candidates(const StepData& data, const PairRecord& record) {
-    const CandidateList& list = record.candidates.list;
+CoveringList end_candidates(const StepData& data, const PairRecord& record) {
+    if (!data.keep_candidates || record.candidates == nullptr || record.candidates->list.empty()) return {};
+    const CandidateList& list = record.candidates->list;
     const BodyMotion a = data.trajectories.motion(at(record.a)), b = data.trajectories.motion(at(record.b));
-    return data.keep_candidates && list.covers({0, list.strayed(a, b).end}) ? &list : nullptr;
+    const CandidateMargins strayed{0, list.strayed_at_end(a, b)};
+    return list.covers(strayed) ? CoveringList{&list, strayed} : CoveringList{};
 }
 
-const CandidateList* kept_candidates(const StepData& data, Worker& worker, PairRecord& r) {
+CoveringList kept_candidates(const StepData& data, Worker& worker, PairRecord& r) {
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
     return a.straight() && b.straight() ? candidates(data, worker, r, a, b) : end_candidates(data, r);
 }
@@ -195,6 +206,7 @@ bool near_at_end(const StepData& data, Worker& worker, const PairRecord& r) {
     if (data.keep_candidates && r.start_distance >= 0 && r.start_distance < r.lengths.proximity && a.straight() &&
         b.straight() && r.start_distance + change_of_distance(a, b) < (1 - kRoundingRoom) * r.lengths.proximity)
         return true;
+    const Stopwatch watch(worker.counters.detection_ms);
     return any_proximity(data.trajectories.at_end(at(r.a)), data.trajectories.at_end(at(r.b)), r.lengths.proximity,
                          end_candidates(data, r), worker.proximity);
 }
@@ -241,7 +253,6 @@ bool left(const StepData& data, const PairRecord& r) {
 }
 
 PairHit query(const StepData& data, Worker& worker, PairRecord& r) {
-    const Stopwatch watch(worker.counters.detection_ms);
     const PairHit hit = search(data, worker, r, CcdMethod::conservative);
     if (!hit.hit) {
         r.proved_a = data.trajectories.version(at(r.a));
@@ -252,7 +263,6 @@ PairHit query(const StepData& data, Worker& worker, PairRecord& r) {
 
 PairHit query_collision(const StepData& data, Worker& worker, PairRecord& r) {
     if (data.model.settings.ccd == CcdMethod::conservative) return query(data, worker, r);
-    const Stopwatch watch(worker.counters.detection_ms);
     const PairHit hit = search(data, worker, r, CcdMethod::cubic);
     if (!hit.hit) {
         r.missed_a = data.trajectories.version(at(r.a));

@@ -108,10 +108,10 @@ const std::vector<ListedPair>& end_pairs(StepData& data);
 
 /// The pair's candidate list where it covers the present end poses: for queries of the proximity distance at the end of the
 /// step. Null otherwise.
-[[nodiscard]] const CandidateList* end_candidates(const StepData& data, const PairRecord& record);
+[[nodiscard]] CoveringList end_candidates(const StepData& data, const PairRecord& record);
 
 /// The same; where there is no such list one is made if that seems to pay.
-[[nodiscard]] const CandidateList* kept_candidates(const StepData& data, Worker& worker, PairRecord& record);
+[[nodiscard]] CoveringList kept_candidates(const StepData& data, Worker& worker, PairRecord& record);
 
 /// Whether features of the bodies come within the proximity distance at the end of the step.
 [[nodiscard]] bool near_at_end(const StepData& data, Worker& worker, const PairRecord& record);

@@ -96,14 +96,14 @@ class Finder {
           reach_(proximity, std::max(a.max_abs(), b.max_abs())),
           scratch_(scratch) {}
 
-    ProximityResult all(const CandidateList* list) {
+    ProximityResult all(const CoveringList& list) {
         scratch_.found.clear();
         collect(list);
         sort_and_keep_distinct_faces();
         return result_;
     }
 
-    bool any(const CandidateList* list) {
+    bool any(const CoveringList& list) {
         first_only_ = true;
         scratch_.found.clear();
         collect(list);
@@ -111,12 +111,12 @@ class Finder {
     }
 
   private:
-    void collect(const CandidateList* list) {
-        if (list == nullptr) {
+    void collect(const CoveringList& list) {
+        if (list.list == nullptr) {
             traverse();
             return;
         }
-        auto left = list->select(FeatureTest::near, a_, b_, reach_, scratch_.candidates);
+        auto left = list.list->select(FeatureTest::near, a_, b_, list.strayed, reach_, scratch_.candidates);
         while (!left.empty() && !done()) {
             const auto other = [&](const FeaturePair& f) { return f.kind != left[0].kind; };
             const auto few = left.first(std::min(kBatch, left.size()));
@@ -227,11 +227,11 @@ class Finder {
 } // namespace
 
 ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                                 const CandidateList* list, ProximityScratch& scratch) {
+                                 const CoveringList& list, ProximityScratch& scratch) {
     return Finder(a, b, proximity, angle_cos, scratch).all(list);
 }
 
-bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const CandidateList* list,
+bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const CoveringList& list,
                    ProximityScratch& scratch) {
     return Finder(a, b, proximity, 1, scratch).any(list);
 }
@@ -256,7 +256,7 @@ bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& 
 }
 
 ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                                    const CandidateList* list, ProximityScratch& scratch,
+                                    const CoveringList& list, ProximityScratch& scratch,
                                     std::vector<ProximityPoint>& out) {
     const ProximityResult result = find_proximities(a, b, proximity, angle_cos, list, scratch);
     for (const ProximityPoint& p : scratch.found)

@@ -59,10 +59,10 @@ struct ProximityResult {
 /// Fills scratch.found with the proximities in the order of their feature keys: one face per vertex and direction, no ends of
 /// edges. `angle_cos` is the cosine of theta_proximity, here and below.
 ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                                 const CandidateList* list, ProximityScratch& scratch);
+                                 const CoveringList& list, ProximityScratch& scratch);
 
 /// Whether there is a feature pair within `proximity`: the field `near` of the above, sooner.
-[[nodiscard]] bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const CandidateList* list,
+[[nodiscard]] bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const CoveringList& list,
                                  ProximityScratch& scratch);
 
 /// Whether a proximity is a contact: the rules of the nearest point and of the ray.
@@ -71,7 +71,7 @@ ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, doubl
 
 /// Appends the contact points, the proximities that are admissible, to `out` in the order of their feature keys.
 ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                                    const CandidateList* list, ProximityScratch& scratch,
+                                    const CoveringList& list, ProximityScratch& scratch,
                                     std::vector<ProximityPoint>& out);
 
 } // namespace flotilla

@@ -17,6 +17,7 @@ struct Contact {
     double target = 0;             ///< m/s, least (v_b - v_a).n wanted: (d_rest - d)/dt or its minimum with 0 (eq. 16)
     double friction = 0;           ///< coefficient of the pair, >= 0
     std::uint64_t feature_key = 0; ///< feature pair, unique within the body pair
+    bool sticks = false;           ///< hardly slid in the last step: random tangents stay what they were
 };
 
 /// What a contact did in the last solve, as data that outlives frames and tangents.

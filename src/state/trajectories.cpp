@@ -70,38 +70,40 @@ void Trajectories::resize(const Model& model) {
     rigid_ = model.settings.trajectory == Trajectory::rigid;
     entries_.clear();
     entries_.resize(model.size());
+    stamps_.assign(model.size(), {});
 }
 
 void Trajectories::start(const Model& model, std::size_t body, const Pose& pose) {
     Entry& e = entries_[body];
     e.shape = &model.shape_of(body);
-    e.version = 1;
+    stamps_[body].version = 1;
     e.at0.place(*e.shape, pose);
 }
 
 void Trajectories::advance() {
-    for (Entry& e : entries_) {
-        if (!e.still) std::swap(e.at0, e.at1);
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+        Entry& e = entries_[i];
+        if (!still(i)) std::swap(e.at0, e.at1);
         e.turn = {};
-        e.still = true;
-        ++e.version;
+        stamps_[i] = {version(i) + 1, true};
     }
 }
 
 void Trajectories::set_end(std::size_t body, const Pose& end, const Vec3& turn) {
     Entry& e = entries_[body];
-    ++e.version;
     e.turn = turn;
     // A turn below one radian that ends in the same bits is none; a whole turn is one where bodies really turn.
-    e.still = end == e.at0.pose && (!rigid_ || length_sq(turn) < 1);
-    if (!e.still) e.at1.place(*e.shape, end);
+    const bool same = end == e.at0.pose && (!rigid_ || length_sq(turn) < 1);
+    stamps_[body] = {version(body) + 1, same};
+    if (!same) e.at1.place(*e.shape, end);
 }
 
 void Trajectories::hold(std::size_t body) { set_end(body, entries_[body].at0.pose, {}); }
 
 BodyMotion Trajectories::motion(std::size_t body) const {
     const Entry& e = entries_[body];
-    return {e.shape, e.at0.view(), (e.still ? e.at0 : e.at1).view(), rigid_ && !e.still ? e.turn : Vec3{}};
+    const bool stays = still(body);
+    return {e.shape, e.at0.view(), (stays ? e.at0 : e.at1).view(), rigid_ && !stays ? e.turn : Vec3{}};
 }
 
 BodyMotion Trajectories::at_start(std::size_t body) const {
@@ -111,7 +113,7 @@ BodyMotion Trajectories::at_start(std::size_t body) const {
 
 BodyMotion Trajectories::at_end(std::size_t body) const {
     const Entry& e = entries_[body];
-    const BodyPlacement end = (e.still ? e.at0 : e.at1).view();
+    const BodyPlacement end = (still(body) ? e.at0 : e.at1).view();
     return {e.shape, end, end, {}};
 }
 

@@ -74,9 +74,9 @@ class Trajectories {
         return still(body) ? entry(body).at0.pose : entry(body).at1.pose;
     }
     [[nodiscard]] const Vec3& turn(std::size_t body) const { return entry(body).turn; }
-    [[nodiscard]] std::uint64_t version(std::size_t body) const { return entry(body).version; }
+    [[nodiscard]] std::uint64_t version(std::size_t body) const { return stamps_[body].version; }
     /// The end is bitwise the start, and the body does not move on the way either.
-    [[nodiscard]] bool still(std::size_t body) const { return entry(body).still; }
+    [[nodiscard]] bool still(std::size_t body) const { return stamps_[body].still; }
     [[nodiscard]] BodyMotion motion(std::size_t body) const;
     [[nodiscard]] BodyMotion at_start(std::size_t body) const; ///< resting at the start pose
     [[nodiscard]] BodyMotion at_end(std::size_t body) const;   ///< resting at the end pose
@@ -85,15 +85,19 @@ class Trajectories {
   private:
     struct Entry {
         Vec3 turn;
-        std::uint64_t version = 0;
-        bool still = true;
         const RigidShape* shape = nullptr;
         PlacedBody at0, at1;
     };
     [[nodiscard]] const Entry& entry(std::size_t body) const { return entries_[body]; }
 
+    struct Stamp {
+        std::uint64_t version = 0;
+        bool still = true;
+    };
+
     std::vector<Entry> entries_;
-    bool rigid_ = false; ///< the setting `trajectory`
+    std::vector<Stamp> stamps_; ///< of the end states: what is asked of most pairs, and nothing else
+    bool rigid_ = false;        ///< the setting `trajectory`
 };
 
 } // namespace flotilla

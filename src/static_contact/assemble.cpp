@@ -220,6 +220,8 @@ ContactBlock make_block(const BodyPair& pair, const ContactBodies& bodies, const
 // Slip and friction below these are rounding, not a direction: m/s, and a share of the warm impulse.
 constexpr double kLeastSlip = 1e-12;
 constexpr double kLeastFriction = 1e-12;
+/// The step of tangents that outlive it.
+constexpr std::uint64_t kNoStep = ~std::uint64_t{0};
 
 // Along the slip with nothing applied; where there is none, against the friction of the warm impulse.
 TangentPair choose_tangents(const Contact& c, const Vec3& relative_velocity, const Vec3& impulse,
@@ -231,7 +233,7 @@ TangentPair choose_tangents(const Contact& c, const Vec3& relative_velocity, con
         if (tangential_sq(impulse) > kLeastFriction * kLeastFriction * length_sq(impulse))
             return tangents_along(c.normal, impulse);
     }
-    return keyed_tangents(c, options.seed, options.step);
+    return keyed_tangents(c, options.seed, c.sticks ? kNoStep : options.step);
 }
 
 ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBodies& bodies, const ContactScratch& s,

@@ -7,21 +7,12 @@
 
 #include <cstddef>
 
+#include "base/prefetch.hpp"
 #include "static_contact/contact_packets.hpp"
 #include "static_contact/local_contact.hpp"
 
 namespace flotilla {
 namespace {
-
-/// __builtin_prefetch(address, 1) asks for a line to write only where the target has the instruction by name; all x86-64 processors run
-/// it, the oldest as one that does nothing.
-inline void fetch_to_write(const void* address) {
-#if defined(__x86_64__)
-    asm volatile("prefetchw %0" : : "m"(*static_cast<const char*>(address)));
-#else
-    __builtin_prefetch(address, 1);
-#endif
-}
 
 template <class P>
 struct PackSym3 {

@@ -185,18 +185,50 @@ double equation_16(double rest, double distance, double time_step, double tolera
     return target > 0 ? std::max(target - band, 0.0) : std::min(target + band, 0.0);
 }
 
+/// Velocities of the last step, and of bodies whose motion is prescribed those of this one.
+void load_last_velocities(const Model& model, std::span<const Motion> motion, const StaticStageOptions& options,
+                          StaticStageScratch& scratch) {
+    scratch.last_velocity.resize(model.size());
+    scratch.last_angular_velocity.resize(model.size());
+    for_each(options.team, "last velocities", model.size(), kBodyGrain, [&](std::size_t i) {
+        const bool movable = model.bodies[i].movable();
+        const Motion& m = movable ? options.last_motion[i] : motion[i];
+        scratch.last_velocity[i] = m.velocity;
+        scratch.last_angular_velocity[i] = movable ? scratch.bodies.inverse_inertia[i] * m.momentum : m.momentum;
+    });
+}
+
+/// A friction pyramid of random direction holds more along its diagonals than along its sides. Drawn anew in every step it therefore
+/// cuts the friction of contacts that stick, a different part of them each time, and the sweeps of a pile at rest do little but hand
+/// their load to others. What the paper's random tangents are for, that no direction is preferred, needs new ones in every step only
+/// where bodies slide. So contacts keep theirs that slid by less than a tenth of what gravity adds in a step, nor more than the rest
+/// distance in a step.
+bool sticks(const Contact& c, double rest, double most_slip, double time_step, const StaticStageScratch& s) {
+    const auto point_velocity = [&](std::int32_t body) {
+        return s.last_velocity[at(body)] +
+               cross(s.last_angular_velocity[at(body)], c.point - s.bodies.position[at(body)]);
+    };
+    const Vec3 v = point_velocity(c.b) - point_velocity(c.a);
+    const double limit = std::min(most_slip, rest / time_step);
+    return length_sq(v - dot(v, c.normal) * c.normal) < limit * limit;
+}
+
 /// The contacts that the stage acts on, with its targets.
-void select_contacts(const ContactSet& set, double time_step, double tolerance, const StaticStageOptions& options,
+void select_contacts(const Model& model, const ContactSet& set, const StaticStageOptions& options,
                      StaticStageScratch& scratch) {
+    constexpr double kMostSlip = 0.1; // of what gravity adds in a step
+    const Settings& s = model.settings;
+    const double most_slip = kMostSlip * length(model.gravity) * s.time_step;
     const auto wanted = [&](std::size_t i) { return !options.only_processed || set.processed[i] != 0; };
-    const auto with_target = [&](std::size_t i) {
+    const auto complete = [&](std::size_t i) {
         Contact c = set.contacts[i];
-        const double full = equation_16(set.rest[i], c.distance, time_step, tolerance);
+        const double full = equation_16(set.rest[i], c.distance, s.time_step, s.static_tolerance);
         c.target = options.final_stage ? std::min(0.0, full) : full;
+        c.sticks = sticks(c, set.rest[i], most_slip, s.time_step, scratch);
         return c;
     };
     compact_if({options.team, "select contacts", kContactGrain, scratch.places}, set.size(), wanted, scratch.selected,
-               0, with_target);
+               0, complete);
 }
 
 StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,
@@ -204,10 +236,11 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
                                       std::span<const WarmImpulse> other, const StaticStageOptions& options,
                                       StaticStageScratch& scratch) {
     const Settings& s = model.settings;
-    select_contacts(set, s.time_step, s.static_tolerance, options, scratch);
-    load_warm(options.team, scratch.selected, warm, other, options.warm_factor, scratch.impulses);
     VelocityArrays& b = scratch.bodies;
     b.load(options.team, model, poses, motion);
+    load_last_velocities(model, motion, options, scratch);
+    select_contacts(model, set, options, scratch);
+    load_warm(options.team, scratch.selected, warm, other, options.warm_factor, scratch.impulses);
     scratch.angular_before = b.angular_velocity;
     ContactSolveOptions solve;
     solve.iterations = s.static_iterations;

@@ -61,12 +61,14 @@ struct StaticStageOptions {
     bool only_processed = false; ///< leave out the pairs that stage 1 did not process
     double warm_factor = 1;      ///< of impulses taken over from the other stage
     std::int64_t step = 0;
+    std::span<const Motion> last_motion; ///< at x^n: which contacts stick
     Team* team = nullptr;
 };
 
 struct StaticStageScratch {
     ContactScratch solver;
     VelocityArrays bodies;
+    std::vector<Vec3> last_velocity, last_angular_velocity; ///< by body: at x^n, or prescribed
     std::vector<Vec3> angular_before;
     std::vector<Contact> selected;
     std::vector<std::size_t> places; ///< in `selected`, by chunk of contacts

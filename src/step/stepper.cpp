@@ -280,9 +280,9 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
     // limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up would accelerate for ever.
     const bool only_processed = final_stage && (report.warnings & kCollisionLimit) == 0;
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
-    const StaticStageStats stats =
-        solve_static_contact(model_, contacts_, poses, motion, warm, final_stage ? state_.warm_half : state_.warm_final,
-                             {final_stage, only_processed, final_stage ? 2.0 : 0.5, report.step, &team_}, static_);
+    const StaticStageStats stats = solve_static_contact(
+        model_, contacts_, poses, motion, warm, final_stage ? state_.warm_half : state_.warm_final,
+        {final_stage, only_processed, final_stage ? 2.0 : 0.5, report.step, state_.motion, &team_}, static_);
     if (!waiting_.empty()) {
         const auto middle = static_cast<std::ptrdiff_t>(warm.size());
         warm.insert(warm.end(), waiting_.begin(), waiting_.end());

@@ -123,7 +123,7 @@ TEST(EarliestHit, IsTheLeastOfAllFeaturePairs) {
         }
         pair.move(start, end);
         CcdScratch scratch;
-        const PairHit hit = earliest_hit(pair.motion(0), pair.motion(1), {kSeparation}, nullptr, scratch);
+        const PairHit hit = earliest_hit(pair.motion(0), pair.motion(1), {kSeparation}, {}, scratch);
         expect_same(hit, hit_of_all_features(pair.motion(0), pair.motion(1)));
         ++(hit.hit ? hits : misses);
     }
@@ -252,22 +252,23 @@ TEST(CandidateList, ChangesNoAnswerOfAMotionThatItCovers) {
             }
             pair.move(start_k, end_k);
             const BodyMotion a = pair.motion(0), b = pair.motion(1);
-            if (!list.covers(list.strayed(a, b))) {
+            const CoveringList covering{&list, list.strayed(a, b)};
+            if (!list.covers(covering.strayed)) {
                 ++uncovered;
                 continue;
             }
-            const PairHit with = earliest_hit(a, b, {kSeparation}, &list, scratch);
-            expect_same(with, earliest_hit(a, b, {kSeparation}, nullptr, scratch));
+            const PairHit with = earliest_hit(a, b, {kSeparation}, covering, scratch);
+            expect_same(with, earliest_hit(a, b, {kSeparation}, {}, scratch));
             ++(with.hit ? hits : misses);
 
             const BodyMotion at_a = pair.trajectories.at_end(0), at_b = pair.trajectories.at_end(1);
             ProximityScratch p, q;
-            const auto near_with = find_proximities(at_a, at_b, kProximity, kAngleCos, &list, p);
-            const auto near_without = find_proximities(at_a, at_b, kProximity, kAngleCos, nullptr, q);
+            const auto near_with = find_proximities(at_a, at_b, kProximity, kAngleCos, covering, p);
+            const auto near_without = find_proximities(at_a, at_b, kProximity, kAngleCos, {}, q);
             EXPECT_EQ(near_with.near, near_without.near);
             EXPECT_EQ(near_with.distance, near_without.distance);
-            EXPECT_EQ(any_proximity(at_a, at_b, kProximity, &list, p), near_without.near);
-            ASSERT_EQ(find_proximities(at_a, at_b, kProximity, kAngleCos, &list, p).near, near_without.near);
+            EXPECT_EQ(any_proximity(at_a, at_b, kProximity, covering, p), near_without.near);
+            ASSERT_EQ(find_proximities(at_a, at_b, kProximity, kAngleCos, covering, p).near, near_without.near);
             ASSERT_EQ(p.found.size(), q.found.size());
             for (std::size_t i = 0; i < p.found.size(); ++i) {
                 EXPECT_EQ(feature_key(p.found[i].features), feature_key(q.found[i].features));

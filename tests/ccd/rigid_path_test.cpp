@@ -87,7 +87,7 @@ struct Pair {
         CcdScratch scratch;
         const BodyMotion a = motion(0), b = motion(1);
         cut = cut_path(a, b, {kRest, start_distance});
-        return earliest_hit_on_path(a, b, {kSeparation}, cut, nullptr, scratch);
+        return earliest_hit_on_path(a, b, {kSeparation}, cut, {}, scratch);
     }
 
     /// The vertices of a body on its path.
@@ -145,7 +145,7 @@ Hits turn_past_particle(const TriangleMesh& plate, double particle_radius) {
     CcdScratch scratch;
     pair.move(Trajectory::linear);
     Hits hits{};
-    hits.linear = earliest_hit(pair.motion(0), pair.motion(1), {kSeparation}, nullptr, scratch).hit;
+    hits.linear = earliest_hit(pair.motion(0), pair.motion(1), {kSeparation}, {}, scratch).hit;
     pair.move(Trajectory::rigid);
     PathCut cut;
     const PairHit hit = pair.query(pair.nearest(0).distance, cut);
@@ -186,9 +186,9 @@ TEST(RigidPath, CostsNothingWhereNothingTurns) {
     const PathCut cut = cut_path(a, b, {kRest, 1e-3});
     EXPECT_EQ(cut.segments, 1);
     EXPECT_EQ(cut.gap, 0);
-    const PairHit on_path = earliest_hit_on_path(a, b, {kSeparation}, cut, nullptr, scratch);
+    const PairHit on_path = earliest_hit_on_path(a, b, {kSeparation}, cut, {}, scratch);
     EXPECT_EQ(scratch.counters.segments, 0);
-    const PairHit straight = earliest_hit(a, b, {kSeparation}, nullptr, scratch);
+    const PairHit straight = earliest_hit(a, b, {kSeparation}, {}, scratch);
     EXPECT_TRUE(straight.hit);
     EXPECT_EQ(on_path.toi, straight.toi);
     EXPECT_EQ(on_path.normal, straight.normal);

@@ -188,14 +188,14 @@ TEST(PairTable, AForgottenPairIsMadeAnewFromTheStateOfTheDay) {
     World world(3);
     const PairLengths before = world.get({0, 2}).lengths;
     EXPECT_GT(before.rest, 0);
-    world.get({0, 2}).candidates.uses = 5;
+    world.get({0, 2}).candidates = std::make_unique<PairCandidates>();
     world.state.rest_distances = {{0, 2, before.rest / 4}};
     EXPECT_EQ(world.get({0, 2}).lengths.rest, before.rest) << "the record of the first use";
     world.table.start_step(team, 1);
     world.table.start_step(team, 2);
     const PairRecord& again = world.get({0, 2});
     EXPECT_EQ(again.lengths.rest, before.rest / 4);
-    EXPECT_EQ(again.candidates.uses, 0);
+    EXPECT_EQ(again.candidates, nullptr);
     EXPECT_EQ(again.step, 2);
 }
 

@@ -47,8 +47,8 @@ std::vector<ProximityPoint> contact_points(const Placed& a, const Placed& b) {
     trajectories.start(model, state.pose);
     ProximityScratch scratch;
     std::vector<ProximityPoint> points;
-    (void)find_contact_points(trajectories.at_start(0), trajectories.at_start(1), kProximity, kAngleCos, nullptr,
-                              scratch, points);
+    (void)find_contact_points(trajectories.at_start(0), trajectories.at_start(1), kProximity, kAngleCos, {}, scratch,
+                              points);
     for (const ProximityPoint& p : points) {
         EXPECT_NEAR(p.distance, length(p.b - p.a), 1e-15);
         EXPECT_NEAR(length(p.normal - normalized(p.b - p.a)), 0, 1e-12);
