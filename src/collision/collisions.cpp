@@ -110,11 +110,12 @@ int sweep(StepData& data, const std::vector<ListedPair>& list, int rounds, Stage
         const PairRecord& r = *list[i].record;
         return proved(data, r) || missed(data, r) || left(data, r);
     };
+    const auto fetch = [&](std::size_t i) { fetch_record(*list[i].record); };
     const auto count = static_cast<std::size_t>(rounds);
     for (const auto& worker : data.workers) worker->work.assign(count, 0);
     const auto pair_of = [&](std::size_t i) { return list[i].pair; };
     run_in_order(data, "collide", {order_by_color(data, list.size(), pair_of), counters.sweeps % 2 != 0, rounds},
-                 current, [&](std::size_t i, int round, Worker& worker) {
+                 current, fetch, [&](std::size_t i, int round, Worker& worker) {
                      collide(data, worker, list[i]);
                      ++worker.work[static_cast<std::size_t>(round)];
                  });

@@ -37,7 +37,7 @@ DynamicContactStats handle_dynamic_contact(StepData& data) {
         const auto pair_of = [&](std::size_t i) { return list[i]; };
         const std::span<const std::int32_t> order = order_by_color(data, list.size(), pair_of);
         run_in_order(
-            data, "dynamic contact", {order, backwards}, [](std::size_t) { return false; },
+            data, "dynamic contact", {order, backwards}, [](std::size_t) { return false; }, [](std::size_t) {},
             [&](std::size_t i, int, Worker& worker) {
                 ++worker.counters.pairs;
                 resolutions[i] =

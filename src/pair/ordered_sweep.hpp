@@ -69,15 +69,20 @@ template <class PairOf>
     return l.places;
 }
 
+/// Operations between asking for the memory of one and running it.
+constexpr std::size_t kFetchAhead = 8;
+
 /// Fills the order of tasks of a plan made by order_by_color. An operation is left out where its pair is current and no operation
 /// before it may change that: where none of those shares a movable cluster with it.
-template <class Current>
-void order_tasks(StepData& data, const SweepPlan& plan, Current&& current) {
+template <class Current, class Fetch>
+void order_tasks(StepData& data, const SweepPlan& plan, Current&& current, Fetch&& fetch) {
     constexpr std::size_t kGrain = 256;
     ListBuffers& l = data.lists;
     l.flags.resize(plan.size());
-    data.team.for_each("stale pairs", plan.size(), kGrain,
-                       [&](std::size_t i, int) { l.flags[i] = current(i) ? 0 : 1; });
+    data.team.for_each("stale pairs", plan.size(), kGrain, [&](std::size_t i, int) {
+        if (i + kFetchAhead < plan.size()) fetch(i + kFetchAhead);
+        l.flags[i] = current(i) ? 0 : 1;
+    });
     l.touched.assign(data.model.size(), 0);
     l.tasks.clear();
     l.order.start(data.model.size());
@@ -95,17 +100,19 @@ void order_tasks(StepData& data, const SweepPlan& plan, Current&& current) {
 }
 
 /// Calls operate(i, round, worker) for the pairs of the list in order, round after round, except where current(i) holds: a
-/// certificate that an operation leaves alone. The list must not change meanwhile.
+/// certificate that an operation leaves alone. The list must not change meanwhile. fetch(i) asks for the memory that they begin with.
 ///
 /// Rounds are one run: nothing waits for the end of a round but what shares a cluster with it. A round in which all pairs are
 /// current leaves all of them so, and with it all later rounds do nothing, as if they had not been run.
-template <class Current, class Operate>
-void run_in_order(StepData& data, const char* name, const SweepPlan& plan, Current&& current, Operate&& operate) {
+template <class Current, class Fetch, class Operate>
+void run_in_order(StepData& data, const char* name, const SweepPlan& plan, Current&& current, Fetch&& fetch,
+                  Operate&& operate) {
     if (data.team.size() == 1 && data.team.recorder() == nullptr) {
         for (int round = 0; round < plan.rounds; ++round) {
             bool any = false;
             for (std::size_t i = 0; i < plan.size(); ++i) {
                 const std::size_t k = plan.place(round, i);
+                if (i + kFetchAhead < plan.size()) fetch(plan.place(round, i + kFetchAhead));
                 if (current(k)) continue;
                 operate(k, round, data.worker(0));
                 any = true;
@@ -115,8 +122,9 @@ void run_in_order(StepData& data, const char* name, const SweepPlan& plan, Curre
         return;
     }
     ListBuffers& l = data.lists;
-    order_tasks(data, plan, current);
+    order_tasks(data, plan, current, fetch);
     data.team.run(name, l.order, [&](std::size_t task, int thread) {
+        if (task + kFetchAhead < l.tasks.size()) fetch(static_cast<std::size_t>(l.tasks[task + kFetchAhead].place));
         const auto i = static_cast<std::size_t>(l.tasks[task].place);
         if (!current(i)) operate(i, l.tasks[task].round, data.worker(thread));
     });

@@ -22,6 +22,11 @@ std::uint64_t mixed(std::int32_t a, std::int32_t b) {
 
 } // namespace
 
+void fetch_record(const PairRecord& record) {
+    fetch_to_write(&record);
+    fetch_to_write(&record.missed_a);
+}
+
 void PairTable::start_step(Team& team, std::int64_t step) {
     const auto unused = [&](const PairRecord& r) { return r.a >= 0 && r.step != step_; };
     const auto start = [&](std::size_t i) {

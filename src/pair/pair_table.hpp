@@ -40,6 +40,9 @@ struct alignas(64) PairRecord {
 };
 static_assert(sizeof(PairRecord) == 128);
 
+/// Asks for a record, both lines.
+void fetch_record(const PairRecord& record);
+
 /// Open addressing by (a, b). Nothing that decides ever iterates over it: order comes from sorted lists of pairs. Records live as
 /// long as each step uses them, and stay where they are. Proofs need no clearing, because versions are never used again.
 ///

@@ -193,6 +193,23 @@ TEST(Friction, OfTheRandomPyramidIsTooLargeByFourOverPi) {
     EXPECT_NEAR(most, std::numbers::sqrt2, 1e-3);
 }
 
+TEST(Friction, AContactThatSticksKeepsItsTangents) {
+    const auto left = [](bool sticks, std::uint64_t step) {
+        ContactWorld w;
+        w.add_body(0);
+        w.add_body(1);
+        w.add_contact(0, 1, {}, kUp, 0.1);
+        w.contacts.back().sticks = sticks;
+        w.velocity[1] = {5, 0, -1};
+        w.solve({.warm_start = false, .step = step});
+        return w.velocity[1];
+    };
+    for (std::uint64_t step = 1; step < 20; ++step) {
+        EXPECT_EQ(left(true, step), left(true, 0));
+        EXPECT_FALSE(left(false, step) == left(false, 0));
+    }
+}
+
 TEST(Friction, TangentsDependOnKeyAndStepOnly) {
     const Contact c{.a = 3, .b = 8, .point = {}, .normal = normalized(Vec3{1, -2, 0.5}), .feature_key = 77};
     const TangentPair t = keyed_tangents(c, 1, 2);

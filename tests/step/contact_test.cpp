@@ -147,5 +147,37 @@ TEST(Contact, BlockSlipsWithTheRightAcceleration) {
     }
 }
 
+// The pyramid of a sliding contact is drawn anew in every step: between 1 and sqrt(2) of Coulomb's friction, 4/pi on average, and no
+// direction is preferred. Tangents that stay, as those of contacts that stick do, would brake evenly and turn the block aside.
+TEST(Contact, ASlidingBlockDrawsNewTangentsInEveryStep) {
+    constexpr double kFriction = 0.2, kSpeed = 12, kStep = 1.0 / 240;
+    constexpr int kSteps = 800;
+    SceneDescription scene = empty_scene();
+    scene.settings.time_step = kStep;
+    const auto block = add_shape(scene, make_box(1, 1, 0.4), 5);
+    const auto plane = add_shape(scene, make_plate(200, 200));
+    const double rest = std::sqrt(1 + 1 + 0.16) / 330;
+    add_body(scene, block, BodyType::dynamic, {-90, 0.13, 0.2 + 1.0001 * rest}, kFriction, 0).velocity = {kSpeed, 0, 0};
+    add_body(scene, plane, BodyType::fixed, {}, kFriction, 0);
+    World world(scene);
+    for (int n = 0; n < 24; ++n) world.step();
+    const Vec3 start = world.body(0).velocity;
+    double least = 10, most = 0, before = start.x;
+    for (int n = 0; n < kSteps; ++n) {
+        world.step();
+        const double speed = world.body(0).velocity.x, friction = (before - speed) / (kFriction * kGravity * kStep);
+        least = std::min(least, friction);
+        most = std::max(most, friction);
+        before = speed;
+    }
+    const double mean = (start.x - before) / (kFriction * kGravity * kStep * kSteps);
+    const double aside = std::abs(world.body(0).velocity.y - start.y);
+    std::printf("sliding block: friction %.3f of Coulomb's, %.3f to %.3f; %.3g m/s aside\n", mean, least, most, aside);
+    EXPECT_NEAR(mean, 4 / kPi, 0.03);
+    EXPECT_LT(least, 1.2);
+    EXPECT_GT(most, 1.35);
+    EXPECT_LT(aside, 0.02 * (start.x - before));
+}
+
 } // namespace
 } // namespace flotilla::scenario
