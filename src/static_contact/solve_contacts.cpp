@@ -33,6 +33,7 @@ void forget_warm_start(const Island& island, const ContactBodies& bodies, Contac
     }
     for (const ContactBlock& block : blocks_of(island, s))
         for (const std::int32_t body : {block.a, block.b}) {
+            if (!s.movable[static_cast<std::size_t>(body)]) continue; // never written, and other islands read it now
             const auto id = static_cast<std::size_t>(s.bodies[static_cast<std::size_t>(body)]);
             BodyVelocity& v = s.velocity[static_cast<std::size_t>(body)];
             v.linear = bodies.velocity[id] + Vec3{}; // + 0: no component of a BodyVelocity is -0
