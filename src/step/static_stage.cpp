@@ -214,17 +214,19 @@ bool sticks(const Contact& c, double rest, double most_slip, double time_step, c
 }
 
 /// The contacts that the stage acts on, with its targets.
-void select_contacts(const Model& model, const ContactSet& set, const StaticStageOptions& options,
-                     StaticStageScratch& scratch) {
+void select_contacts(const Model& model, const ContactSet& set, std::span<const Motion> motion,
+                     const StaticStageOptions& options, StaticStageScratch& scratch) {
     constexpr double kMostSlip = 0.1; // of what gravity adds in a step
     const Settings& s = model.settings;
     const double most_slip = kMostSlip * length(model.gravity) * s.time_step;
+    const bool random = s.tangents == Tangents::random;
+    if (random) load_last_velocities(model, motion, options, scratch);
     const auto wanted = [&](std::size_t i) { return !options.only_processed || set.processed[i] != 0; };
     const auto complete = [&](std::size_t i) {
         Contact c = set.contacts[i];
         const double full = equation_16(set.rest[i], c.distance, s.time_step, s.static_tolerance);
         c.target = options.final_stage ? std::min(0.0, full) : full;
-        c.sticks = sticks(c, set.rest[i], most_slip, s.time_step, scratch);
+        c.sticks = random && sticks(c, set.rest[i], most_slip, s.time_step, scratch);
         return c;
     };
     compact_if({options.team, "select contacts", kContactGrain, scratch.places}, set.size(), wanted, scratch.selected,
@@ -238,8 +240,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     const Settings& s = model.settings;
     VelocityArrays& b = scratch.bodies;
     b.load(options.team, model, poses, motion);
-    load_last_velocities(model, motion, options, scratch);
-    select_contacts(model, set, options, scratch);
+    select_contacts(model, set, motion, options, scratch);
     load_warm(options.team, scratch.selected, warm, other, options.warm_factor, scratch.impulses);
     scratch.angular_before = b.angular_velocity;
     ContactSolveOptions solve;

@@ -92,6 +92,15 @@ void expect_same(const World& world, const Reference& reference, const std::vect
     }
 }
 
+/// Records of many pairs at once are those of one after the other.
+void expect_found_together(const World& world, const std::vector<Key>& keys) {
+    std::vector<CandidatePair> pairs;
+    for (const Key& key : keys) pairs.push_back({key.first, key.second});
+    std::vector<PairRecord*> found(pairs.size(), nullptr);
+    world.table.find(pairs, found);
+    for (std::size_t i = 0; i < keys.size(); ++i) EXPECT_EQ(found[i], world.find(keys[i]));
+}
+
 /// What the stages of a step do with a pair, at random.
 void touch(World& world, Reference& reference, const Key& key, std::mt19937_64& rng) {
     PairRecord* found = world.find(key);
@@ -129,6 +138,7 @@ TEST(PairTable, DoesAsAMapAndAPlainLoop) {
             for (const Key& key : keys)
                 if (rng() % 16 < share) touch(world, reference, key, rng);
             expect_same(world, reference, keys);
+            expect_found_together(world, keys);
         }
         EXPECT_EQ(reference.size(), keys.size());
     }
