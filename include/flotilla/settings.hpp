@@ -19,7 +19,7 @@ enum class CcdMethod : std::uint8_t {
     cubic, ///< stage 1 by the paper's cubic with a tolerance (section 3.1), a baseline; stage 5 stays conservative
 };
 enum class Tangents : std::uint8_t {
-    random,  ///< friction pyramid turned by a generator keyed by (seed, step, features)
+    random,  ///< friction pyramid turned by a generator keyed by (seed, features), where bodies slide by the step too
     aligned, ///< first tangent along the slip velocity: sliding friction without the pyramid's bias
 };
 enum class ContactSolver : std::uint8_t { pgs };

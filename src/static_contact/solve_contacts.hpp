@@ -48,7 +48,7 @@ struct ContactSolveOptions {
     /// random: the paper's pyramid with keyed tangents. aligned: first tangent along the slip at the start, friction
     /// bounded by a disc, so that sliding friction is mu lambda_n in every direction.
     Tangents tangents = Tangents::random;
-    std::uint64_t seed = 0, step = 0; ///< key of the random tangents
+    std::uint64_t seed = 0, step = 0; ///< key of the random tangents; step: of contacts that slide
     Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any
     Team* team = nullptr;             ///< null: the calling thread does all; the same bits with any
 };
