@@ -70,13 +70,14 @@ std::int32_t order_by_level(const ContactScratch::Island& island, ContactScratch
     return order_by([&](const ContactBlock& block) { return block_level(block, s); });
 }
 
-// Copies the blocks level by level, with the bodies below each frozen. A block with a body of infinite mass is its own copy.
-void copy_levels(const ContactSolveOptions& options, ContactScratch& s) {
-    const std::size_t n = s.level_order.size();
+// Copies the blocks [first, end) of level_order, one level, with the bodies below frozen. A block with a body of infinite mass is its
+// own copy.
+void copy_level(std::int32_t first, std::int32_t end, const ContactSolveOptions& options, ContactScratch& s) {
+    const std::size_t n = index(end - first);
     s.shock_blocks.resize(n);
     std::int32_t rows = 0;
     for (std::size_t i = 0; i < n; ++i) {
-        const ContactBlock& old = s.blocks[index(s.level_order[i])];
+        const ContactBlock& old = s.blocks[index(s.level_order[index(first) + i])];
         const std::int32_t level_a = s.level[index(old.a)], level_b = s.level[index(old.b)];
         ContactBlock& block = s.shock_blocks[i] = freeze(old, level_a < level_b, level_b < level_a);
         block.first = rows;
@@ -85,32 +86,24 @@ void copy_levels(const ContactSolveOptions& options, ContactScratch& s) {
     s.shock_rows.resize(index(rows));
     for_each(options.team, "shock rows", n, kBlockGrain, [&](std::size_t i) {
         const ContactBlock& block = s.shock_blocks[i];
-        const std::int32_t first = s.blocks[index(s.level_order[i])].first;
+        const std::int32_t old = s.blocks[index(s.level_order[index(first) + i])].first;
         for (std::int32_t k = 0; k < block.end - block.first; ++k)
-            s.shock_rows[index(block.first + k)] = shock_row(block, s.rows[index(first + k)]);
+            s.shock_rows[index(block.first + k)] = shock_row(block, s.rows[index(old + k)]);
     });
 }
 
-// Lays the copies out as packets: those of a level one after the other, by colour.
-void pack_levels(const ContactSolveOptions& options, ContactScratch& s) {
+// Lays the copies out as packets, by colour.
+void pack_level(const ContactSolveOptions& options, ContactScratch& s) {
     s.shock_packed.clear();
     s.shock_groups.clear();
-    s.shock_levels.clear();
-    const auto n = static_cast<std::int32_t>(s.level_order.size());
-    for (std::int32_t first = 0, end = 0; first < n; first = end) {
-        const auto level_of = [&](std::int32_t i) { return s.level_of_block[index(s.level_order[index(i)])]; };
-        while (end < n && level_of(end) == level_of(first)) ++end;
-        const auto group = static_cast<std::int32_t>(s.shock_groups.size());
-        lay_out_packets(s.shock_blocks, first, end, s.shock_packed, s.shock_groups);
-        s.shock_levels.push_back({group, static_cast<std::int32_t>(s.shock_groups.size()),
-                                  s.shock_blocks[index(end - 1)].end - s.shock_blocks[index(first)].first});
-    }
+    lay_out_packets(s.shock_blocks, 0, static_cast<std::int32_t>(s.shock_blocks.size()), s.shock_packed,
+                    s.shock_groups);
     resize_rows(s.shock_packed);
     for_each(options.team, "pack shock", s.shock_packed.packets.size(), kBlockGrain,
              [&](std::size_t p) { fill_packet(s.shock_blocks, s.shock_rows, p, s.shock_packed); });
 }
 
-/// The sweeps of all levels on several threads, which decide alike (see sweep_island.cpp).
+/// The sweeps of one level on several threads, which decide alike (see sweep_island.cpp).
 class LevelSweeps {
   public:
     LevelSweeps(const ContactSolveOptions& options, double tolerance, int threads, ContactScratch& s)
@@ -123,44 +116,36 @@ class LevelSweeps {
         if (recorder_ != nullptr) busy_.assign(index(threads) * s.shock_groups.size(), 0);
     }
 
-    /// On thread 0 also counts the visits.
     void run(int thread, SpinBarrier& barrier) {
-        int parity = 0;
-        for (const ContactScratch::ShockLevel& level : s_.shock_levels) {
-            int sweeps = 0;
-            double before = std::numeric_limits<double>::infinity();
-            while (sweeps < options_.shock_iterations) {
-                const double violation = sweep_level(level, thread, parity, barrier);
-                parity = 1 - parity;
-                ++sweeps;
-                if (violation <= tolerance_) break;
-                if (sweeps % kPatience != 0) continue;
-                if (violation > kLeastFall * before) break;
-                before = violation;
-            }
-            if (thread == 0) {
-                visits_ += static_cast<std::int64_t>(sweeps) * level.rows;
-                if (recorder_ != nullptr) sweeps_.push_back(sweeps);
-            }
+        int sweeps = 0;
+        double violation = 0, before = std::numeric_limits<double>::infinity();
+        while (sweeps < options_.shock_iterations) {
+            violation = sweep_groups(thread, sweeps % 2, barrier);
+            ++sweeps;
+            if (violation <= tolerance_) break;
+            if (sweeps % kPatience != 0) continue;
+            if (violation > kLeastFall * before) break;
+            before = violation;
+        }
+        if (thread != 0) return;
+        sweeps_ = sweeps;
+        violation_ = violation;
+    }
+    void record(std::int32_t region) const {
+        for (std::size_t g = 0; g < s_.shock_groups.size(); ++g) {
+            GroupSpan span{region, packets_of(g).num_tasks(), sweeps_, 0};
+            for (std::size_t t = 0; t < index(threads_); ++t) span.busy += busy_[t * s_.shock_groups.size() + g];
+            recorder_->add_group(span);
         }
     }
-    /// Of each level.
-    void record(std::int32_t region) const {
-        for (std::size_t l = 0; l < sweeps_.size(); ++l)
-            for (std::int32_t g = s_.shock_levels[l].first_group; g < s_.shock_levels[l].end_group; ++g) {
-                GroupSpan span{region, packets_of(g).num_tasks(), sweeps_[l], 0};
-                for (std::size_t t = 0; t < index(threads_); ++t)
-                    span.busy += busy_[t * s_.shock_groups.size() + index(g)];
-                recorder_->add_group(span);
-            }
-    }
-    [[nodiscard]] std::int64_t visits() const { return visits_; }
+    [[nodiscard]] std::int64_t visits() const { return sweeps_ * static_cast<std::int64_t>(s_.shock_rows.size()); }
+    [[nodiscard]] double violation() const { return violation_; } ///< m/s, largest of the last sweep
 
   private:
-    double sweep_level(const ContactScratch::ShockLevel& level, int thread, int parity, SpinBarrier& barrier) {
+    double sweep_groups(int thread, int parity, SpinBarrier& barrier) {
         double& worst = seen_[index(thread)].worst[parity];
         worst = 0;
-        for (std::int32_t g = level.first_group; g < level.end_group; ++g) {
+        for (std::size_t g = 0; g < s_.shock_groups.size(); ++g) {
             const auto packets = packets_of(g).share(thread, threads_);
             const std::int64_t begin = recorder_ != nullptr ? recorder_->now() : 0;
             worst = std::max(worst, sweep(Cone::frozen,
@@ -169,17 +154,16 @@ class LevelSweeps {
                                            .rows = s_.shock_packed.rows.data(),
                                            .bodies = s_.velocity.data()},
                                           options_.isa));
-            if (recorder_ != nullptr)
-                busy_[index(thread) * s_.shock_groups.size() + index(g)] += recorder_->now() - begin;
+            if (recorder_ != nullptr) busy_[index(thread) * s_.shock_groups.size() + g] += recorder_->now() - begin;
             barrier.wait();
         }
         double out = 0;
         for (const auto& seen : seen_) out = std::max(out, seen.worst[parity]);
         return out;
     }
-    [[nodiscard]] GroupPackets packets_of(std::int32_t group) const {
+    [[nodiscard]] GroupPackets packets_of(std::size_t group) const {
         const std::span<const ContactPacket> all = s_.shock_packed.packets;
-        return flotilla::packets_of(s_.shock_groups, index(group), static_cast<std::int32_t>(all.size()), all);
+        return flotilla::packets_of(s_.shock_groups, group, static_cast<std::int32_t>(all.size()), all);
     }
 
     const ContactSolveOptions& options_;
@@ -188,18 +172,15 @@ class LevelSweeps {
     ContactScratch& s_;
     ContactScratch::Seen alone_;
     std::span<ContactScratch::Seen> seen_; ///< by thread
-    std::int64_t visits_ = 0;
     TaskRecorder* recorder_;
-    std::vector<int> sweeps_;        ///< by level, where recorded
+    int sweeps_ = 0;
+    double violation_ = 0;
     std::vector<std::int64_t> busy_; ///< ns, by thread and group
 };
 
-void run_levels(ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
-    // Bodies move with what is left in the levels below them: the sum may reach the tolerance, not each term.
-    const double tolerance = options.tolerance / order_by_level(island, s);
-    copy_levels(options, s);
-    pack_levels(options, s);
-    const bool together = options.team != nullptr && is_large(island, s);
+// Sweeps the level that was packed; returns the violation that is left. `together`: on the whole team.
+double sweep_level(ContactScratch::Island& island, const ContactSolveOptions& options, double tolerance, bool together,
+                   ContactScratch& s) {
     const auto width = [&](int most) {
         const auto end = static_cast<std::int32_t>(s.shock_packed.packets.size());
         return sweep_width_of(s.shock_groups, end, s.shock_packed.packets, most);
@@ -223,6 +204,23 @@ void run_levels(ContactScratch::Island& island, const ContactSolveOptions& optio
         sweeps.run(0, alone);
     }
     island.visits += sweeps.visits();
+    return sweeps.violation();
+}
+
+// Solves level by level; false, and no further, where a level ends above the tolerance.
+bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
+    // Bodies move with what is left in the levels below them: the sum may reach the tolerance, not each term.
+    const double tolerance = options.tolerance / order_by_level(island, s);
+    const bool together = options.team != nullptr && is_large(island, s);
+    const auto n = static_cast<std::int32_t>(s.level_order.size());
+    const auto level_of = [&](std::int32_t i) { return s.level_of_block[index(s.level_order[index(i)])]; };
+    for (std::int32_t first = 0, end = 0; first < n; first = end) {
+        while (end < n && level_of(end) == level_of(first)) ++end;
+        copy_level(first, end, options, s);
+        pack_level(options, s);
+        if (!(sweep_level(island, options, tolerance, together, s) <= options.tolerance)) return false;
+    }
+    return true;
 }
 
 } // namespace
@@ -231,13 +229,14 @@ bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies
                      ContactScratch& scratch) {
     // Every body of an island has a path to infinite mass or none has.
     if (scratch.level[index(scratch.blocks[index(island.first)].a)] < 0) return false;
-    run_levels(island, options, scratch);
-    if (prescribed_at_rest(island, scratch) &&
-        kinetic_energy(island, bodies, scratch) > std::max(island.energy_before, island.energy_pgs)) {
-        restore(island, scratch);
-        return false;
-    }
-    return true;
+    const bool solved = solve_levels(island, options, scratch);
+    const auto adds_energy = [&] {
+        return prescribed_at_rest(island, scratch) &&
+               kinetic_energy(island, bodies, scratch) > std::max(island.energy_before, island.energy_pgs);
+    };
+    if (solved && !adds_energy()) return true;
+    restore(island, scratch);
+    return false;
 }
 
 } // namespace flotilla

@@ -122,14 +122,9 @@ struct ContactScratch {
     };
     std::vector<Seen> seen;                                ///< by thread
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
-    std::vector<ContactBlock> shock_blocks;
+    std::vector<ContactBlock> shock_blocks;                ///< of one level
     std::vector<ContactRow> shock_rows;
-    struct ShockLevel {
-        std::int32_t first_group, end_group; ///< in shock_groups
-        std::int32_t rows;
-    };
-    std::vector<ShockLevel> shock_levels;
-    std::vector<PacketGroup> shock_groups; ///< of each level
+    std::vector<PacketGroup> shock_groups; ///< of one level
     std::vector<BodyVelocity> before_shock;
 };
 

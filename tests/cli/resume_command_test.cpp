@@ -36,6 +36,20 @@ class Resume : public testing::Test {
     }
     [[nodiscard]] fs::path run() const { return folder_.path() / "run"; }
     [[nodiscard]] fs::path file(const std::string& name) const { return run() / name; }
+    /// Waits until the run has written some checkpoint; a run keeps only its last ones. False if there is none after a minute.
+    [[nodiscard]] bool wait_for_checkpoint() const {
+        const auto is_checkpoint = [](const fs::directory_entry& entry) {
+            const std::string name = entry.path().filename().string();
+            return name.starts_with("checkpoint-") && name.ends_with(".h5");
+        };
+        for (int i = 0; i < 60000 / 5; ++i) {
+            std::error_code missing; // the folder itself may not be there yet
+            const fs::directory_iterator files(run(), missing);
+            if (!missing && std::any_of(begin(files), end(files), is_checkpoint)) return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        return false;
+    }
 
     TemporaryFolder folder_;
     std::string scene_;
@@ -180,10 +194,11 @@ TEST_F(Resume, ADamagedSegmentIsNamedAndTheOthersStay) {
 }
 
 TEST_F(Resume, TwoRunsCannotWriteIntoOneFolder) {
-    RunningFlotilla first(options(2000));
-    while (!fs::exists(file("checkpoint-00000005.h5"))) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    constexpr int kForEver = 1000000;
+    RunningFlotilla first(options(kForEver));
+    ASSERT_TRUE(wait_for_checkpoint());
     for (const char* how : {"--resume", "--overwrite"}) {
-        const CommandOutput second = run_flotilla(options(2000) + how);
+        const CommandOutput second = run_flotilla(options(kForEver) + how);
         EXPECT_EQ(second.exit_code, 5);
         EXPECT_NE(second.err.find("another run is writing into this folder"), std::string::npos) << second.err;
     }

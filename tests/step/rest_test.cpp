@@ -105,22 +105,26 @@ TEST(Rest, SmallBlocksKeepTheirDistance) {
     EXPECT_EQ(count_intersections(scene, world), 0);
 }
 
-// Friction of contacts that stick is not cut by tangents drawn anew; with those the pile took 24 sweeps a step.
-TEST(Rest, APileTakesFewSweeps) {
-    constexpr int kSteps = 240, kLast = 48;
-    SceneDescription scene = make_scene("boats-in-bowl", 22);
-    scene.settings.sleeping = false;
-    World world(scene);
+// Friction of contacts that stick is not cut by tangents drawn anew; with those the piles took 20 sweeps a step. A jammed boat may keep
+// its pile sweeping, so the mean counts.
+TEST(Rest, PilesTakeFewSweeps) {
+    constexpr int kPiles = 4, kSteps = 288, kLast = 48;
     std::int64_t sweeps = 0;
     double energy = 0;
-    for (int n = 0; n < kSteps; ++n) {
-        const StepReport r = world.step();
-        if (n < kSteps - kLast) continue;
-        sweeps += r.iterations;
-        energy = std::max(energy, r.kinetic_energy);
+    for (int seed = 0; seed < kPiles; ++seed) {
+        SceneDescription scene = make_scene("boats-in-bowl", 22, static_cast<std::uint64_t>(seed));
+        scene.settings.sleeping = false;
+        World world(scene);
+        for (int n = 0; n < kSteps; ++n) {
+            const StepReport r = world.step();
+            if (n < kSteps - kLast) continue;
+            sweeps += r.iterations;
+            energy = std::max(energy, r.kinetic_energy);
+        }
     }
-    std::printf("22 bodies at rest: %.2f sweeps a step, at most %.3g J\n", static_cast<double>(sweeps) / kLast, energy);
-    EXPECT_LT(sweeps, 10 * kLast);
+    const double mean = static_cast<double>(sweeps) / (kPiles * kLast);
+    std::printf("22 bodies at rest: %.2f sweeps a step, at most %.3g J\n", mean, energy);
+    EXPECT_LT(mean, 10);
     EXPECT_LT(energy, 1e-3);
 }
 
