@@ -39,6 +39,7 @@ struct ContactSolveOptions {
     bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
     /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
+    /// A jam, with more than two pairs a body, is given up as soon as its residual stands for two looks.
     int patience = 0;
     bool shock = true; ///< propagate a shock where PGS ended above the tolerance
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves

@@ -25,6 +25,11 @@ constexpr int kFirstPeek = 2, kSecondPeek = 5;
 constexpr std::size_t kBodiesPerSum = 64;
 /// An island stalls whose residual did not fall by a fifth for some time.
 constexpr double kLeastFall = 0.8;
+/// A jam: bodies that touch so many others that their impulses are not determined hand them round for ever, and one look after the other
+/// finds the residual where it was, to a hundredth. Where bodies touch few others it may also stand, but because a slow mode of many
+/// bodies (a stack that leans) is on its way.
+constexpr double kStands = 0.01;
+constexpr int kLooksAtJam = 2, kPairsOfJam = 2; // pairs a body
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -64,7 +69,7 @@ int width_of(const Island& island, const ContactScratch& s, int most) {
 /// The sequence of m, and whether the residual still falls.
 class Progress {
   public:
-    explicit Progress(const ContactSolveOptions& options) : patience_(options.patience) {}
+    Progress(int patience, bool jams) : patience_(patience), jams_(jams) {}
 
     double momentum(bool restart) {
         const double next = (1 + std::sqrt(1 + 4 * theta_ * theta_)) / 2;
@@ -73,6 +78,8 @@ class Progress {
         return m;
     }
     void saw(int sweeps, double residual) {
+        looks_standing_ = std::abs(residual - last_) <= kStands * residual ? looks_standing_ + 1 : 0;
+        last_ = residual;
         if (residual <= kLeastFall * mark_) {
             mark_ = residual;
             mark_sweeps_ = sweeps;
@@ -82,15 +89,19 @@ class Progress {
     }
     /// Once per look that found the residual far above its lowest value since the last such look.
     bool rose() { return std::exchange(rose_, false); }
-    [[nodiscard]] bool stalls(int sweeps) const { return patience_ > 0 && sweeps - mark_sweeps_ >= patience_; }
+    [[nodiscard]] bool stalls(int sweeps) const {
+        return patience_ > 0 && (sweeps - mark_sweeps_ >= patience_ || (jams_ && looks_standing_ >= kLooksAtJam));
+    }
 
   private:
     static constexpr double kNone = std::numeric_limits<double>::infinity();
     int patience_;
+    bool jams_; ///< whether the island may be jammed
     double theta_ = 1;
     double mark_ = kNone; ///< the residual when it last had fallen by so much, and when that was
     int mark_sweeps_ = 0;
-    double lowest_ = kNone;
+    double lowest_ = kNone, last_ = kNone;
+    int looks_standing_ = 0;
     bool rose_ = false;
 };
 
@@ -160,7 +171,7 @@ class IslandSweeps {
     void run(int thread, SpinBarrier& barrier) {
         if (start_.apply_impulses) apply_impulses(thread, barrier);
         if (start_.momentum) remember(thread);
-        Progress progress(options_);
+        Progress progress(options_.patience, may_jam());
         double m = 0, residual = 0;
         bool known = false, stalled = false;
         int sweeps = 0;
@@ -322,6 +333,7 @@ class IslandSweeps {
         island_.last_sweeps = sweeps;
         island_.visits += sweeps * num_swept();
     }
+    [[nodiscard]] bool may_jam() const { return index(island_.end - island_.first) > kPairsOfJam * bodies_.size(); }
     [[nodiscard]] std::int64_t num_swept() const {
         std::int64_t contacts = 0;
         for (std::int32_t k = island_.first; k < island_.end; ++k)

@@ -276,6 +276,21 @@ TEST(SolveContacts, GivesUpWhereTheResidualFallsNoMore) {
     EXPECT_LE(stats.iterations, 100);
 }
 
+TEST(SolveContacts, GivesUpAJamSooner) {
+    // As above, but a third wall makes it a jam: more than two pairs a body. Its residual stands from the first look on.
+    ContactWorld w;
+    w.add_body(0);
+    const auto body = w.add_body(1);
+    w.add_body(0);
+    w.add_body(0);
+    w.add_contact(0, body, {}, kUp, 0, 0.1);
+    w.add_contact(body, 2, {}, kUp, 0, 0.1);
+    w.add_contact(body, 3, {}, {1, 0, 0}, 0, 0.1);
+    const ContactSolveStats stats = w.solve({.patience = 50});
+    EXPECT_GT(stats.residual, 0.09);
+    EXPECT_EQ(stats.iterations, 30); // a look in ten sweeps; two that found it where the one before did
+}
+
 TEST(SolveContacts, AColumnCarriesTheWeightAbove) {
     const int n = 12;
     const double m = 3, g = 9.8, dt = 1.0 / 24;
