@@ -47,6 +47,13 @@ bool targets_let_approach(const Island& island, const ContactScratch& s) {
                        [](const ContactRow& row) { return row.local.target <= 0; });
 }
 
+bool rests(const Island& island, const ContactSolveOptions& options, const ContactScratch& s) {
+    double mass = 0;
+    for (std::int32_t k = island.first_body; k < island.end_body; ++k)
+        mass += s.weight[static_cast<std::size_t>(s.island_bodies[static_cast<std::size_t>(k)])].linear;
+    return options.rest_speed > 0 && island.energy_before <= 0.5 * mass * options.rest_speed * options.rest_speed;
+}
+
 // A warm start pushes where impulses of the past are too large, and momentum may carry too far; sweeps that end unfinished do not
 // take all of it back. Plain sweeps from zero add no energy where no contact asks for separation and what is prescribed
 // rests: an island that came out with more than before is solved again from zero, and then without momentum.
@@ -57,6 +64,7 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
         return island.energy_pgs > island.energy_before;
     };
     island.energy_before = kinetic_energy(island, bodies, s);
+    island.rests = rests(island, options, s);
     bool gained = sweep_and_measure({options.warm_start, options.momentum});
     if (!gained || !targets_let_approach(island, s) || !prescribed_at_rest(island, s)) return;
     island.cold = options.warm_start;

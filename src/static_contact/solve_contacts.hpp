@@ -39,8 +39,11 @@ struct ContactSolveOptions {
     bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
     /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
-    /// A jam, with more than two pairs a body, is given up as soon as its residual stands for two looks.
+    /// At rest a jam, with more than two pairs a body, is given up as soon as its residual stands for two looks.
     int patience = 0;
+    /// m/s. An island rests that came with no more energy than its mass at this speed: what it has is what gravity added. Its jams are
+    /// given up early, and a shock pass that does no better than PGS is undone; under impact both are left as they are. 0: none rests.
+    double rest_speed = 0;
     bool shock = true; ///< propagate a shock where PGS ended above the tolerance
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
     /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
@@ -79,6 +82,8 @@ struct ContactScratch {
         double residual = 0;                      ///< m/s
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
+        bool rests =
+            false; ///< came with hardly more energy than gravity gives in a step (ContactSolveOptions::rest_speed)
         bool shocked = false;
         bool cold = false; ///< the warm start was taken back
     };

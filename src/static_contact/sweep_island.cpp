@@ -333,7 +333,9 @@ class IslandSweeps {
         island_.last_sweeps = sweeps;
         island_.visits += sweeps * num_swept();
     }
-    [[nodiscard]] bool may_jam() const { return index(island_.end - island_.first) > kPairsOfJam * bodies_.size(); }
+    [[nodiscard]] bool may_jam() const {
+        return island_.rests && index(island_.end - island_.first) > kPairsOfJam * bodies_.size();
+    }
     [[nodiscard]] std::int64_t num_swept() const {
         std::int64_t contacts = 0;
         for (std::int32_t k = island_.first; k < island_.end; ++k)
