@@ -172,6 +172,14 @@ double largest_violation(Cone cone, const SweepView& view, Isa isa) {
     return largest_violation_any<ScalarPack>(cone, view);
 }
 
+double find_violated(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated, Isa isa) {
+#if defined(__x86_64__)
+    if (isa == Isa::avx512) return find_violated_avx512(cone, view, tolerance, violated);
+    if (isa == Isa::avx2) return find_violated_avx2(cone, view, tolerance, violated);
+#endif
+    return find_violated_any<ScalarPack>(cone, view, tolerance, violated);
+}
+
 double largest_parked_violation(Cone cone, const SweepView& view, Isa isa) {
 #if defined(__x86_64__)
     if (isa == Isa::avx512) return largest_parked_violation_avx512(cone, view);

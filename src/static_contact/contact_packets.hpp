@@ -19,6 +19,7 @@
 namespace flotilla {
 
 constexpr int kPacketLanes = 4;
+constexpr std::uint8_t kAllPairs = (1U << kPacketLanes) - 1; ///< of a packet, a bit each
 using Lanes = double[kPacketLanes];
 
 /// Up to four body pairs of one colour. Masses are copied in: a sweep touches packets, rows and velocities only. Lanes without a pair
@@ -89,6 +90,8 @@ struct SweepView {
     std::int64_t num_packets = 0;
     PacketRow* rows = nullptr;
     BodyVelocity* bodies = nullptr;
+    double load_share =
+        0; ///< violations count less by this share of what the contact's normal impulse changes, lambda_n W_nn
     double momentum = 0; ///< a sweep visits every row with its impulse + momentum * (impulse - the one before)
 };
 
@@ -98,6 +101,9 @@ double sweep(Cone cone, const SweepView& view, Isa isa);
 /// The largest violation at the present velocities of rows that are swept, and of parked ones that are not; m/s; changes nothing.
 double largest_violation(Cone cone, const SweepView& view, Isa isa);
 double largest_parked_violation(Cone cone, const SweepView& view, Isa isa);
+/// largest_violation(), and which pairs: bit k of violated[p] is set where a row of pair k of packet p is violated by more than
+/// `tolerance`, m/s.
+double find_violated(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated, Isa isa);
 
 /// V += M^-1 J^T lambda for the impulses that the rows hold: the warm start.
 void apply_impulses(const SweepView& view, Isa isa);
@@ -107,6 +113,8 @@ double sweep_avx2(Cone cone, const SweepView& view);
 double sweep_avx512(Cone cone, const SweepView& view);
 double largest_violation_avx2(Cone cone, const SweepView& view);
 double largest_violation_avx512(Cone cone, const SweepView& view);
+double find_violated_avx2(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated);
+double find_violated_avx512(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated);
 double largest_parked_violation_avx2(Cone cone, const SweepView& view);
 double largest_parked_violation_avx512(Cone cone, const SweepView& view);
 void apply_impulses_avx2(const SweepView& view);

@@ -207,7 +207,7 @@ double sweep_level(ContactScratch::Island& island, const ContactSolveOptions& op
     return sweeps.violation();
 }
 
-// Solves level by level; false, and no further, where a level of a resting island ends with no less than PGS had left.
+// Solves level by level; false, and no further, where a level of a resting island ends above the tolerance.
 bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
     // Bodies move with what is left in the levels below them: the sum may reach the tolerance, not each term.
     const double tolerance = options.tolerance / order_by_level(island, s);
@@ -219,7 +219,7 @@ bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& opt
         copy_level(first, end, options, s);
         pack_level(options, s);
         const double violation = sweep_level(island, options, tolerance, together, s);
-        if (island.rests && !(violation < island.residual)) return false;
+        if (island.rests && violation > options.tolerance) return false;
     }
     return true;
 }

@@ -14,10 +14,10 @@ namespace flotilla {
 
 /// Runs the pass on one island whose PGS state is in `scratch`. Does nothing and returns false where no body of infinite
 /// mass touches the island. The pass is not a solution of the contact law, so it is undone (false as well) in two cases:
-///  - a level of a resting island ended with no smaller a violation than PGS had left. Bodies jammed between frozen ones have no solution at all; in a resting
-///    pile of 10,000 boats levels end at up to twenty times what PGS had left, and with such passes it never came to rest: 0.7 J for
-///    ever, where PGS alone leaves 0.003 J. A stack's levels end below the tolerance. Under impact the pass keeps what lies below from giving way: without it
-///    dynamic contact left pairs to the failsafe at the foot of that pile, and clusters grew through all of it.
+///  - a level of a resting island ended above the tolerance. Bodies jammed between frozen ones have no solution at all; in a resting pile
+///    of 10,000 boats levels ended at up to twelve times what PGS had left, and with such passes it never came to rest: 0.7 J for
+///    ever, where PGS alone leaves 0.003 J. A stack's levels end below the tolerance. Under impact passes stand: two runs of that pile
+///    that undid them left dynamic contact with pairs at its foot that the failsafe merged, one neighbour a sweep, without an end.
 ///  - every prescribed body rests, and the kinetic energy came out above both that of PGS and that before the solve.
 /// Adds to the island's visits.
 /// Precondition: scratch.level holds contact_levels of all pairs, before_shock a copy of velocity.

@@ -117,7 +117,7 @@ void store_velocities(const ContactScratch& s, const ContactBodies& bodies) {
 }
 
 void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
-    const auto unfinished = [&](const Island& i) { return !(i.residual <= options.tolerance); };
+    const auto unfinished = [](const Island& i) { return !i.solved; };
     if (!options.shock || std::none_of(s.islands.begin(), s.islands.end(), unfinished)) return;
     s.level.resize(s.bodies.size());
     contact_levels(s.pairs, s.movable, s.graph, s.level);

@@ -41,8 +41,10 @@ struct ContactSolveOptions {
     /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
     /// At rest a jam, with more than two pairs a body, is given up as soon as its residual stands for two looks.
     int patience = 0;
-    /// m/s. An island rests that came with no more energy than its mass at this speed: what it has is what gravity added. Its jams are
-    /// given up early, and a shock pass that does no better than PGS is undone; under impact both are left as they are. 0: none rests.
+    /// m/s. An island rests that came with no more energy than its mass at this speed: what it has is what gravity added. Then what is
+    /// not solved yet is swept alone where it is a small part of a large island; jams are given up early, contacts in a jam that carry
+    /// much need not be as exact (sweep_island.cpp), and a shock pass stands only where it solves its levels. Under impact nothing of
+    /// this holds. 0: no island rests.
     double rest_speed = 0;
     bool shock = true; ///< propagate a shock where PGS ended above the tolerance
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
@@ -60,7 +62,7 @@ struct ContactSolveOptions {
 struct ContactSolveStats {
     int islands = 0;
     int colors = 0;
-    int iterations = 0;      ///< most sweeps of an island
+    int iterations = 0;      ///< most sweeps of an island, those of parts counted as what they cost
     std::int64_t visits = 0; ///< contact updates, shock passes included; those woken on the way as if from the start
     double residual = 0;     ///< m/s, violation of all of eqs 17-20 by the final PGS state, before a shock
     int shocked_islands = 0; ///< islands whose velocities come from a shock pass
@@ -78,12 +80,12 @@ struct ContactScratch {
         std::int32_t first_group = 0, end_group = 0; ///< in groups
         std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
         int iterations = 0;
-        int last_sweeps = 0;                      ///< of the last time it was swept
         double residual = 0;                      ///< m/s
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
         bool rests =
             false; ///< came with hardly more energy than gravity gives in a step (ContactSolveOptions::rest_speed)
+        bool solved = false; ///< the tolerance holds, apart from what loaded contacts of a resting pile are let off
         bool shocked = false;
         bool cold = false; ///< the warm start was taken back
     };
@@ -126,7 +128,16 @@ struct ContactScratch {
         double worst[2] = {}; ///< m/s, by parity of the sweep
         double residual = 0;  ///< m/s
     };
-    std::vector<Seen> seen;                                ///< by thread
+    std::vector<Seen> seen; ///< by thread
+    /// The part of a large island that is not solved yet (unsolved_part.hpp).
+    struct Unsolved {
+        std::vector<std::uint8_t> violated;     ///< per packet of the island, a bit for each violated pair
+        std::vector<std::uint8_t> near, chosen; ///< per body in contact: of a violated pair; of a chosen packet
+        std::vector<std::int32_t> bodies;       ///< the chosen movable ones
+        std::vector<ContactPacket> packets;     ///< copies of the chosen ones
+        std::int64_t contacts = 0;              ///< that a sweep of them visits
+    };
+    Unsolved unsolved;
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     std::vector<ContactBlock> shock_blocks;                ///< of one level
     std::vector<ContactRow> shock_rows;

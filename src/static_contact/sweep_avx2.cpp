@@ -8,6 +8,9 @@ namespace flotilla {
 
 double sweep_avx2(Cone cone, const SweepView& view) { return sweep_any<Avx2Pack>(cone, view); }
 double largest_violation_avx2(Cone cone, const SweepView& view) { return largest_violation_any<Avx2Pack>(cone, view); }
+double find_violated_avx2(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated) {
+    return find_violated_any<Avx2Pack>(cone, view, tolerance, violated);
+}
 double largest_parked_violation_avx2(Cone cone, const SweepView& view) {
     return largest_parked_violation_any<Avx2Pack>(cone, view);
 }

@@ -10,6 +10,9 @@ double sweep_avx512(Cone cone, const SweepView& view) { return sweep_any<Avx512P
 double largest_violation_avx512(Cone cone, const SweepView& view) {
     return largest_violation_any<Avx512Pack>(cone, view);
 }
+double find_violated_avx512(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated) {
+    return find_violated_any<Avx512Pack>(cone, view, tolerance, violated);
+}
 double largest_parked_violation_avx512(Cone cone, const SweepView& view) {
     return largest_parked_violation_any<Avx512Pack>(cone, view);
 }

@@ -7,14 +7,15 @@
 #include <utility>
 
 #include "static_contact/assemble.hpp"
+#include "static_contact/momentum.hpp"
 #include "static_contact/packet_shares.hpp"
+#include "static_contact/unsolved_part.hpp"
 
 namespace flotilla {
 namespace {
 
 using Island = ContactScratch::Island;
 
-constexpr double kMostMomentum = 0.9;
 /// Momentum can keep a turning error alive that never heads straight back; then the residual goes up and down.
 constexpr double kMostRise = 2;
 /// Sweeps between two looks at the residual: one costs about half a sweep.
@@ -30,33 +31,13 @@ constexpr double kLeastFall = 0.8;
 /// bodies (a stack that leans) is on its way.
 constexpr double kStands = 0.01;
 constexpr int kLooksAtJam = 2, kPairsOfJam = 2; // pairs a body
+/// What a contact may carry in such an island, in rest speeds by which its normal impulse changes its bodies' approach, until it may
+/// violate two tolerances; with more in proportion. Deep piles were never solved without that: contacts that carry ten to a hundred
+/// times a body's weight and are some um farther off than their rest distance hand it to the others of their pair at the violation
+/// per sweep, 2e-4 of 27 m/s.
+constexpr double kLoadOfTwo = 5;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-// Remembers the velocities x and moves them on to y.
-void extrapolate(std::span<const std::int32_t> bodies, double m, ContactScratch& s) {
-    for (const std::int32_t body : bodies) {
-        BodyVelocity &v = s.velocity[index(body)], &before = s.before_sweep[index(body)];
-        const BodyVelocity x = v;
-        v.linear = x.linear + m * (x.linear - before.linear);
-        v.angular = x.angular + m * (x.angular - before.angular);
-        before = x;
-        s.sweep_start[index(body)] = v;
-    }
-}
-
-// (y - x) . (x - x_before), twice the energy of the product; a body turns with its mean inertia.
-double turned_back(std::span<const std::int32_t> bodies, const ContactScratch& s) {
-    double sum = 0;
-    for (const std::int32_t body : bodies) {
-        const BodyVelocity &x = s.velocity[index(body)], &y = s.sweep_start[index(body)],
-                           &before = s.before_sweep[index(body)];
-        const ContactScratch::Weight& w = s.weight[index(body)];
-        sum += w.linear * dot(y.linear - x.linear, x.linear - before.linear) +
-               w.angular * dot(y.angular - x.angular, x.angular - before.angular);
-    }
-    return sum;
-}
 
 std::span<const PacketGroup> groups_of(const Island& island, const ContactScratch& s) {
     return std::span(s.groups).subspan(index(island.first_group), index(island.end_group - island.first_group));
@@ -66,17 +47,11 @@ int width_of(const Island& island, const ContactScratch& s, int most) {
     return sweep_width_of(groups_of(island, s), island.end_packet, s.packed.packets, most);
 }
 
-/// The sequence of m, and whether the residual still falls.
+/// Whether the residual still falls.
 class Progress {
   public:
     Progress(int patience, bool jams) : patience_(patience), jams_(jams) {}
 
-    double momentum(bool restart) {
-        const double next = (1 + std::sqrt(1 + 4 * theta_ * theta_)) / 2;
-        const double m = restart ? 0.0 : std::min(kMostMomentum, (theta_ - 1) / next);
-        theta_ = restart ? 1.0 : next;
-        return m;
-    }
     void saw(int sweeps, double residual) {
         looks_standing_ = std::abs(residual - last_) <= kStands * residual ? looks_standing_ + 1 : 0;
         last_ = residual;
@@ -96,8 +71,7 @@ class Progress {
   private:
     static constexpr double kNone = std::numeric_limits<double>::infinity();
     int patience_;
-    bool jams_; ///< whether the island may be jammed
-    double theta_ = 1;
+    bool jams_;           ///< whether the island may be jammed
     double mark_ = kNone; ///< the residual when it last had fallen by so much, and when that was
     int mark_sweeps_ = 0;
     double lowest_ = kNone, last_ = kNone;
@@ -163,64 +137,85 @@ class IslandSweeps {
           packets_(std::span(s.packed.packets)
                        .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
           groups_(groups_of(island, s)),
+          load_share_(may_jam() ? options.tolerance / (kLoadOfTwo * options.rest_speed) : 0),
+          in_parts_(island.rests && is_large(island, s)),
           seen_(threads > 1 ? std::span(s.seen) : std::span(&alone_, 1)),
           recorder_(options.team != nullptr ? options.team->recorder() : nullptr) {
+        if (in_parts_) s.unsolved.violated.resize(packets_.size());
         if (recorder_ != nullptr) busy_.assign(index(threads) * num_groups(), 0);
     }
 
     void run(int thread, SpinBarrier& barrier) {
         if (start_.apply_impulses) apply_impulses(thread, barrier);
         if (start_.momentum) remember(thread);
-        Progress progress(options_.patience, may_jam());
-        double m = 0, residual = 0;
+        Course course{Progress(options_.patience, may_jam())};
+        Momentum momentum;
+        double m = 0;
         bool known = false, stalled = false;
-        int sweeps = 0;
-        while (sweeps < options_.iterations && !stalled) {
+        while (course.sweeps() < options_.iterations && !stalled) {
             if (start_.momentum) {
                 move_on(thread, m);
                 barrier.wait();
             }
-            const double worst = sweep_groups(thread, m, sweeps % 2, barrier);
-            ++sweeps;
-            known = worst <= options_.tolerance || sweeps % kLookEvery == 0;
-            const bool peek = !known && (sweeps == kFirstPeek || sweeps == kSecondPeek);
+            const double worst = sweep_groups(thread, m, course.whole % 2, barrier);
+            ++course.whole;
+            known = worst <= options_.tolerance || course.whole % kLookEvery == 0;
+            const bool peek = !known && (course.whole == kFirstPeek || course.whole == kSecondPeek);
             if (start_.momentum) add_up(thread);
-            if (known) look(thread);
+            if (known) look(thread, load_share_);
             if (peek) wake_violated(thread);
             if (known || peek || start_.momentum) barrier.wait();
+            const bool turns = start_.momentum && turned_back_sum() > 0;
+            bool in_parts = false;
             if (known) {
-                residual = seen_residual();
-                if (residual <= options_.tolerance) break;
-                progress.saw(sweeps, residual);
+                course.saw(seen_residual());
+                in_parts = in_parts_ && course.whole >= course.parts_from && solve_parts(thread, course, barrier);
+                if (course.residual <= options_.tolerance) break;
             }
-            stalled = progress.stalls(sweeps);
-            if (start_.momentum) m = progress.momentum(progress.rose() || turned_back_sum() > 0);
+            stalled = course.stalls();
+            if (start_.momentum) m = momentum.next(course.progress.rose() || in_parts || turns);
         }
-        if (!known) {
-            barrier.wait(); // others may still read what look() writes
-            look(thread);
-            barrier.wait();
-            residual = seen_residual();
-        }
-        if (thread == 0) finish(sweeps, residual);
+        if (!known) course.residual = look_again(thread, load_share_, barrier);
+        const bool solved = course.residual <= options_.tolerance;
+        if (load_share_ > 0) course.residual = look_again(thread, 0, barrier);
+        if (thread == 0) finish(course, solved);
     }
 
-    void record(std::int32_t region, int sweeps) const {
+    void record(std::int32_t region) const {
         if (recorder_ == nullptr) return;
         for (std::size_t g = 0; g < num_groups(); ++g) {
-            GroupSpan span{region, tasks_of(g), sweeps, 0};
+            GroupSpan span{region, tasks_of(g), g == part_group() ? part_rounds_ : whole_sweeps_, 0};
             for (std::size_t t = 0; t < index(threads_); ++t) span.busy += busy_[t * num_groups() + g];
             recorder_->add_group(span);
         }
     }
 
   private:
-    // Groups of the record: those of packets, then the loops over bodies (a task per kBodiesPerSum of them) and the looks.
-    [[nodiscard]] std::size_t num_groups() const { return groups_.size() + 2; }
+    /// How far the solve has come. Every thread has one, and all are alike.
+    struct Course {
+        Progress progress;
+        int whole = 0, in_parts = 0; ///< sweeps; those of parts in sweeps of the whole that cost as much
+        /// Parts interrupt the momentum of the whole and leave its slow modes alone. So wherever they did not solve it at the cost of
+        /// four `wait`, they have to wait for that many sweeps of the whole, and each time for twice as many.
+        int parts_from = 0, wait = kLookEvery;
+        double residual = 0;
+
+        [[nodiscard]] int sweeps() const { return whole + in_parts; }
+        [[nodiscard]] bool stalls() const { return progress.stalls(sweeps()); }
+        void saw(double violation) {
+            residual = violation;
+            progress.saw(sweeps(), violation);
+        }
+    };
+    // Groups of the record: those of packets, then the loops over bodies (a task per kBodiesPerSum of them), the looks and the parts.
+    [[nodiscard]] std::size_t num_groups() const { return part_group() + 1; }
+    [[nodiscard]] std::size_t body_group() const { return groups_.size(); }
+    [[nodiscard]] std::size_t look_group() const { return groups_.size() + 1; }
+    [[nodiscard]] std::size_t part_group() const { return groups_.size() + 2; }
     [[nodiscard]] std::int32_t tasks_of(std::size_t group) const {
-        if (group < groups_.size()) return packets_of(group).num_tasks();
-        return group == groups_.size() ? static_cast<std::int32_t>(num_sums())
-                                       : static_cast<std::int32_t>(packets_.size());
+        if (group == part_group()) return 1;
+        if (group == look_group()) return static_cast<std::int32_t>(packets_.size());
+        return group == body_group() ? static_cast<std::int32_t>(num_sums()) : packets_of(group).num_tasks();
     }
     /// Adds the time of a scope to a group of the record.
     template <class Work>
@@ -239,6 +234,7 @@ class IslandSweeps {
                 .num_packets = static_cast<std::int64_t>(packets.size()),
                 .rows = s_.packed.rows.data(),
                 .bodies = s_.velocity.data(),
+                .load_share = load_share_,
                 .momentum = momentum};
     }
 
@@ -246,7 +242,7 @@ class IslandSweeps {
     /// Calls work(bodies, slot) for the parts of the sum that are this thread's.
     template <class Work>
     void for_my_bodies(int thread, Work&& work) {
-        timed(thread, groups_.size(), [&] {
+        timed(thread, body_group(), [&] {
             const std::size_t first = num_sums() * index(thread) / index(threads_);
             const std::size_t end = num_sums() * index(thread + 1) / index(threads_);
             for (std::size_t k = first; k < end; ++k) {
@@ -294,24 +290,72 @@ class IslandSweeps {
         }
         return largest([parity](const Seen& seen) { return seen.worst[parity]; });
     }
-    void look(int thread) {
+    void look(int thread, double load_share) {
         double residual = 0;
-        timed(thread, groups_.size() + 1, [&] {
-            residual = largest_violation(cone_, view_of(share_of(packets_, thread, threads_), 0), options_.isa);
+        timed(thread, look_group(), [&] {
+            const auto share = share_of(packets_, thread, threads_);
+            SweepView view = view_of(share, 0);
+            view.load_share = load_share;
+            std::uint8_t* const violated = s_.unsolved.violated.data() + (share.data() - packets_.data());
+            residual = in_parts_ ? find_violated(cone_, view, options_.tolerance, violated, options_.isa)
+                                 : largest_violation(cone_, view, options_.isa);
         });
         seen_[index(thread)].residual = std::max(residual, wake_violated(thread));
+    }
+    double look_again(int thread, double load_share, SpinBarrier& barrier) {
+        barrier.wait(); // others may still read what look() writes
+        look(thread, load_share);
+        barrier.wait();
+        return seen_residual();
+    }
+    /// Sweeps what is not solved yet alone, after a look, for as long as that is a small part and helps; with a look at the whole
+    /// after every round. Whether there was one.
+    bool solve_parts(int thread, Course& course, SpinBarrier& barrier) {
+        bool swept = false;
+        const int most = course.sweeps() + 4 * course.wait;
+        while (course.residual > options_.tolerance && course.sweeps() < most && !course.stalls() &&
+               sweep_part(thread, !swept, barrier)) {
+            swept = true;
+            course.in_parts += part_cost_;
+            look(thread, load_share_);
+            barrier.wait();
+            course.saw(seen_residual());
+        }
+        if (swept) {
+            course.parts_from = course.whole + course.wait;
+            course.wait *= 2;
+        }
+        return swept;
+    }
+    /// One round on thread 0, which others wait for; false where the part is too large.
+    bool sweep_part(int thread, bool anew, SpinBarrier& barrier) {
+        if (thread == 0)
+            timed(thread, part_group(), [&] {
+                part_cost_ = 0;
+                if (!choose_unsolved(island_, anew, s_)) return;
+                const int sweeps = sweep_unsolved(cone_, options_, start_.momentum, load_share_, s_);
+                island_.visits += sweeps * s_.unsolved.contacts;
+                part_cost_ =
+                    1 + sweeps * static_cast<int>(s_.unsolved.packets.size()) / static_cast<int>(packets_.size());
+                ++part_rounds_;
+            });
+        barrier.wait();
+        return part_cost_ > 0;
     }
     /// Wakes packets whose parked contacts are violated; returns the largest violation of those that were parked.
     double wake_violated(int thread) {
         double worst = 0;
-        timed(thread, groups_.size() + 1, [&] {
+        timed(thread, look_group(), [&] {
             const auto share = share_of(packets_, thread, threads_); // as in look(), which reads what this changes
             const auto first = static_cast<std::size_t>(share.data() - packets_.data()), end = first + share.size();
             for (std::size_t p = first; p < end; ++p) {
                 if (packets_[p].first_parked == packets_[p].end_parked || packets_[p].woken != 0) continue;
                 const double violation =
                     largest_parked_violation(cone_, view_of(packets_.subspan(p, 1), 0), options_.isa);
-                if (violation > options_.tolerance) packets_[p].woken = 1;
+                if (violation > options_.tolerance) {
+                    packets_[p].woken = 1;
+                    if (in_parts_) s_.unsolved.violated[p] = kAllPairs;
+                }
                 worst = std::max(worst, violation);
             }
         });
@@ -327,11 +371,12 @@ class IslandSweeps {
         return out;
     }
 
-    void finish(int sweeps, double residual) {
-        island_.residual = residual;
-        island_.iterations += sweeps;
-        island_.last_sweeps = sweeps;
-        island_.visits += sweeps * num_swept();
+    void finish(const Course& course, bool solved) {
+        island_.solved = solved;
+        island_.residual = course.residual;
+        island_.iterations += course.sweeps();
+        island_.visits += course.whole * num_swept();
+        whole_sweeps_ = course.whole;
     }
     [[nodiscard]] bool may_jam() const {
         return island_.rests && index(island_.end - island_.first) > kPairsOfJam * bodies_.size();
@@ -358,6 +403,10 @@ class IslandSweeps {
     std::span<const std::int32_t> bodies_;
     std::span<ContactPacket> packets_;
     std::span<const PacketGroup> groups_;
+    double load_share_; ///< see kLoadOfTwo
+    bool in_parts_;     ///< whether what is not solved may be swept alone
+    int part_cost_ = 0; ///< of the last round, in sweeps of the whole; 0: there was none
+    int part_rounds_ = 0, whole_sweeps_ = 0;
     Seen alone_;
     std::span<Seen> seen_; ///< by thread
     TaskRecorder* recorder_;
@@ -382,7 +431,7 @@ void sweep_island(Island& island, const ContactSolveOptions& options, const Swee
         recorder != nullptr ? recorder->begin_region("contact sweeps", RegionKind::sweeps, most_threads, nullptr) : -1;
     options.team->together(threads, [&](int thread, SpinBarrier& barrier) { sweeps.run(thread, barrier); });
     if (recorder == nullptr) return;
-    sweeps.record(region, island.last_sweeps);
+    sweeps.record(region);
     recorder->end_region(region);
 }
 

@@ -312,7 +312,7 @@ inline double sweep_packets(const SweepView& view) {
             store_vec(at, PacketRow::kPrevious, local.impulse);
             local.impulse = local.impulse + Q::all(view.momentum) * (local.impulse - before);
             const PackFrame<Q> frame = load_frame<Q>(at);
-            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity(frame, a, b));
+            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity(frame, a, b), Q::all(view.load_share));
             store_vec(at, PacketRow::kImpulse, local.impulse + update.change);
             apply(at, frame, update.change, a, b);
             keep_largest(worst, update.violation);
@@ -326,8 +326,29 @@ inline double largest_violation_of(const SweepView& view) {
     for_each_row<P, false>(
         view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b) __attribute__((always_inline)) {
             const PackFrame<Q> frame = load_frame<Q>(at);
-            keep_largest(worst, violation<kCone>(load_local<Q>(at), contact_velocity(frame, a, b)));
+            keep_largest(worst,
+                         violation<kCone>(load_local<Q>(at), contact_velocity(frame, a, b), Q::all(view.load_share)));
         });
+    return largest_lane(worst);
+}
+
+/// As largest_violation_of, and sets bit k of violated[p] where a row of pair k of packet p is violated by more than `tolerance`.
+template <class P, Cone kCone>
+inline double find_violated_in(const SweepView& view, double tolerance, std::uint8_t* violated) {
+    using One = typename OnePacket<P>::Pack;
+    One worst = One::all(0);
+    const One limit = One::all(tolerance);
+    for (std::int64_t p = 0; p < view.num_packets; ++p) {
+        unsigned lanes = 0;
+        if (view.packets[p].swept())
+            OpenPacket<One>(view, p).do_rest(view, 0, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
+                const One found = violation<kCone>(load_local<One>(at), contact_velocity(load_frame<One>(at), a, b),
+                                                   One::all(view.load_share));
+                worst = max(worst, found);
+                lanes |= static_cast<unsigned>(mask_bits(limit < found)) << at.lane;
+            });
+        violated[p] = static_cast<std::uint8_t>(lanes);
+    }
     return largest_lane(worst);
 }
 
@@ -339,7 +360,8 @@ inline double largest_parked_violation_of(const SweepView& view) {
         const ContactPacket& packet = view.packets[p];
         if (packet.woken != 0 || packet.first_parked == packet.end_parked) continue;
         OpenPacket<One>(view, p).do_parked(view, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
-            worst = max(worst, violation<kCone>(load_local<One>(at), contact_velocity(load_frame<One>(at), a, b)));
+            worst = max(worst, violation<kCone>(load_local<One>(at), contact_velocity(load_frame<One>(at), a, b),
+                                                One::all(view.load_share)));
         });
     }
     return largest_lane(worst);
@@ -370,6 +392,10 @@ inline double sweep_any(Cone cone, const SweepView& view) {
 template <class P>
 inline double largest_violation_any(Cone cone, const SweepView& view) {
     return with_cone(cone, [&]<Cone kCone>() { return largest_violation_of<P, kCone>(view); });
+}
+template <class P>
+inline double find_violated_any(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated) {
+    return with_cone(cone, [&]<Cone kCone>() { return find_violated_in<P, kCone>(view, tolerance, violated); });
 }
 template <class P>
 inline double largest_parked_violation_any(Cone cone, const SweepView& view) {

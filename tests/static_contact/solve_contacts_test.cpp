@@ -5,34 +5,15 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <random>
 
 #include <gtest/gtest.h>
 
-#include "static_contact/contact_world.hpp"
+#include "static_contact/contact_systems.hpp"
 #include "static_contact/packet_shares.hpp"
 #include "static_contact/tangents.hpp"
 
 namespace flotilla {
 namespace {
-
-constexpr Vec3 kUp{0, 0, 1};
-
-ContactSolveOptions accurate() {
-    return {.iterations = 10000, .tolerance = 1e-12, .shock = false, .tangents = Tangents::aligned};
-}
-
-// N equal bodies on the ground, each held by one contact, moving down at `speed`.
-ContactWorld make_column(int n, double speed, double mass = 1) {
-    ContactWorld w;
-    w.add_body(0);
-    for (int i = 1; i <= n; ++i) {
-        const std::int32_t body = w.add_body(mass, {}, {0, 0, static_cast<double>(i)});
-        w.velocity.back() = {0, 0, -speed};
-        w.add_contact(body - 1, body, {0, 0, i - 0.5}, kUp);
-    }
-    return w;
-}
 
 // --- one contact ---
 
@@ -263,13 +244,7 @@ TEST(SolveContacts, MomentumNeedsTensOfTimesFewerSweeps) {
 }
 
 TEST(SolveContacts, GivesUpWhereTheResidualFallsNoMore) {
-    // A body held between two walls that both ask it to come: no impulses do that, and they grow for ever.
-    ContactWorld w;
-    w.add_body(0);
-    const auto body = w.add_body(1);
-    w.add_body(0);
-    w.add_contact(0, body, {}, kUp, 0, 0.1);
-    w.add_contact(body, 2, {}, kUp, 0, 0.1);
+    ContactWorld w = make_body_between_walls(false);
     const ContactSolveStats stats = w.solve({.patience = 50});
     EXPECT_GT(stats.residual, 0.09);
     EXPECT_GE(stats.iterations, 50);
@@ -277,20 +252,12 @@ TEST(SolveContacts, GivesUpWhereTheResidualFallsNoMore) {
 }
 
 TEST(SolveContacts, GivesUpAJamSooner) {
-    // As above, but a third wall makes it a jam: more than two pairs a body. Its residual stands from the first look on.
-    ContactWorld w;
-    w.add_body(0);
-    const auto body = w.add_body(1);
-    w.add_body(0);
-    w.add_body(0);
-    w.add_contact(0, body, {}, kUp, 0, 0.1);
-    w.add_contact(body, 2, {}, kUp, 0, 0.1);
-    w.add_contact(body, 3, {}, {1, 0, 0}, 0, 0.1);
+    ContactWorld w = make_body_between_walls(true); // its residual stands from the first look on
     ContactWorld moving = w;
     const ContactSolveStats stats = w.solve({.patience = 50, .rest_speed = 0.4});
     EXPECT_GT(stats.residual, 0.09);
     EXPECT_EQ(stats.iterations, 30); // a look in ten sweeps; two that found it where the one before did
-    moving.velocity[static_cast<std::size_t>(body)] = {0, 0.5, 0};
+    moving.velocity[1] = {0, 0.5, 0};
     EXPECT_GE(moving.solve({.patience = 50, .rest_speed = 0.4}).iterations, 50);
 }
 
@@ -340,84 +307,7 @@ TEST(SolveContacts, AWarmStartThatAddsEnergyIsTakenBack) {
     EXPECT_EQ(w.impulses, cold.impulses);
 }
 
-// --- shock propagation ---
-
-TEST(Shock, SettlesAColumnThatGaussSeidelCannot) {
-    ContactWorld w = make_column(100, 0.4);
-    ContactWorld pgs = w;
-    const ContactSolveOptions options{.iterations = 20, .tolerance = 1e-9};
-    ContactSolveOptions without = options;
-    without.shock = false;
-    const ContactSolveStats stats = w.solve(options);
-    const ContactSolveStats stats_pgs = pgs.solve(without);
-    EXPECT_EQ(stats.shocked_islands, 1);
-    EXPECT_EQ(stats.residual, stats_pgs.residual); // of PGS: the shock is no solution
-    EXPECT_EQ(w.impulses, pgs.impulses);
-    for (std::size_t i = 1; i < w.velocity.size(); ++i) EXPECT_NEAR(w.velocity[i].z, 0, 1e-8) << i;
-    EXPECT_LT(pgs.velocity[50].z, -0.1);
-    EXPECT_EQ(w.scratch.shocked, ([] {
-                  std::vector<std::uint8_t> all(101, 1);
-                  all[0] = 0;
-                  return all;
-              }()));
-}
-
-TEST(Shock, IsUndoneWhereALevelHasNoSolution) {
-    // The walls of GivesUpWhereTheResidualFallsNoMore: level by level there is no solution either.
-    ContactWorld w;
-    w.add_body(0);
-    const auto body = w.add_body(1);
-    w.add_body(0);
-    w.add_contact(0, body, {}, kUp, 0, 0.1);
-    w.add_contact(body, 2, {}, kUp, 0, 0.1);
-    ContactWorld pgs = w;
-    ContactWorld moving = w;
-    ContactSolveOptions options{.patience = 50, .rest_speed = 0.4};
-    EXPECT_EQ(w.solve(options).shocked_islands, 0);
-    moving.velocity[static_cast<std::size_t>(body)] = {0, 0.5, 0};
-    EXPECT_EQ(moving.solve(options).shocked_islands, 1);
-    options.shock = false;
-    (void)pgs.solve(options);
-    EXPECT_EQ(w.velocity, pgs.velocity);
-    EXPECT_EQ(w.impulses, pgs.impulses);
-}
-
-TEST(Shock, NeedsTheGround) {
-    ContactWorld w = make_column(30, 0.4);
-    w.inv_mass[0] = 1; // nothing prescribed any more
-    w.velocity[0] = {0, 0, 0.4};
-    const Vec3 before = w.momentum();
-    const ContactSolveStats stats = w.solve({.iterations = 3, .tolerance = 1e-9});
-    EXPECT_EQ(stats.shocked_islands, 0);
-    EXPECT_EQ(std::count(w.scratch.shocked.begin(), w.scratch.shocked.end(), 1), 0);
-    EXPECT_NEAR(w.momentum().z, before.z, 1e-13);
-}
-
 // --- random piles ---
-
-// Bodies of many masses with contacts between random pairs; every `island` bodies share one island.
-ContactWorld make_random(unsigned seed, int num_bodies, int island, double friction, bool grounded) {
-    std::mt19937_64 rng(seed);
-    std::normal_distribution<double> normal;
-    const auto vec = [&] { return Vec3{normal(rng), normal(rng), normal(rng)}; };
-    ContactWorld w;
-    w.add_body(grounded ? 0 : 1e3, {500, 600, 700});
-    for (int i = 1; i <= num_bodies; ++i) {
-        const double mass = std::exp(normal(rng));
-        w.add_body(mass, mass * Vec3{0.1, 0.15, 0.2}, vec());
-        w.velocity.back() = vec();
-        w.angular_velocity.back() = vec();
-        const int first = (i - 1) / island * island + 1;
-        for (int k = 0; k < 3; ++k) {
-            const int partner = k == 0 ? 0 : first + static_cast<int>(rng() % static_cast<unsigned>(island));
-            if (partner >= i || (k == 0 && i % 3 != 0 && grounded)) continue;
-            const int points = 1 + static_cast<int>(rng() % 4);
-            const Vec3 n = normalized(vec());
-            for (int p = 0; p < points; ++p) w.add_contact(partner, i, w.position.back() + 0.5 * vec(), n, friction);
-        }
-    }
-    return w;
-}
 
 TEST(SolveContacts, KeepsTheMomentumOfAFreeSystem) {
     for (unsigned seed = 0; seed < 10; ++seed) {
@@ -496,14 +386,6 @@ TEST(SolveContacts, AParkedContactIsNotSwept) {
     for (std::size_t i = 1; i <= 8; ++i) EXPECT_EQ(w.velocity[i].z, i <= 4 ? 0 : -0.4);
     w.velocity[8].z = -0.999; // near enough: no longer parked
     EXPECT_EQ(w.solve({.iterations = 1}).visits, 5);
-}
-
-// Every second contact a gap that is about as wide as what the bodies cross, but so that they do not close at the start.
-void open_gaps(ContactWorld& w) {
-    for (std::size_t k = 0; k < w.contacts.size(); k += 2) {
-        Contact& c = w.contacts[k];
-        c.target = -1.01 * length(w.velocity_at(c.b, c.point) - w.velocity_at(c.a, c.point)) - 0.01;
-    }
 }
 
 TEST(SolveContacts, ParkedContactsAreObeyed) {

@@ -4,7 +4,7 @@
 namespace flotilla::scenario {
 namespace {
 
-TEST(Bowl, AHundredBoatsComeToRest) { expect_boats_come_to_rest(102, 1, 240, 5000); }
+TEST(Bowl, AHundredBoatsComeToRest) { expect_boats_come_to_rest(102, 1, 5000); }
 
 } // namespace
 } // namespace flotilla::scenario

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/unsolved_part.hpp"
+
+#include "static_contact/momentum.hpp"
+
+namespace flotilla {
+namespace {
+
+/// Sweeps between two looks at the whole island, of which each costs half a sweep of it.
+constexpr int kMostSweeps = 100;
+/// A part is at most that share of the island's packets.
+constexpr std::size_t kLeastShare = 8;
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Calls work(body) for the movable bodies of the packet's pairs whose bits are set.
+template <class Work>
+void for_bodies(const ContactPacket& packet, unsigned pairs, const ContactScratch& s, Work&& work) {
+    for (std::size_t lane = 0; lane < index(packet.num_pairs); ++lane) {
+        if ((pairs >> lane & 1U) == 0) continue;
+        for (const std::int32_t body : {packet.a[lane], packet.b[lane]})
+            if (s.movable[index(body)] != 0) work(body);
+    }
+}
+
+// Marks the bodies of violated pairs; false if those are in more than `most` packets.
+bool mark_violated(std::span<const ContactPacket> packets, std::size_t most, ContactScratch& s) {
+    ContactScratch::Unsolved& part = s.unsolved;
+    std::size_t violated = 0;
+    for (std::size_t p = 0; p < packets.size(); ++p) {
+        if (part.violated[p] == 0) continue;
+        if (++violated > most) return false;
+        for_bodies(packets[p], part.violated[p], s, [&](std::int32_t body) { part.near[index(body)] = 1; });
+    }
+    return true;
+}
+
+std::int64_t num_contacts(const ContactScratch& s, std::size_t packet) {
+    const ContactPacket& p = s.packed.packets[packet];
+    const std::size_t first = index(s.packed.first_block[packet]);
+    std::int64_t contacts = 0;
+    for (std::size_t k = first; k < first + index(p.num_pairs); ++k)
+        contacts += (p.woken != 0 ? s.blocks[k].end : s.blocks[k].parked) - s.blocks[k].first;
+    return contacts;
+}
+
+} // namespace
+
+bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& s) {
+    ContactScratch::Unsolved& part = s.unsolved;
+    if (anew) part.near.assign(s.bodies.size(), 0);
+    const std::size_t first = index(island.first_packet);
+    const auto packets = std::span(s.packed.packets).subspan(first, index(island.end_packet) - first);
+    const std::size_t most = packets.size() / kLeastShare;
+    if (!mark_violated(packets, most, s)) return false;
+    part.packets.clear();
+    part.bodies.clear();
+    part.contacts = 0;
+    part.chosen.assign(s.bodies.size(), 0);
+    for (std::size_t p = 0; p < packets.size(); ++p) {
+        bool touches = false;
+        for_bodies(packets[p], kAllPairs, s, [&](std::int32_t body) { touches |= part.near[index(body)] != 0; });
+        if (!touches || !packets[p].swept()) continue;
+        if (part.packets.size() == most) return false;
+        part.packets.push_back(packets[p]);
+        part.contacts += num_contacts(s, first + p);
+        for_bodies(packets[p], kAllPairs, s, [&](std::int32_t body) {
+            if (part.chosen[index(body)] == 0) part.bodies.push_back(body);
+            part.chosen[index(body)] = 1;
+        });
+    }
+    return true;
+}
+
+int sweep_unsolved(Cone cone, const ContactSolveOptions& options, bool momentum, double load_share, ContactScratch& s) {
+    SweepView view{.packets = s.unsolved.packets.data(),
+                   .num_packets = static_cast<std::int64_t>(s.unsolved.packets.size()),
+                   .rows = s.packed.rows.data(),
+                   .bodies = s.velocity.data(),
+                   .load_share = load_share};
+    Momentum sequence;
+    int sweeps = 0;
+    for (bool done = false; !done && sweeps < kMostSweeps; ++sweeps) {
+        if (momentum) extrapolate(s.unsolved.bodies, view.momentum, s);
+        done = sweep(cone, view, options.isa) <= options.tolerance;
+        if (momentum) view.momentum = sequence.next(turned_back(s.unsolved.bodies, s) > 0);
+    }
+    return sweeps;
+}
+
+} // namespace flotilla

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// The part of an island that is not solved yet, swept alone. In a large pile at rest all but a few of ten thousand contacts hold after
+// some tens of sweeps; those few, beside a body that slides for example, may take hundreds more. Alone they cost next to nothing,
+// and what they change at the border of their part shows in the next look at the whole island.
+#pragma once
+
+#include <span>
+
+#include "static_contact/solve_contacts.hpp"
+
+namespace flotilla {
+
+/// Copies to scratch.unsolved the packets of the island with a pair that shares a movable body with a violated pair, according to the
+/// bits in scratch.unsolved.violated (see find_violated()); unless `anew`, also those chosen for earlier bits, or two neighbouring parts
+/// would hand the same load to and fro. False where they are too many for one thread to sweep alone.
+bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& scratch);
+
+/// Sweeps them, without momentum or with a sequence of their own, until a sweep meets no violation above the tolerance, or for a
+/// while. Returns the number of sweeps. The next sweep of the island must do without momentum.
+int sweep_unsolved(Cone cone, const ContactSolveOptions& options, bool momentum, double load_share,
+                   ContactScratch& scratch);
+
+} // namespace flotilla

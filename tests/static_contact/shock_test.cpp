@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "static_contact/contact_systems.hpp"
+
+namespace flotilla {
+namespace {
+
+TEST(Shock, SettlesAColumnThatGaussSeidelCannot) {
+    ContactWorld w = make_column(100, 0.4);
+    ContactWorld pgs = w;
+    const ContactSolveOptions options{.iterations = 20, .tolerance = 1e-9};
+    ContactSolveOptions without = options;
+    without.shock = false;
+    const ContactSolveStats stats = w.solve(options);
+    const ContactSolveStats stats_pgs = pgs.solve(without);
+    EXPECT_EQ(stats.shocked_islands, 1);
+    EXPECT_EQ(stats.residual, stats_pgs.residual); // of PGS: the shock is no solution
+    EXPECT_EQ(w.impulses, pgs.impulses);
+    for (std::size_t i = 1; i < w.velocity.size(); ++i) EXPECT_NEAR(w.velocity[i].z, 0, 1e-8) << i;
+    EXPECT_LT(pgs.velocity[50].z, -0.1);
+    EXPECT_EQ(w.scratch.shocked, ([] {
+                  std::vector<std::uint8_t> all(101, 1);
+                  all[0] = 0;
+                  return all;
+              }()));
+}
+
+TEST(Shock, IsUndoneWhereALevelHasNoSolution) {
+    ContactWorld w = make_body_between_walls(false);
+    ContactWorld pgs = w;
+    ContactWorld moving = w;
+    ContactSolveOptions options{.patience = 50, .rest_speed = 0.4};
+    EXPECT_EQ(w.solve(options).shocked_islands, 0);
+    moving.velocity[1] = {0, 0.5, 0};
+    EXPECT_EQ(moving.solve(options).shocked_islands, 1);
+    options.shock = false;
+    (void)pgs.solve(options);
+    EXPECT_EQ(w.velocity, pgs.velocity);
+    EXPECT_EQ(w.impulses, pgs.impulses);
+}
+
+TEST(Shock, NeedsTheGround) {
+    ContactWorld w = make_column(30, 0.4);
+    w.inv_mass[0] = 1; // nothing prescribed any more
+    w.velocity[0] = {0, 0, 0.4};
+    const Vec3 before = w.momentum();
+    const ContactSolveStats stats = w.solve({.iterations = 3, .tolerance = 1e-9});
+    EXPECT_EQ(stats.shocked_islands, 0);
+    EXPECT_EQ(std::count(w.scratch.shocked.begin(), w.scratch.shocked.end(), 1), 0);
+    EXPECT_NEAR(w.momentum().z, before.z, 1e-13);
+}
+
+} // namespace
+} // namespace flotilla
