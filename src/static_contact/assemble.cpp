@@ -61,7 +61,7 @@ void gather_pairs(std::span<const Contact> contacts, ContactScratch& s) {
     s.first_contact.push_back(count_of(s.order.size()));
 }
 
-constexpr std::size_t kBodiesPerRegion = 64, kMostRegions = 256;
+constexpr std::int32_t kBodiesPerRegion = 64, kMostRegions = 256;
 constexpr int kCellBits = 4; // per axis
 
 // The 12 bits of a cell of a 16 x 16 x 16 grid in Morton order: cells near each other have numbers near each other.
@@ -76,28 +76,55 @@ std::int32_t morton_cell(const Vec3& relative) {
     return code;
 }
 
-// Numbers regions of bodies near each other, so that threads that share out the packets of every colour in that order meet mostly the
-// same bodies in all of them: a velocity that another thread wrote last takes longer to fetch than a contact to solve. Changes no
-// bit, and need not be the island's own.
-int number_regions(const ContactBodies& bodies, ContactScratch& s) {
-    const std::size_t n = s.bodies.size(), regions = std::clamp<std::size_t>(n / kBodiesPerRegion, 1, kMostRegions);
-    s.region.assign(n, 0);
-    if (regions == 1) return 1;
-    constexpr double kFar = std::numeric_limits<double>::infinity();
-    Vec3 low{kFar, kFar, kFar}, high = -low; // what is never movable may be anywhere
-    for (std::size_t k = 0; k < n; ++k) {
-        if (!s.movable[k]) continue;
-        low = min(low, bodies.position[index(s.bodies[k])]);
-        high = max(high, bodies.position[index(s.bodies[k])]);
+// Where the movable bodies of every island are, and how many.
+void find_extents(const ContactBodies& bodies, std::size_t num_islands, ContactScratch& s) {
+    s.island_of_body.assign(s.bodies.size(), -1);
+    for (std::size_t k = 0; k < s.pairs.size(); ++k)
+        for (const std::int32_t body : {s.pairs[k].a, s.pairs[k].b})
+            if (s.movable[index(body)]) s.island_of_body[index(body)] = s.island_of_pair[k];
+    s.extents.assign(num_islands, {});
+    for (std::size_t k = 0; k < s.bodies.size(); ++k) {
+        if (s.island_of_body[k] < 0) continue;
+        ContactScratch::Extent& e = s.extents[index(s.island_of_body[k])];
+        const Vec3& x = bodies.position[index(s.bodies[k])];
+        e.low = e.bodies == 0 ? x : min(e.low, x);
+        e.high = e.bodies == 0 ? x : max(e.high, x);
+        ++e.bodies;
     }
-    const double size = std::max(max_component(high - low), std::numeric_limits<double>::min());
+}
+
+std::int32_t num_regions(const ContactScratch::Extent& island) {
+    return std::clamp(island.bodies / kBodiesPerRegion, 1, kMostRegions);
+}
+
+// Numbers regions of an island's bodies near each other, so that threads that share out the packets of every colour in that order meet
+// mostly the same bodies in all of them: a velocity that another thread wrote last takes longer to fetch than a contact to solve. They
+// are the island's own: what is swept in parts and what is woken goes by packets. Returns the most regions of an island.
+std::int32_t number_regions(const ContactBodies& bodies, std::size_t num_islands, ContactScratch& s) {
+    const std::size_t n = s.bodies.size();
+    s.region.assign(n, 0);
+    find_extents(bodies, num_islands, s);
+    std::int32_t most = 1;
+    for (const ContactScratch::Extent& e : s.extents) most = std::max(most, num_regions(e));
+    if (most == 1) return 1;
     s.cell.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        s.cell[k] = 0;
+        if (s.island_of_body[k] < 0) continue;
+        const ContactScratch::Extent& e = s.extents[index(s.island_of_body[k])];
+        const double size = std::max(max_component(e.high - e.low), std::numeric_limits<double>::min());
+        s.cell[k] = morton_cell((bodies.position[index(s.bodies[k])] - e.low) / size);
+    }
     s.body_order.resize(n);
-    for (std::size_t k = 0; k < n; ++k) s.cell[k] = morton_cell((bodies.position[index(s.bodies[k])] - low) / size);
     std::iota(s.body_order.begin(), s.body_order.end(), 0);
     stable_sort_by_key(s.cell, 1 << (3 * kCellBits), s.body_order, s.counts, s.sorted);
-    for (std::size_t k = 0; k < n; ++k) s.region[index(s.body_order[k])] = count_of(k * regions / n);
-    return static_cast<int>(regions);
+    for (const std::int32_t body : s.body_order) { // an island's in the order of their cells
+        if (s.island_of_body[index(body)] < 0) continue;
+        ContactScratch::Extent& e = s.extents[index(s.island_of_body[index(body)])];
+        s.region[index(body)] = static_cast<std::int32_t>(std::int64_t{e.numbered} * num_regions(e) / e.bodies);
+        ++e.numbered;
+    }
+    return most;
 }
 
 // Moves the packets of every (island, colour), four pairs each, into the order of their pairs' mean region; what is left over
@@ -128,13 +155,15 @@ void order_packets_by_region(ContactScratch& s) {
     s.pair_order.swap(s.sorted);
 }
 
-// By region, forwards where the number of contacts is even against the largest one, else backwards: when the pairs are sorted by that
-// number afterwards, a packet with pairs of two numbers has them from the same end.
-void sort_by_region_to_and_fro(int num_regions, ContactScratch& s) {
+// By region, forwards where the number of contacts that are awake is even, else backwards: when the pairs are sorted by that number
+// afterwards, a packet with pairs of two numbers has them from the same end.
+void sort_by_region_to_and_fro(std::int32_t most_regions, ContactScratch& s) {
     s.region_to_and_fro.resize(s.pairs.size());
-    for (std::size_t k = 0; k < s.pairs.size(); ++k)
-        s.region_to_and_fro[k] = s.missing[k] % 2 == 0 ? s.region_of_pair[k] : num_regions - 1 - s.region_of_pair[k];
-    stable_sort_by_key(s.region_to_and_fro, num_regions, s.pair_order, s.counts, s.sorted);
+    for (std::size_t k = 0; k < s.pairs.size(); ++k) {
+        const std::int32_t regions = num_regions(s.extents[index(s.island_of_pair[k])]);
+        s.region_to_and_fro[k] = s.num_awake[k] % 2 == 0 ? s.region_of_pair[k] : regions - 1 - s.region_of_pair[k];
+    }
+    stable_sort_by_key(s.region_to_and_fro, most_regions, s.pair_order, s.counts, s.sorted);
 }
 
 // A contact without impulse is parked where the gap is this much wider than what the bodies would cross in the step, m/s.
@@ -167,8 +196,8 @@ void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodie
     });
 }
 
-// Sorts the pairs by (island, colour) and cuts the islands out of that list. Within a colour the order changes no bit: pairs with
-// equally many contacts that are awake come together, because they fill a packet best, and of those the ones near each other.
+// Sorts the pairs by (island, colour) and cuts the islands out of that list. Within a colour pairs with equally many contacts that are
+// awake come together, because they fill a packet best, and of those the ones near each other.
 int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
     s.color.resize(s.pairs.size());
     s.island_of_pair.resize(s.pairs.size());
@@ -180,17 +209,17 @@ int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
     for (const std::int32_t awake : s.num_awake) most = std::max(most, awake);
     s.missing.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) s.missing[k] = most - s.num_awake[k];
-    const int num_regions = number_regions(bodies, s);
+    const std::int32_t most_regions = number_regions(bodies, index(num_islands), s);
     s.region_of_pair.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) {
         const BodyPair& p = s.pairs[k];
         s.region_of_pair[k] = s.region[index(s.movable[index(p.a)] ? p.a : p.b)];
     }
-    if (num_regions > 1) sort_by_region_to_and_fro(num_regions, s);
+    if (most_regions > 1) sort_by_region_to_and_fro(most_regions, s);
     stable_sort_by_key(s.missing, most + 1, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.color, num_colors, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.island_of_pair, num_islands, s.pair_order, s.counts, s.sorted);
-    if (num_regions > 1) order_packets_by_region(s);
+    if (most_regions > 1) order_packets_by_region(s);
     s.islands.assign(index(num_islands), {});
     for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
         ContactScratch::Island& island = s.islands[index(s.island_of_pair[index(s.pair_order[k])])];

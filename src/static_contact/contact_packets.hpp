@@ -90,8 +90,9 @@ struct SweepView {
     std::int64_t num_packets = 0;
     PacketRow* rows = nullptr;
     BodyVelocity* bodies = nullptr;
-    double load_share =
-        0; ///< violations count less by this share of what the contact's normal impulse changes, lambda_n W_nn
+    /// A contact's violation in the normal direction counts less by this share of what its normal impulse changes, lambda_n W_nn, but
+    /// by `most_let_off`, m/s, at most.
+    double load_share = 0, most_let_off = 0;
     double momentum = 0; ///< a sweep visits every row with its impulse + momentum * (impulse - the one before)
 };
 

@@ -101,16 +101,20 @@ inline PackVec2<P> disc_impulse(const LocalPack<P>& c, const PackVec2<P>& u, P b
             select(open, select(inside, stick.y, edge.y), P::all(0))};
 }
 
-/// What a loaded contact is let off its violation, m/s: a share of what its normal impulse changes.
+/// What the normal row's violation is let off: a share of what the normal impulse changes, lambda_n W_nn, and at most so much, m/s.
 template <class P>
-inline P let_off(const LocalPack<P>& c, P load_share) {
-    return load_share * (c.impulse.x * c.mass_diagonal.x);
+struct LetOff {
+    P share = P::all(0), most = P::all(0);
+};
+template <class P>
+inline P let_off(const LocalPack<P>& c, const LetOff<P>& l) {
+    return min(l.share * (c.impulse.x * c.mass_diagonal.x), l.most);
 }
 
 /// One visit: the change that eqs 17-20 ask for at relative velocity u (of the present impulse). Does not apply it.
 template <Cone kCone, class P>
 [[gnu::always_inline]] inline LocalUpdate<P> visit(const LocalPack<P>& c, const PackVec<P>& u,
-                                                   P load_share = P::all(0)) {
+                                                   const LetOff<P>& off = {}) {
     LocalUpdate<P> r;
     r.change.x = normal_change(c, u.x);
     const P bound = friction_bound<kCone>(c, c.impulse.x + r.change.x);
@@ -125,9 +129,8 @@ template <Cone kCone, class P>
         const P u2_after = u2 + c.coupling.z * r.change.y;
         r.change.z = clamp(c.impulse.z - u2_after * c.inv_mass_diagonal.z, bound) - c.impulse.z;
     }
-    r.violation = max(max(abs(r.change.x) * c.mass_diagonal.x, abs(r.change.y) * c.mass_diagonal.y),
-                      abs(r.change.z) * c.mass_diagonal.z) -
-                  let_off(c, load_share);
+    r.violation = max(max(abs(r.change.x) * c.mass_diagonal.x - let_off(c, off), abs(r.change.y) * c.mass_diagonal.y),
+                      abs(r.change.z) * c.mass_diagonal.z);
     return r;
 }
 
@@ -135,7 +138,7 @@ template <Cone kCone, class P>
 /// which is zero exactly at a solution of eqs 17-20 (of the disc law, with W the larger tangential diagonal, for
 /// Cone::disc). The friction bound is that of the present normal impulse.
 template <Cone kCone, class P>
-[[gnu::always_inline]] inline P violation(const LocalPack<P>& c, const PackVec<P>& u, P load_share = P::all(0)) {
+[[gnu::always_inline]] inline P violation(const LocalPack<P>& c, const PackVec<P>& u, const LetOff<P>& off = {}) {
     const P bound = friction_bound<kCone>(c, c.impulse.x);
     PackVec2<P> l, scale{c.mass_diagonal.y, c.mass_diagonal.z};
     if constexpr (kCone == Cone::disc) {
@@ -148,9 +151,8 @@ template <Cone kCone, class P>
         l = {clamp(c.impulse.y - u.y * c.inv_mass_diagonal.y, bound),
              clamp(c.impulse.z - u.z * c.inv_mass_diagonal.z, bound)};
     }
-    return max(max(abs(normal_change(c, u.x)) * c.mass_diagonal.x, abs(l.x - c.impulse.y) * scale.x),
-               abs(l.y - c.impulse.z) * scale.y) -
-           let_off(c, load_share);
+    return max(max(abs(normal_change(c, u.x)) * c.mass_diagonal.x - let_off(c, off), abs(l.x - c.impulse.y) * scale.x),
+               abs(l.y - c.impulse.z) * scale.y);
 }
 
 } // namespace

@@ -140,6 +140,8 @@ ContactSolveStats summarize(const ContactScratch& s, int num_colors) {
         stats.iterations = std::max(stats.iterations, island.iterations);
         stats.visits += island.visits;
         stats.residual = std::max(stats.residual, island.residual);
+        stats.unsolved_islands += island.solved ? 0 : 1;
+        stats.part_rounds += island.part_rounds;
         stats.shocked_islands += island.shocked ? 1 : 0;
         stats.cold_islands += island.cold ? 1 : 0;
     }

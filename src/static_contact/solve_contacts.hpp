@@ -34,7 +34,7 @@ struct ContactBodies {
 
 struct ContactSolveOptions {
     int iterations = 1000;   ///< sweeps per island, >= 0 (figure 20)
-    double tolerance = 1e-6; ///< m/s, L-infinity violation at which an island stops
+    double tolerance = 1e-6; ///< m/s, L-infinity violation at which an island stops (but see rest_speed)
     bool warm_start = true;  ///< start from the impulses handed in
     bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
@@ -46,7 +46,7 @@ struct ContactSolveOptions {
     /// much need not be as exact (sweep_island.cpp), and a shock pass stands only where it solves its levels. Under impact nothing of
     /// this holds. 0: no island rests.
     double rest_speed = 0;
-    bool shock = true; ///< propagate a shock where PGS ended above the tolerance
+    bool shock = true; ///< propagate a shock where PGS ended unsolved
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
     /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
@@ -62,11 +62,13 @@ struct ContactSolveOptions {
 struct ContactSolveStats {
     int islands = 0;
     int colors = 0;
-    int iterations = 0;      ///< most sweeps of an island, those of parts counted as what they cost
-    std::int64_t visits = 0; ///< contact updates, shock passes included; those woken on the way as if from the start
-    double residual = 0;     ///< m/s, violation of all of eqs 17-20 by the final PGS state, before a shock
-    int shocked_islands = 0; ///< islands whose velocities come from a shock pass
-    int cold_islands = 0;    ///< islands whose warm start was taken back because it added energy
+    int iterations = 0;       ///< most sweeps of an island, those of parts counted as what they cost
+    std::int64_t visits = 0;  ///< contact updates, shock passes included; those woken on the way as if from the start
+    double residual = 0;      ///< m/s, violation of all of eqs 17-20 by the final PGS state, before a shock
+    int unsolved_islands = 0; ///< that PGS gave up or ended at the limit
+    int shocked_islands = 0;  ///< islands whose velocities come from a shock pass
+    int part_rounds = 0;      ///< times that a part of an island was swept alone
+    int cold_islands = 0;     ///< islands whose warm start was taken back because it added energy
 };
 
 /// Memory of the solver, owned by the caller and reused, so that a steady scene allocates nothing. What a test or a
@@ -83,6 +85,7 @@ struct ContactScratch {
         double residual = 0;                      ///< m/s
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
+        int part_rounds = 0;
         bool rests =
             false; ///< came with hardly more energy than gravity gives in a step (ContactSolveOptions::rest_speed)
         bool solved = false; ///< the tolerance holds, apart from what loaded contacts of a resting pile are let off
@@ -106,6 +109,12 @@ struct ContactScratch {
     std::vector<std::int32_t> packet_order;
     std::vector<std::int32_t> counts, sorted;
     std::vector<std::int32_t> region, cell, body_order; ///< of bodies in contact
+    /// Of an island's movable bodies.
+    struct Extent {
+        Vec3 low, high; ///< m
+        std::int32_t bodies = 0, numbered = 0;
+    };
+    std::vector<Extent> extents; ///< by island
     std::vector<std::int32_t> region_of_pair, region_to_and_fro;
     ColoringScratch coloring;
     ContactGraphScratch graph;
@@ -127,12 +136,14 @@ struct ContactScratch {
     struct alignas(64) Seen {
         double worst[2] = {}; ///< m/s, by parity of the sweep
         double residual = 0;  ///< m/s
+        int violated = 0;     ///< pairs
     };
     std::vector<Seen> seen; ///< by thread
+    std::vector<std::uint8_t>
+        violated; ///< per packet of islands at rest, a bit for each pair: what the last look found
     /// The part of a large island that is not solved yet (unsolved_part.hpp).
     struct Unsolved {
-        std::vector<std::uint8_t> violated;     ///< per packet of the island, a bit for each violated pair
-        std::vector<std::uint8_t> near, chosen; ///< per body in contact: of a violated pair; of a chosen packet
+        std::vector<std::uint8_t> near, chosen; ///< per body in contact: of a pair violated so far; of a chosen packet
         std::vector<std::int32_t> bodies;       ///< the chosen movable ones
         std::vector<ContactPacket> packets;     ///< copies of the chosen ones
         std::int64_t contacts = 0;              ///< that a sweep of them visits

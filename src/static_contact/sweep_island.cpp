@@ -2,6 +2,7 @@
 #include "static_contact/sweep_island.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -29,13 +30,13 @@ constexpr double kLeastFall = 0.8;
 /// A jam: bodies that touch so many others that their impulses are not determined hand them round for ever, and one look after the other
 /// finds the residual where it was, to a hundredth. Where bodies touch few others it may also stand, but because a slow mode of many
 /// bodies (a stack that leans) is on its way.
-constexpr double kStands = 0.01;
+constexpr double kStands = 0.01, kFewer = 0.9;
 constexpr int kLooksAtJam = 2, kPairsOfJam = 2; // pairs a body
-/// What a contact may carry in such an island, in rest speeds by which its normal impulse changes its bodies' approach, until it may
-/// violate two tolerances; with more in proportion. Deep piles were never solved without that: contacts that carry ten to a hundred
-/// times a body's weight and are some um farther off than their rest distance hand it to the others of their pair at the violation
-/// per sweep, 2e-4 of 27 m/s.
-constexpr double kLoadOfTwo = 5;
+/// In such an island a contact is let off one tolerance, of the approach or gap that it is off its target, for every so many rest speeds
+/// by which its normal impulse changes the approach, and ten at most. Deep piles were never solved without that: contacts that carry
+/// ten to a hundred times a body's weight and are some um farther off than their rest distance hand it to the others of their pair at
+/// the violation per sweep, 2e-4 of 27 m/s.
+constexpr double kLoadPerTolerance = 5, kMostLetOff = 10;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -47,20 +48,34 @@ int width_of(const Island& island, const ContactScratch& s, int most) {
     return sweep_width_of(groups_of(island, s), island.end_packet, s.packed.packets, most);
 }
 
+/// What a look found.
+struct Left {
+    double residual = std::numeric_limits<double>::infinity(); ///< m/s
+    int violated = 0;                                          ///< pairs; counted in islands that may jam only
+};
+
+/// One jam hides behind its residual what is still on its way elsewhere: the number of violated pairs must stand as well.
+bool stands(const Left& before, const Left& now) {
+    return std::abs(now.residual - before.residual) <= kStands * now.residual &&
+           now.violated >= kFewer * before.violated;
+}
+
 /// Whether the residual still falls.
 class Progress {
   public:
     Progress(int patience, bool jams) : patience_(patience), jams_(jams) {}
 
-    void saw(int sweeps, double residual) {
-        looks_standing_ = std::abs(residual - last_) <= kStands * residual ? looks_standing_ + 1 : 0;
-        last_ = residual;
-        if (residual <= kLeastFall * mark_) {
-            mark_ = residual;
+    void saw(int sweeps, const Left& left) {
+        if (left.residual <= kLeastFall * mark_.residual || left.violated < kLeastFall * mark_.violated) {
+            mark_ = left;
             mark_sweeps_ = sweeps;
         }
-        rose_ = residual > kMostRise * lowest_;
-        lowest_ = rose_ ? residual : std::min(lowest_, residual);
+        rose_ = left.residual > kMostRise * lowest_;
+        lowest_ = rose_ ? left.residual : std::min(lowest_, left.residual);
+    }
+    void count_standing(const Left& left) {
+        looks_standing_ = stands(last_, left) ? looks_standing_ + 1 : 0;
+        last_ = left;
     }
     /// Once per look that found the residual far above its lowest value since the last such look.
     bool rose() { return std::exchange(rose_, false); }
@@ -69,12 +84,12 @@ class Progress {
     }
 
   private:
-    static constexpr double kNone = std::numeric_limits<double>::infinity();
     int patience_;
-    bool jams_;           ///< whether the island may be jammed
-    double mark_ = kNone; ///< the residual when it last had fallen by so much, and when that was
+    bool jams_; ///< whether the island may be jammed
+    Left mark_; ///< what was left when it last had fallen by so much, and when that was
     int mark_sweeps_ = 0;
-    double lowest_ = kNone, last_ = kNone;
+    Left last_;
+    double lowest_ = std::numeric_limits<double>::infinity();
     int looks_standing_ = 0;
     bool rose_ = false;
 };
@@ -87,10 +102,7 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
     s.sweep_start.resize(n);
     s.weight.resize(n);
     s.sums.resize(n);
-    s.island_of_body.assign(n, -1);
-    for (std::size_t k = 0; k < s.pairs.size(); ++k)
-        for (const std::int32_t body : {s.pairs[k].a, s.pairs[k].b})
-            if (s.movable[index(body)]) s.island_of_body[index(body)] = s.island_of_pair[k];
+    s.violated.resize(s.packed.packets.size());
     s.island_bodies.clear();
     for (std::size_t body = 0; body < n; ++body) {
         if (!s.movable[body]) continue;
@@ -136,19 +148,22 @@ class IslandSweeps {
               std::span(s.island_bodies).subspan(index(island.first_body), index(island.end_body - island.first_body))),
           packets_(std::span(s.packed.packets)
                        .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
+          violated_(std::span(s.violated)
+                        .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
           groups_(groups_of(island, s)),
-          load_share_(may_jam() ? options.tolerance / (kLoadOfTwo * options.rest_speed) : 0),
-          in_parts_(island.rests && is_large(island, s)),
+          jams_(island.rests && index(island.end - island.first) > kPairsOfJam * bodies_.size()),
+          load_share_(jams_ ? options.tolerance / (kLoadPerTolerance * options.rest_speed) : 0),
+          may_use_parts_(island.rests && is_large(island, s)),
           seen_(threads > 1 ? std::span(s.seen) : std::span(&alone_, 1)),
           recorder_(options.team != nullptr ? options.team->recorder() : nullptr) {
-        if (in_parts_) s.unsolved.violated.resize(packets_.size());
+        if (may_use_parts_) reserve_unsolved(island, s);
         if (recorder_ != nullptr) busy_.assign(index(threads) * num_groups(), 0);
     }
 
     void run(int thread, SpinBarrier& barrier) {
         if (start_.apply_impulses) apply_impulses(thread, barrier);
         if (start_.momentum) remember(thread);
-        Course course{Progress(options_.patience, may_jam())};
+        Course course{.progress = Progress(options_.patience, jams_)};
         Momentum momentum;
         double m = 0;
         bool known = false, stalled = false;
@@ -166,18 +181,19 @@ class IslandSweeps {
             if (peek) wake_violated(thread);
             if (known || peek || start_.momentum) barrier.wait();
             const bool turns = start_.momentum && turned_back_sum() > 0;
-            bool in_parts = false;
+            bool used_parts = false;
             if (known) {
-                course.saw(seen_residual());
-                in_parts = in_parts_ && course.whole >= course.parts_from && solve_parts(thread, course, barrier);
-                if (course.residual <= options_.tolerance) break;
+                course.saw(seen_left());
+                used_parts =
+                    may_use_parts_ && course.whole >= course.parts_from && solve_parts(thread, course, barrier);
+                if (course.left.residual <= options_.tolerance) break;
             }
             stalled = course.stalls();
-            if (start_.momentum) m = momentum.next(course.progress.rose() || in_parts || turns);
+            if (start_.momentum) m = momentum.next(course.progress.rose() || used_parts || turns);
         }
-        if (!known) course.residual = look_again(thread, load_share_, barrier);
-        const bool solved = course.residual <= options_.tolerance;
-        if (load_share_ > 0) course.residual = look_again(thread, 0, barrier);
+        if (!known) course.left.residual = look_again(thread, load_share_, barrier);
+        const bool solved = course.left.residual <= options_.tolerance;
+        if (load_share_ > 0) course.left.residual = look_again(thread, 0, barrier);
         if (thread == 0) finish(course, solved);
     }
 
@@ -194,17 +210,22 @@ class IslandSweeps {
     /// How far the solve has come. Every thread has one, and all are alike.
     struct Course {
         Progress progress;
-        int whole = 0, in_parts = 0; ///< sweeps; those of parts in sweeps of the whole that cost as much
+        int whole = 0, of_parts = 0; ///< sweeps; those of parts in sweeps of the whole that cost as much
         /// Parts interrupt the momentum of the whole and leave its slow modes alone. So wherever they did not solve it at the cost of
         /// four `wait`, they have to wait for that many sweeps of the whole, and each time for twice as many.
         int parts_from = 0, wait = kLookEvery;
-        double residual = 0;
+        Left left{};
 
-        [[nodiscard]] int sweeps() const { return whole + in_parts; }
+        [[nodiscard]] int sweeps() const { return whole + of_parts; }
         [[nodiscard]] bool stalls() const { return progress.stalls(sweeps()); }
-        void saw(double violation) {
-            residual = violation;
-            progress.saw(sweeps(), violation);
+        void saw(const Left& found) {
+            saw_after_part(found);
+            progress.count_standing(found);
+        }
+        /// Does not count towards a jam: the whole may have been swept a few times only.
+        void saw_after_part(const Left& found) {
+            left = found;
+            progress.saw(sweeps(), found);
         }
     };
     // Groups of the record: those of packets, then the loops over bodies (a task per kBodiesPerSum of them), the looks and the parts.
@@ -235,6 +256,7 @@ class IslandSweeps {
                 .rows = s_.packed.rows.data(),
                 .bodies = s_.velocity.data(),
                 .load_share = load_share_,
+                .most_let_off = kMostLetOff * options_.tolerance,
                 .momentum = momentum};
     }
 
@@ -296,11 +318,12 @@ class IslandSweeps {
             const auto share = share_of(packets_, thread, threads_);
             SweepView view = view_of(share, 0);
             view.load_share = load_share;
-            std::uint8_t* const violated = s_.unsolved.violated.data() + (share.data() - packets_.data());
-            residual = in_parts_ ? find_violated(cone_, view, options_.tolerance, violated, options_.isa)
-                                 : largest_violation(cone_, view, options_.isa);
+            residual = island_.rests ? find_violated(cone_, view, options_.tolerance,
+                                                     violated_.data() + (share.data() - packets_.data()), options_.isa)
+                                     : largest_violation(cone_, view, options_.isa);
         });
         seen_[index(thread)].residual = std::max(residual, wake_violated(thread));
+        if (jams_) seen_[index(thread)].violated = count_violated(share_of(packets_, thread, threads_));
     }
     double look_again(int thread, double load_share, SpinBarrier& barrier) {
         barrier.wait(); // others may still read what look() writes
@@ -312,14 +335,16 @@ class IslandSweeps {
     /// after every round. Whether there was one.
     bool solve_parts(int thread, Course& course, SpinBarrier& barrier) {
         bool swept = false;
-        const int most = course.sweeps() + 4 * course.wait;
-        while (course.residual > options_.tolerance && course.sweeps() < most && !course.stalls() &&
-               sweep_part(thread, !swept, barrier)) {
+        const int most = std::min(options_.iterations, course.sweeps() + 4 * course.wait);
+        while (course.left.residual > options_.tolerance && course.sweeps() < most && !course.stalls() &&
+               sweep_part(thread, !swept, most - course.sweeps(), barrier)) {
             swept = true;
-            course.in_parts += part_cost_;
+            course.of_parts += part_cost_;
             look(thread, load_share_);
             barrier.wait();
-            course.saw(seen_residual());
+            const Left before = course.left;
+            course.saw_after_part(seen_left());
+            if (stands(before, course.left)) break;
         }
         if (swept) {
             course.parts_from = course.whole + course.wait;
@@ -328,15 +353,17 @@ class IslandSweeps {
         return swept;
     }
     /// One round on thread 0, which others wait for; false where the part is too large.
-    bool sweep_part(int thread, bool anew, SpinBarrier& barrier) {
+    bool sweep_part(int thread, bool anew, int most_cost, SpinBarrier& barrier) {
         if (thread == 0)
             timed(thread, part_group(), [&] {
                 part_cost_ = 0;
                 if (!choose_unsolved(island_, anew, s_)) return;
-                const int sweeps = sweep_unsolved(cone_, options_, start_.momentum, load_share_, s_);
+                const std::int64_t part = static_cast<std::int64_t>(s_.unsolved.packets.size());
+                const auto whole = static_cast<std::int64_t>(packets_.size());
+                const std::int64_t most = most_cost * whole / part;
+                const int sweeps = sweep_unsolved(cone_, options_, start_.momentum, most, view_of({}, 0), s_);
                 island_.visits += sweeps * s_.unsolved.contacts;
-                part_cost_ =
-                    1 + sweeps * static_cast<int>(s_.unsolved.packets.size()) / static_cast<int>(packets_.size());
+                part_cost_ = static_cast<int>(std::max<std::int64_t>(1, sweeps * part / whole));
                 ++part_rounds_;
             });
         barrier.wait();
@@ -354,15 +381,27 @@ class IslandSweeps {
                     largest_parked_violation(cone_, view_of(packets_.subspan(p, 1), 0), options_.isa);
                 if (violation > options_.tolerance) {
                     packets_[p].woken = 1;
-                    if (in_parts_) s_.unsolved.violated[p] = kAllPairs;
+                    if (island_.rests) violated_[p] = kAllPairs;
                 }
                 worst = std::max(worst, violation);
             }
         });
         return worst;
     }
+    [[nodiscard]] int count_violated(std::span<const ContactPacket> share) const {
+        int pairs = 0;
+        for (std::size_t p = 0; p < share.size(); ++p)
+            pairs += std::popcount(violated_[static_cast<std::size_t>(share.data() - packets_.data()) + p]);
+        return pairs;
+    }
     [[nodiscard]] double seen_residual() const {
         return largest([](const Seen& seen) { return seen.residual; });
+    }
+    [[nodiscard]] Left seen_left() const {
+        Left left{.residual = seen_residual()};
+        if (jams_)
+            for (const Seen& seen : seen_) left.violated += seen.violated;
+        return left;
     }
     template <class Value>
     [[nodiscard]] double largest(Value&& value) const {
@@ -373,24 +412,15 @@ class IslandSweeps {
 
     void finish(const Course& course, bool solved) {
         island_.solved = solved;
-        island_.residual = course.residual;
+        island_.residual = course.left.residual;
         island_.iterations += course.sweeps();
         island_.visits += course.whole * num_swept();
+        island_.part_rounds += part_rounds_;
         whole_sweeps_ = course.whole;
-    }
-    [[nodiscard]] bool may_jam() const {
-        return island_.rests && index(island_.end - island_.first) > kPairsOfJam * bodies_.size();
     }
     [[nodiscard]] std::int64_t num_swept() const {
         std::int64_t contacts = 0;
-        for (std::int32_t k = island_.first; k < island_.end; ++k)
-            contacts += s_.num_awake[index(s_.pair_order[index(k)])];
-        for (std::size_t p = 0; p < packets_.size(); ++p) {
-            if (packets_[p].woken == 0) continue;
-            const std::size_t first = index(s_.packed.first_block[index(island_.first_packet) + p]);
-            for (std::size_t k = first; k < first + index(packets_[p].num_pairs); ++k)
-                contacts += s_.blocks[k].end - s_.blocks[k].parked;
-        }
+        for (std::int32_t p = island_.first_packet; p < island_.end_packet; ++p) contacts += num_contacts(s_, index(p));
         return contacts;
     }
 
@@ -402,10 +432,12 @@ class IslandSweeps {
     ContactScratch& s_;
     std::span<const std::int32_t> bodies_;
     std::span<ContactPacket> packets_;
+    std::span<std::uint8_t> violated_; ///< as find_violated() sets it, by packet of the island
     std::span<const PacketGroup> groups_;
-    double load_share_; ///< see kLoadOfTwo
-    bool in_parts_;     ///< whether what is not solved may be swept alone
-    int part_cost_ = 0; ///< of the last round, in sweeps of the whole; 0: there was none
+    bool jams_;          ///< whether it may be jammed
+    double load_share_;  ///< see kLoadPerTolerance
+    bool may_use_parts_; ///< whether what is not solved may be swept alone
+    int part_cost_ = 0;  ///< of the last round, in sweeps of the whole; 0: there was none
     int part_rounds_ = 0, whole_sweeps_ = 0;
     Seen alone_;
     std::span<Seen> seen_; ///< by thread

@@ -293,6 +293,11 @@ inline void for_each_row(const SweepView& view, AtRow at_row) {
     }
 }
 
+template <class P>
+inline LetOff<P> off_of(const SweepView& view) {
+    return {P::all(view.load_share), P::all(view.most_let_off)};
+}
+
 /// In every lane the larger one of `worst` and of what a row of one packet, or of two, found.
 template <class One, class Q>
 inline void keep_largest(One& worst, Q found) {
@@ -312,7 +317,7 @@ inline double sweep_packets(const SweepView& view) {
             store_vec(at, PacketRow::kPrevious, local.impulse);
             local.impulse = local.impulse + Q::all(view.momentum) * (local.impulse - before);
             const PackFrame<Q> frame = load_frame<Q>(at);
-            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity(frame, a, b), Q::all(view.load_share));
+            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity(frame, a, b), off_of<Q>(view));
             store_vec(at, PacketRow::kImpulse, local.impulse + update.change);
             apply(at, frame, update.change, a, b);
             keep_largest(worst, update.violation);
@@ -326,8 +331,7 @@ inline double largest_violation_of(const SweepView& view) {
     for_each_row<P, false>(
         view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b) __attribute__((always_inline)) {
             const PackFrame<Q> frame = load_frame<Q>(at);
-            keep_largest(worst,
-                         violation<kCone>(load_local<Q>(at), contact_velocity(frame, a, b), Q::all(view.load_share)));
+            keep_largest(worst, violation<kCone>(load_local<Q>(at), contact_velocity(frame, a, b), off_of<Q>(view)));
         });
     return largest_lane(worst);
 }
@@ -343,7 +347,7 @@ inline double find_violated_in(const SweepView& view, double tolerance, std::uin
         if (view.packets[p].swept())
             OpenPacket<One>(view, p).do_rest(view, 0, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
                 const One found = violation<kCone>(load_local<One>(at), contact_velocity(load_frame<One>(at), a, b),
-                                                   One::all(view.load_share));
+                                                   off_of<One>(view));
                 worst = max(worst, found);
                 lanes |= static_cast<unsigned>(mask_bits(limit < found)) << at.lane;
             });
@@ -361,7 +365,7 @@ inline double largest_parked_violation_of(const SweepView& view) {
         if (packet.woken != 0 || packet.first_parked == packet.end_parked) continue;
         OpenPacket<One>(view, p).do_parked(view, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
             worst = max(worst, violation<kCone>(load_local<One>(at), contact_velocity(load_frame<One>(at), a, b),
-                                                One::all(view.load_share)));
+                                                off_of<One>(view)));
         });
     }
     return largest_lane(worst);

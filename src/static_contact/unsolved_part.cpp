@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "static_contact/unsolved_part.hpp"
 
+#include <algorithm>
+
 #include "static_contact/momentum.hpp"
 
 namespace flotilla {
@@ -8,8 +10,8 @@ namespace {
 
 /// Sweeps between two looks at the whole island, of which each costs half a sweep of it.
 constexpr int kMostSweeps = 100;
-/// A part is at most that share of the island's packets.
-constexpr std::size_t kLeastShare = 8;
+/// A part is at most the island's packets divided by this.
+constexpr std::size_t kMostPartDivisor = 8;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -24,16 +26,17 @@ void for_bodies(const ContactPacket& packet, unsigned pairs, const ContactScratc
 }
 
 // Marks the bodies of violated pairs; false if those are in more than `most` packets.
-bool mark_violated(std::span<const ContactPacket> packets, std::size_t most, ContactScratch& s) {
-    ContactScratch::Unsolved& part = s.unsolved;
+bool mark_violated(std::size_t first, std::size_t end, std::size_t most, ContactScratch& s) {
     std::size_t violated = 0;
-    for (std::size_t p = 0; p < packets.size(); ++p) {
-        if (part.violated[p] == 0) continue;
+    for (std::size_t p = first; p < end; ++p) {
+        if (s.violated[p] == 0) continue;
         if (++violated > most) return false;
-        for_bodies(packets[p], part.violated[p], s, [&](std::int32_t body) { part.near[index(body)] = 1; });
+        for_bodies(s.packed.packets[p], s.violated[p], s, [&](std::int32_t body) { s.unsolved.near[index(body)] = 1; });
     }
     return true;
 }
+
+} // namespace
 
 std::int64_t num_contacts(const ContactScratch& s, std::size_t packet) {
     const ContactPacket& p = s.packed.packets[packet];
@@ -44,15 +47,22 @@ std::int64_t num_contacts(const ContactScratch& s, std::size_t packet) {
     return contacts;
 }
 
-} // namespace
+void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& s) {
+    ContactScratch::Unsolved& part = s.unsolved;
+    const std::size_t packets = index(island.end_packet - island.first_packet), most = packets / kMostPartDivisor;
+    part.near.resize(s.bodies.size());
+    part.chosen.resize(s.bodies.size());
+    part.packets.reserve(most);
+    part.bodies.reserve(std::min(2 * kPacketLanes * most, index(island.end_body - island.first_body)));
+}
 
 bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& s) {
     ContactScratch::Unsolved& part = s.unsolved;
     if (anew) part.near.assign(s.bodies.size(), 0);
     const std::size_t first = index(island.first_packet);
     const auto packets = std::span(s.packed.packets).subspan(first, index(island.end_packet) - first);
-    const std::size_t most = packets.size() / kLeastShare;
-    if (!mark_violated(packets, most, s)) return false;
+    const std::size_t most = packets.size() / kMostPartDivisor;
+    if (!mark_violated(first, index(island.end_packet), most, s)) return false;
     part.packets.clear();
     part.bodies.clear();
     part.contacts = 0;
@@ -72,15 +82,14 @@ bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScr
     return true;
 }
 
-int sweep_unsolved(Cone cone, const ContactSolveOptions& options, bool momentum, double load_share, ContactScratch& s) {
-    SweepView view{.packets = s.unsolved.packets.data(),
-                   .num_packets = static_cast<std::int64_t>(s.unsolved.packets.size()),
-                   .rows = s.packed.rows.data(),
-                   .bodies = s.velocity.data(),
-                   .load_share = load_share};
+int sweep_unsolved(Cone cone, const ContactSolveOptions& options, bool momentum, std::int64_t most, SweepView view,
+                   ContactScratch& s) {
+    view.packets = s.unsolved.packets.data();
+    view.num_packets = static_cast<std::int64_t>(s.unsolved.packets.size());
     Momentum sequence;
+    const int limit = static_cast<int>(std::min<std::int64_t>(most, kMostSweeps));
     int sweeps = 0;
-    for (bool done = false; !done && sweeps < kMostSweeps; ++sweeps) {
+    for (bool done = false; !done && sweeps < limit; ++sweeps) {
         if (momentum) extrapolate(s.unsolved.bodies, view.momentum, s);
         done = sweep(cone, view, options.isa) <= options.tolerance;
         if (momentum) view.momentum = sequence.next(turned_back(s.unsolved.bodies, s) > 0);

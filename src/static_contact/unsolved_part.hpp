@@ -10,14 +10,21 @@
 
 namespace flotilla {
 
+/// Room for the parts of the island, so that no later call allocates.
+void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& scratch);
+
 /// Copies to scratch.unsolved the packets of the island with a pair that shares a movable body with a violated pair, according to the
-/// bits in scratch.unsolved.violated (see find_violated()); unless `anew`, also those chosen for earlier bits, or two neighbouring parts
+/// bits in scratch.violated (see find_violated()); unless `anew`, also those chosen for earlier bits, or two neighbouring parts
 /// would hand the same load to and fro. False where they are too many for one thread to sweep alone.
 bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& scratch);
 
-/// Sweeps them, without momentum or with a sequence of their own, until a sweep meets no violation above the tolerance, or for a
-/// while. Returns the number of sweeps. The next sweep of the island must do without momentum.
-int sweep_unsolved(Cone cone, const ContactSolveOptions& options, bool momentum, double load_share,
+/// Sweeps them, without momentum or with a sequence of their own, until a sweep meets no violation above the tolerance, `most` times or
+/// a hundred times. `view` says what violations are let off. Returns the number of sweeps. The next sweep of the island must do
+/// without momentum.
+int sweep_unsolved(Cone cone, const ContactSolveOptions& options, bool momentum, std::int64_t most, SweepView view,
                    ContactScratch& scratch);
+
+/// That a sweep of the packet visits.
+[[nodiscard]] std::int64_t num_contacts(const ContactScratch& scratch, std::size_t packet);
 
 } // namespace flotilla

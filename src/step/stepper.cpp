@@ -294,7 +294,7 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
     report.iterations += stats.solve.iterations;
     report.residual = std::max(report.residual, stats.solve.residual);
     if (final_stage) report.contacts = stats.contacts;
-    if (stats.solve.residual > model_.settings.static_tolerance) report.warnings |= kStaticLimit;
+    if (stats.solve.unsolved_islands > 0) report.warnings |= kStaticLimit;
 }
 
 void Stepper::record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report) {

@@ -72,4 +72,30 @@ inline void open_gaps(ContactWorld& w) {
     }
 }
 
+/// Bodies on the ground, side by side in a square, and a tower on one of them: slow to solve, while the others need a few sweeps.
+inline ContactWorld make_floor_with_tower(int side, int height, double friction) {
+    ContactWorld w;
+    w.add_body(0);
+    const auto add = [&](const Vec3& x) {
+        const auto body = w.add_body(1, {0.2, 0.2, 0.2}, x);
+        w.velocity.back() = {0, 0, -0.4};
+        return body;
+    };
+    for (int i = 0; i < side * side; ++i) {
+        const Vec3 x{static_cast<double>(i % side), static_cast<double>(i / side), 0.5};
+        const auto body = add(x);
+        w.add_contact(0, body, x - 0.5 * kUp, kUp, friction);
+        if (i % side > 0) w.add_contact(body - 1, body, x - Vec3{0.5, 0, 0}, {1, 0, 0}, friction);
+        if (i >= side) w.add_contact(body - side, body, x - Vec3{0, 0.5, 0}, {0, 1, 0}, friction);
+    }
+    std::int32_t below = 1 + side * side / 2 + side / 2;
+    for (int i = 0; i < height; ++i) {
+        const Vec3 x = w.position[static_cast<std::size_t>(below)] + kUp;
+        const auto body = add(x);
+        w.add_contact(below, body, x - 0.5 * kUp, kUp, friction);
+        below = body;
+    }
+    return w;
+}
+
 } // namespace flotilla

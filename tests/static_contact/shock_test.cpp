@@ -42,6 +42,12 @@ TEST(Shock, IsUndoneWhereALevelHasNoSolution) {
     EXPECT_EQ(w.impulses, pgs.impulses);
 }
 
+TEST(Shock, StandsAtRestWhereItSolvesEveryLevel) {
+    ContactWorld w = make_column(100, 0.4);
+    EXPECT_EQ(w.solve({.iterations = 20, .tolerance = 1e-9, .rest_speed = 0.8}).shocked_islands, 1);
+    for (std::size_t i = 1; i < w.velocity.size(); ++i) EXPECT_NEAR(w.velocity[i].z, 0, 1e-8) << i;
+}
+
 TEST(Shock, NeedsTheGround) {
     ContactWorld w = make_column(30, 0.4);
     w.inv_mass[0] = 1; // nothing prescribed any more
