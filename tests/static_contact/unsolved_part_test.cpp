@@ -164,7 +164,7 @@ TEST(UnsolvedPart, OtherIslandsChangeNoBit) {
 TEST(UnsolvedPart, AJamHidesNothing) {
     ContactWorld w = make_floor_with_tower(40, 30, 0);
     for (const double side : {1.0, -1.0}) // two walls that ask the first body to come
-        w.add_contact(w.add_body(0), 1, w.position[1] - Vec3{side * 0.5, 0, 0}, {side, 0, 0}, 0, 0.1);
+        w.add_contact(1, w.add_body(0), w.position[1] - Vec3{side * 0.5, 0, 0}, {-side, 0, 0}, 0, 0.1);
     ContactSolveOptions options = at_rest();
     options.tolerance = 1e-4;
     options.patience = 50;
@@ -181,9 +181,10 @@ TEST(UnsolvedPart, AJamHidesNothing) {
 // part.
 ContactWorld make_pressed_body(double load, double gap = 1e-3, double friction = 0) {
     ContactWorld w;
+    for (int i = 0; i < 4; ++i) w.add_body(0);
     const auto body = w.add_body(1);
     for (int i = 0; i < 4; ++i) {
-        w.add_contact(w.add_body(0), body, {}, kUp, friction, i == 0 ? -gap : 0.0);
+        w.add_contact(i, body, {}, kUp, friction, i == 0 ? -gap : 0.0);
         w.impulses.back() = {0, 0, load / 4};
     }
     w.add_contact(body, w.add_body(0), {}, kUp);
@@ -203,7 +204,7 @@ TEST(LoadShare, ALoadedContactNeedNotHandItsLoadOn) {
     EXPECT_EQ(make_pressed_body(1e4, 2e-3).solve(options).iterations, 1);
     EXPECT_GT(make_pressed_body(1e4, 3e-3).solve(options).iterations, 10) << "never more than ten tolerances";
     ContactWorld slips = make_pressed_body(100, 0, 0.5);
-    slips.velocity[0] = {1e-3, 0, 0};
+    slips.velocity[4] = {1e-3, 0, 0};
     EXPECT_EQ(slips.solve(options).iterations, 2) << "friction is not let off";
     options.tolerance = 2e-6;
     EXPECT_GT(make_pressed_body(100).solve(options).iterations, 10) << "as accurate as it is asked to be";
