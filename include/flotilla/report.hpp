@@ -38,7 +38,7 @@ inline constexpr std::array<std::string_view, kNumPhases> kPhaseNames{
 enum StepWarning : std::uint32_t {
     kCollisionLimit = 1u << 0,  ///< collision_iterations ended stage 1 before it was quiet
     kDynamicLimit = 1u << 1,    ///< dynamic_iterations ended Algorithm 2: the failsafe had to finish
-    kStaticLimit = 1u << 2,     ///< static_iterations ended PGS above static_tolerance
+    kStaticLimit = 1u << 2,     ///< PGS ended at static_iterations, or gave up, above static_tolerance
     kScriptDelayed = 1u << 3,   ///< a scripted body was held for this step (DESIGN 4.6)
     kReboundLost = 1u << 4,     ///< a held body lost a rebound of stage 1 (DESIGN 4.5)
     kInfiniteOverlap = 1u << 5, ///< two infinite-mass bodies overlap
