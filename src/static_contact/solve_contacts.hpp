@@ -39,7 +39,8 @@ struct ContactSolveOptions {
     bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
     /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
-    /// At rest a jam, with more than two pairs a body, is given up as soon as its residual stands for two looks.
+    /// At rest an island with more than two pairs a body, which may be jammed, is not given up while the number of violated pairs falls,
+    /// but as soon as that and the residual stand for two looks.
     int patience = 0;
     /// m/s. An island rests that came with no more energy than its mass at this speed: what it has is what gravity added. Then what is
     /// not solved yet is swept alone where it is a small part of a large island; jams are given up early, contacts in a jam that carry
@@ -86,8 +87,7 @@ struct ContactScratch {
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
         int part_rounds = 0;
-        bool rests =
-            false; ///< came with hardly more energy than gravity gives in a step (ContactSolveOptions::rest_speed)
+        bool rests = false;  ///< as ContactSolveOptions::rest_speed says
         bool solved = false; ///< the tolerance holds, apart from what loaded contacts of a resting pile are let off
         bool shocked = false;
         bool cold = false; ///< the warm start was taken back
@@ -140,7 +140,7 @@ struct ContactScratch {
     };
     std::vector<Seen> seen; ///< by thread
     std::vector<std::uint8_t>
-        violated; ///< per packet of islands at rest, a bit for each pair: what the last look found
+        violated; ///< per packet, a bit for each pair: what the last look at a resting island found
     /// The part of a large island that is not solved yet (unsolved_part.hpp).
     struct Unsolved {
         std::vector<std::uint8_t> near, chosen; ///< per body in contact: of a pair violated so far; of a chosen packet

@@ -79,7 +79,7 @@ bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScr
             part.chosen[index(body)] = 1;
         });
     }
-    return true;
+    return !part.packets.empty();
 }
 
 int sweep_unsolved(Cone cone, const ContactSolveOptions& options, bool momentum, std::int64_t most, SweepView view,

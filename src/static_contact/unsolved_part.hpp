@@ -15,7 +15,7 @@ void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& scra
 
 /// Copies to scratch.unsolved the packets of the island with a pair that shares a movable body with a violated pair, according to the
 /// bits in scratch.violated (see find_violated()); unless `anew`, also those chosen for earlier bits, or two neighbouring parts
-/// would hand the same load to and fro. False where they are too many for one thread to sweep alone.
+/// would hand the same load to and fro. False where there are none, or too many for one thread to sweep alone.
 bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& scratch);
 
 /// Sweeps them, without momentum or with a sequence of their own, until a sweep meets no violation above the tolerance, `most` times or
