@@ -45,9 +45,10 @@ struct Settings {
 
     int collision_iterations = 100;    ///< sweeps of Algorithm 1
     int collision_pair_iterations = 4; ///< impulses per pair and sweep
-    int dynamic_iterations = 100;      ///< sweeps of Algorithm 2
-    int dynamic_pair_iterations = 20;  ///< impulses per pair and sweep
-    int static_iterations = 1000;      ///< sweeps of projected Gauss-Seidel
+    /// Sweeps of Algorithm 2 after which it is given up, once half as many did not make the list of pairs left any shorter.
+    int dynamic_iterations = 100;
+    int dynamic_pair_iterations = 20; ///< impulses per pair and sweep
+    int static_iterations = 1000;     ///< sweeps of projected Gauss-Seidel
     /// L-infinity constraint violation, m/s; not figure 20's 1e-6, see preset(). Targets below it (eq. 16) are none.
     double static_tolerance = 2e-4;
     bool warm_start = true;        ///< start PGS from the last impulses

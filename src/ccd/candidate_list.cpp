@@ -16,21 +16,30 @@ constexpr double kExcessRounding = 0x1p-21, kScaleRoom = 1 + 0x1p-10;
 constexpr float kNoStraying = 0x1p100f; // scales any excess beyond every margin
 constexpr double kLargestListed = 0x1p100;
 
+/// Of the centre of a body's local box, and of what is around that at most, m by axis.
+struct Displacement {
+    Vec3 shift, spread;
+};
+
+Displacement displacement_of(const RigidShape& shape, const MatrixPose& from, const MatrixPose& to) {
+    if (from.origin == to.origin && from.rotation == to.rotation) return {};
+    const Mat3 turn = to.rotation - from.rotation;
+    const Vec3 half = 0.5 * extent(shape.box);
+    return {(to.origin - from.origin) + turn * center(shape.box),
+            Vec3{dot(abs(row(turn, 0)), half), dot(abs(row(turn, 1)), half), dot(abs(row(turn, 2)), half)}};
+}
+
 } // namespace
 
 double relative_displacement(const RigidShape& a, const MatrixPose& a_from, const MatrixPose& a_to, const RigidShape& b,
                              const MatrixPose& b_from, const MatrixPose& b_to) {
-    Vec3 shift, spread; // of b against a: of the centres of the local boxes, and of what is around them
-    const auto add = [&](const RigidShape& shape, const MatrixPose& from, const MatrixPose& to, double sign) {
-        if (from.origin == to.origin && from.rotation == to.rotation) return;
-        const Mat3 turn = to.rotation - from.rotation;
-        shift += sign * ((to.origin - from.origin) + turn * center(shape.box));
-        const Vec3 half = 0.5 * extent(shape.box);
-        spread += Vec3{dot(abs(row(turn, 0)), half), dot(abs(row(turn, 1)), half), dot(abs(row(turn, 2)), half)};
-    };
-    add(a, a_from, a_to, -1);
-    add(b, b_from, b_to, 1);
-    return max_component(abs(shift) + spread);
+    const Displacement da = displacement_of(a, a_from, a_to), db = displacement_of(b, b_from, b_to);
+    return max_component(abs(db.shift - da.shift) + (da.spread + db.spread));
+}
+
+double displacement(const RigidShape& shape, const MatrixPose& from, const MatrixPose& to) {
+    const Displacement d = displacement_of(shape, from, to);
+    return max_component(abs(d.shift) + d.spread);
 }
 
 CandidateMargins CandidateList::strayed(const BodyMotion& a, const BodyMotion& b) const {
@@ -120,6 +129,16 @@ void CandidateList::drop() {
     margins_ = {-1, -1};
     features_.clear();
     begin_ = {};
+}
+
+double CandidateList::room_at_end(double strayed) const {
+    constexpr double kFloatRoom = 1 - 0x1p-20; // for the rounding of slot()
+    double room = margins_.end;
+    for (int s = 0; s < kSlots && room == margins_.end; ++s)
+        for (int place = s; place < 3 * kSlots; place += kSlots)
+            if (begin_[static_cast<std::size_t>(place)] != begin_[static_cast<std::size_t>(place) + 1])
+                room = std::min(room, kFloatRoom * s / (kScaleRoom * std::max(double{slots_per_metre_}, 1e-300)));
+    return room - strayed;
 }
 
 int CandidateList::last_slot(FeatureTest test, const CandidateMargins& strayed) const {

@@ -41,6 +41,9 @@ struct MatrixPose {
 [[nodiscard]] double relative_displacement(const RigidShape& a, const MatrixPose& a_from, const MatrixPose& a_to,
                                            const RigidShape& b, const MatrixPose& b_from, const MatrixPose& b_to);
 
+/// The same of one body against what stands still. Those of two bodies together are never less than the bound above.
+[[nodiscard]] double displacement(const RigidShape& shape, const MatrixPose& from, const MatrixPose& to);
+
 /// The distances that queries ask for, m.
 struct CandidateReach {
     double swept = 0; ///< at any time of the step
@@ -73,6 +76,10 @@ class CandidateList {
     [[nodiscard]] std::span<const FeaturePair> select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,
                                                       const CandidateMargins& strayed, const CoarseReach& reach,
                                                       FeatureBuffer& buffer) const;
+
+    /// How much farther than `strayed` (a covered motion's, at its end) the bodies may stray from where they stand at the end of the
+    /// reference before any feature pair can come within CandidateReach::end, m; not positive where that is not known.
+    [[nodiscard]] double room_at_end(double strayed) const;
 
     [[nodiscard]] bool empty() const { return margins_.end < 0; } ///< there is no list
     [[nodiscard]] bool refined() const { return refined_; }

@@ -69,6 +69,7 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
     PairRecord& record = *listed.record;
     const CandidatePair& pair = listed.pair;
     ++worker.counters.pairs;
+    if (record.assumed) record.assumed = record.processed = false; // of an end state that is no more
     for (int i = 0; i < data.model.settings.collision_pair_iterations; ++i) {
         const PairHit hit = query_collision(data, worker, record);
         std::optional<ContactPoint> point;
@@ -137,7 +138,8 @@ StageCounters handle_collisions(StepData& data) {
     const auto left = [&] { return limit - static_cast<int>(counters.sweeps); };
     while (left() > 0) {
         const std::vector<ListedPair>& list = freeze(data, true);
-        if (sweep(data, list, 1, counters) == 0) return counters;
+        counters.pairs += static_cast<std::int64_t>(list.size() - data.lists.num_open);
+        if (data.lists.num_open == 0 || sweep(data, list, 1, counters) == 0) return counters;
         merge_active(data, list, active);
         if (left() > 0) sweep(data, active, std::min(kActiveSweeps, left()), counters);
     }

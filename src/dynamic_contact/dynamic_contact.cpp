@@ -1,10 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "dynamic_contact/dynamic_contact.hpp"
 
+#include <limits>
+
 #include "pair/ordered_sweep.hpp"
 
 namespace flotilla {
 namespace {
+
+/// When Algorithm 2 is given up. The hits left get fewer geometrically, and what a sweep costs with them; a deep pile in an impact may
+/// have some left of a hundred thousand at the limit. The failsafe would merge those into clusters, and these with all that they push,
+/// a body a sweep. So from the limit on it is given up when the list of pairs was never shorter than before for half as many sweeps.
+class Patience {
+  public:
+    explicit Patience(int limit) : limit_(limit) {}
+
+    /// Whether a sweep may follow `sweeps` of them, the last of which left `size` pairs.
+    bool allows(int sweeps, std::size_t size) {
+        if (size < shortest_) {
+            shortest_ = size;
+            since_ = sweeps;
+        }
+        return sweeps < limit_ || (sweeps - since_ < limit_ / 2 && sweeps / kMostLimits < limit_);
+    }
+
+  private:
+    static constexpr int kMostLimits = 10;
+    int limit_;     ///< sweeps
+    int since_ = 0; ///< sweeps after which the list was shortest
+    std::size_t shortest_ = std::numeric_limits<std::size_t>::max();
+};
 
 struct Request {
     std::int32_t a, b;           ///< clusters
@@ -29,15 +54,27 @@ DynamicContactStats handle_dynamic_contact(StepData& data) {
     std::vector<CandidatePair> list;
     std::vector<Resolution> resolutions;
     std::vector<Request> requests;
-    for (int sweep = 0; sweep < data.model.settings.dynamic_iterations; ++sweep) {
+    Patience patience(data.model.settings.dynamic_iterations);
+    for (int sweep = 0;; ++sweep) {
         freeze_clusters(data, list);
-        if (list.empty()) return stats;
+        const std::vector<ListedPair>& listed = data.lists.listed;
+        stats.counters.pairs += static_cast<std::int64_t>(listed.size() - data.lists.num_open);
+        if (data.lists.num_open == 0) return stats;
+        if (!patience.allows(sweep, list.size())) {
+            stats.counters.limit = true;
+            return stats;
+        }
         const bool backwards = sweep % 2 != 0;
-        resolutions.assign(list.size(), {});
+        const bool single = stats.merges == 0; // all clusters are single bodies: the pairs listed are the clusters'
+        resolutions.assign(list.size(), {.resolved = true});
         const auto pair_of = [&](std::size_t i) { return list[i]; };
         const std::span<const std::int32_t> order = order_by_color(data, list.size(), pair_of);
         run_in_order(
-            data, "dynamic contact", {order, backwards}, [](std::size_t) { return false; }, [](std::size_t) {},
+            data, "dynamic contact", {order, backwards},
+            [&](std::size_t i) { return single && proved(data, *listed[i].record); },
+            [&](std::size_t i) {
+                if (single) fetch_record(*listed[i].record);
+            },
             [&](std::size_t i, int, Worker& worker) {
                 ++worker.counters.pairs;
                 resolutions[i] =
@@ -53,8 +90,6 @@ DynamicContactStats handle_dynamic_contact(StepData& data) {
         close(data, requests, stats);
         ++stats.counters.sweeps;
     }
-    stats.counters.limit = !freeze_clusters(data, list).empty();
-    return stats;
 }
 
 } // namespace flotilla

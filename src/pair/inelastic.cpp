@@ -19,15 +19,6 @@ double inelastic_target(const StepData& data, const SweptContact& contact, const
     return std::max({exact, 0.0, vn + kPushSeparations * lengths.separation / data.dt});
 }
 
-/// Operations may find records but not make them.
-void make_records(StepData& data, std::int32_t a, std::int32_t b) {
-    const auto &first = data.clusters[a].members, &second = data.clusters[b].members;
-    if (first.size() == 1 && second.size() == 1) return; // the pair was listed itself
-    for (const std::int32_t i : first)
-        for (const std::int32_t j : second)
-            static_cast<void>(data.pairs.get(data.model, data.state, std::min(i, j), std::max(i, j)));
-}
-
 } // namespace
 
 Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, int iterations) {
@@ -42,7 +33,7 @@ Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t 
         out.found = true;
         if (i == iterations) return out;
         const SweptContact contact = swept_contact(data, hit);
-        const PairLengths& lengths = data.pairs.find(hit.a, hit.b)->lengths;
+        const PairLengths lengths = pair_lengths(data.model, data.state, hit.a, hit.b);
         const std::int32_t ca = data.clusters.of(static_cast<std::size_t>(hit.a));
         const std::int32_t cb = data.clusters.of(static_cast<std::size_t>(hit.b));
         const auto impulse = contact_impulse(data.clusters.impulsive(ca), data.clusters.impulsive(cb), contact.point,
@@ -62,7 +53,6 @@ const std::vector<CandidatePair>& freeze_clusters(StepData& data, std::vector<Ca
     if (!std::is_sorted(list.begin(), list.end()))
         std::sort(list.begin(), list.end()); // sorted where no clusters were merged
     list.erase(std::unique(list.begin(), list.end()), list.end());
-    for (const CandidatePair& p : list) make_records(data, p.a, p.b);
     return list;
 }
 

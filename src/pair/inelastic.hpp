@@ -16,8 +16,7 @@ struct Resolution {
 /// distance at the end of the step: v'_n = (d_rest - d)/dt.
 Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, int iterations);
 
-/// Pairs of clusters in which some pair of bodies has no current proof, sorted by (lower id, higher id). Every pair of a member of the
-/// one and a member of the other has a record.
+/// Pairs of clusters in which some pair of bodies has no current proof, sorted by (lower id, higher id).
 const std::vector<CandidatePair>& freeze_clusters(StepData& data, std::vector<CandidatePair>& list);
 
 } // namespace flotilla

@@ -31,8 +31,9 @@ void PairTable::start_step(Team& team, std::int64_t step) {
     const auto unused = [&](const PairRecord& r) { return r.a >= 0 && r.step != step_; };
     const auto start = [&](std::size_t i) {
         PairRecord& r = records_[i];
-        r.active = r.processed = false;
+        r.active = r.processed = r.assumed = false;
         r.start_distance = std::exchange(r.end_distance, -1.0);
+        if (r.start_distance < 0) r.slack = -1; // the last step did not look
         return unused(r);
     };
     const auto kept = [&](std::size_t i) { return unused(records_[i]); };

@@ -27,13 +27,15 @@ struct PairCandidates {
 /// Two cache lines: what every step reads of every pair, then what it reads of some.
 struct alignas(64) PairRecord {
     std::int32_t a = -1, b = -1;
-    std::uint64_t proved_a = 0, proved_b = 0;   ///< versions for which the CCD found no hit (way b of DESIGN 4.2)
-    std::int64_t step = -1;                     ///< of the last use
-    bool active = false;                        ///< stage 1 applied an impulse to it in this step
-    bool processed = false;                     ///< examined by stage 1 and found hitting or near: stage 7 acts on it
-    double start_distance = -1;                 ///< m, at x^n; infinite beyond the proximity distance, < 0: not known
-    double end_distance = -1;                   ///< the same at the end of the step
-    std::unique_ptr<PairCandidates> candidates; ///< a cache: changes cost only; null until a query asks for it
+    std::uint64_t proved_a = 0, proved_b = 0; ///< versions for which the CCD found no hit (way b of DESIGN 4.2)
+    std::int64_t step = -1;                   ///< of the last use
+    bool active = false;                      ///< stage 1 applied an impulse to it in this step
+    bool processed = false;                   ///< examined by stage 1 and found hitting or near: stage 7 acts on it
+    bool assumed = false;                     ///< processed only by what stay_by_bounds() said of its present versions
+    double start_distance = -1;               ///< m, at x^n; infinite beyond the proximity distance, < 0: not known
+    double end_distance = -1;                 ///< the same at the end of the step
+    double slack = -1;                        ///< m, see stay_by_bounds(); a cache: changes cost only
+    std::unique_ptr<PairCandidates> candidates; ///< another one; null until a query asks for it
     std::uint64_t missed_a = 0, missed_b = 0;   ///< versions for which stage 1's own CCD found no hit, proved or not
     std::uint64_t left_a = 0, left_b = 0;       ///< versions for which an operation changed nothing: left to stage 5
     PairLengths lengths{};                      ///< m

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pair/step_data.hpp"
 
+#include <atomic>
 #include <numbers>
 
 #include "ccd/rigid_path.hpp"
@@ -119,6 +120,28 @@ bool stay_apart(const StepData& data, const PairRecord& r, const BodyMotion& a, 
     return (1 - kRoundingRoom) * from - change_of_distance(a, b) > kClearOfSeparation * r.lengths.separation;
 }
 
+/// Whether the bodies move less against each other in the step than the record's slack, along any axis: then they do not come near
+/// the separation, and at the end they are nearer than the proximity distance if and only if they were so at x^n.
+bool stay_by_bounds(const StepData& data, const PairRecord& r) {
+    const std::vector<BodyBounds>& bounds = data.lists.bounds;
+    return data.keep_candidates && (1 + kRoundingRoom) * (bounds[at(r.a)].way + bounds[at(r.b)].way) < r.slack;
+}
+
+/// Does what the operation of a listed pair would do, where bounds say that it would find nothing.
+bool prove_by_bounds(const StepData& data, PairRecord& r, bool with_proximity) {
+    if (!stay_by_bounds(data, r)) return false;
+    if (with_proximity) { // stage 1: a cubic's miss proves nothing, and it looks for proximities that approach
+        const std::vector<BodyBounds>& bounds = data.lists.bounds;
+        const double speed = (1 + kRoundingRoom) * (bounds[at(r.a)].speed + bounds[at(r.b)].speed);
+        if (data.model.settings.ccd == CcdMethod::cubic || !(speed < (1 - kRoundingRoom) * data.approach)) return false;
+        r.assumed = !r.processed && r.start_distance < r.lengths.proximity;
+        r.processed = r.processed || r.assumed;
+    }
+    r.proved_a = data.trajectories.version(at(r.a));
+    r.proved_b = data.trajectories.version(at(r.b));
+    return true;
+}
+
 PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod method) {
     // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
     if (data.trajectories.still(at(r.a)) && data.trajectories.still(at(r.b))) return {};
@@ -134,14 +157,28 @@ PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod me
 
 constexpr std::size_t kBodyGrain = 128, kPairGrain = 256; // items of a task
 
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
+double way_of(const BodyMotion& body) {
+    return body.straight() ? displacement(*body.shape, matrix_pose(body.at0), matrix_pose(body.at1)) : kUnknown;
+}
+
+double speed_of(const StepData& data, std::size_t body) {
+    const Impulsive mover = data.clusters.impulsive(data.clusters.of(body));
+    return length(mover.velocity) + length(mover.angular_velocity) * data.model.shape_of(body).radius;
+}
+
 /// Candidate pairs of bodies with the given boxes.
 template <class BoxOf>
-const std::vector<CandidatePair>& find_pairs(StepData& data, const char* name, bool with_proximity, BoxOf&& box_of) {
+const std::vector<CandidatePair>& find_pairs(StepData& data, const char* name, bool with_proximity, bool with_speed,
+                                             BoxOf&& box_of) {
     const std::size_t n = data.model.size();
     data.lists.swept.resize(n);
+    data.lists.bounds.resize(n);
     data.team.for_each(name, n, kBodyGrain, [&](std::size_t i, int) {
         const bool movable = data.model.bodies[i].movable();
         data.lists.swept[i] = {box_of(i), movable ? largest_reach(data, i, with_proximity) : 0.0, movable};
+        data.lists.bounds[i] = {way_of(data.trajectories.motion(i)), with_speed ? speed_of(data, i) : kUnknown};
     });
     return data.broadphase.find(data.team, data.lists.swept);
 }
@@ -188,6 +225,26 @@ void collect(StepData& data, StageCounters& counters) {
     }
 }
 
+void record_distance(const StepData& data, PairRecord& r, const ProximityResult& found, const CoveringList& list) {
+    r.end_distance = found.near ? found.distance : std::numeric_limits<double>::infinity();
+    const BodyMotion a = data.trajectories.at_end(at(r.a)), b = data.trajectories.at_end(at(r.b));
+    const double proximity = r.lengths.proximity;
+    // As stay_apart() and near_at_end() compare, with the rounding of vertices one proximity distance farther on at most.
+    const double rounding = 2 * kVertexRounding * (std::max(a.max_abs(), b.max_abs()) + proximity);
+    const double apart =
+        (1 - kRoundingRoom) * std::min(r.end_distance, proximity) - kClearOfSeparation * r.lengths.separation;
+    const double inside = found.near ? (1 - kRoundingRoom) * proximity - r.end_distance : apart;
+    r.slack = (1 - kRoundingRoom) * (std::min(apart, inside) - rounding) / ((1 + kRoundingRoom) * std::numbers::sqrt3);
+    if (!found.near) r.slack = std::min(r.slack, list.list != nullptr ? list.list->room_at_end(list.strayed.end) : -1);
+}
+
+bool far_by_bounds(const StepData& data, PairRecord& r) {
+    if (!(r.start_distance > r.lengths.proximity) || !stay_by_bounds(data, r)) return false;
+    r.end_distance = std::numeric_limits<double>::infinity();
+    r.slack -= (1 + kRoundingRoom) * (data.lists.bounds[at(r.a)].way + data.lists.bounds[at(r.b)].way);
+    return true;
+}
+
 CoveringList end_candidates(const StepData& data, const PairRecord& record) {
     if (!data.keep_candidates || record.candidates == nullptr || record.candidates->list.empty()) return {};
     const CandidateList& list = record.candidates->list;
@@ -222,22 +279,31 @@ const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximit
     }
     if (same) return *frozen.pairs;
     frozen.with_proximity = with_proximity;
-    frozen.pairs = &find_pairs(data, "swept bounds", with_proximity,
+    frozen.pairs = &find_pairs(data, "swept bounds", with_proximity, with_proximity,
                                [&](std::size_t i) { return data.trajectories.motion(i).swept(); });
     return *frozen.pairs;
 }
 
 const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity) {
-    return list_pairs(data, swept_pairs(data, with_proximity), [&](const CandidatePair& p, const PairRecord* r) {
-        return data.clusters.of(at(p.a)) != data.clusters.of(at(p.b)) && (r == nullptr || !proved(data, *r));
-    });
+    std::atomic<std::size_t> by_bounds = 0;
+    const auto wanted = [&](const CandidatePair& p, PairRecord* r) {
+        if (data.clusters.of(at(p.a)) == data.clusters.of(at(p.b))) return false;
+        if (r == nullptr) return true;
+        r->assumed = false;
+        if (proved(data, *r)) return false;
+        if (prove_by_bounds(data, *r, with_proximity)) by_bounds.fetch_add(1, std::memory_order_relaxed);
+        return true;
+    };
+    const std::vector<ListedPair>& listed = list_pairs(data, swept_pairs(data, with_proximity), wanted);
+    data.lists.num_open = listed.size() - by_bounds;
+    return listed;
 }
 
 const std::vector<ListedPair>& end_pairs(StepData& data) {
     data.lists.frozen.pairs = nullptr;
     const auto& pairs =
-        find_pairs(data, "end bounds", true, [&](std::size_t i) { return data.trajectories.at_end(i).swept(); });
-    return list_pairs(data, pairs, [](const CandidatePair&, const PairRecord*) { return true; });
+        find_pairs(data, "end bounds", true, false, [&](std::size_t i) { return data.trajectories.at_end(i).swept(); });
+    return list_pairs(data, pairs, [](const CandidatePair&, PairRecord*) { return true; });
 }
 
 bool proved(const StepData& data, const PairRecord& r) {
@@ -273,18 +339,26 @@ PairHit query_collision(const StepData& data, Worker& worker, PairRecord& r) {
 
 ClusterHit query_clusters(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b) {
     ClusterHit best;
+    const auto look = [&](PairRecord& r) {
+        if (proved(data, r)) return;
+        const PairHit hit = query(data, worker, r);
+        if (hit.hit && (!best.hit.hit || hit.toi < best.hit.toi)) best = {hit, r.a, r.b};
+    };
     for (std::int32_t i : data.clusters[a].members) {
         const Box box_i = data.trajectories.motion(at(i)).swept();
         for (std::int32_t j : data.clusters[b].members) {
-            PairRecord& r = *data.pairs.find(std::min(i, j), std::max(i, j));
-            if (proved(data, r)) continue;
-            if (!boxes_overlap(box_i, data.trajectories.motion(at(j)).swept(), r.lengths.separation)) {
-                r.proved_a = data.trajectories.version(at(r.a)); // way a
-                r.proved_b = data.trajectories.version(at(r.b));
-                continue;
+            const double reach = largest_reach(data, at(i), false) + largest_reach(data, at(j), false);
+            if (!boxes_overlap(box_i, data.trajectories.motion(at(j)).swept(), reach)) continue; // way a
+            const std::int32_t low = std::min(i, j), high = std::max(i, j);
+            if (PairRecord* r = data.pairs.find(low, high)) {
+                look(*r);
+            } else {
+                PairRecord forgotten;
+                forgotten.a = low;
+                forgotten.b = high;
+                forgotten.lengths = pair_lengths(data.model, data.state, low, high);
+                look(forgotten);
             }
-            const PairHit hit = query(data, worker, r);
-            if (hit.hit && (!best.hit.hit || hit.toi < best.hit.toi)) best = {hit, r.a, r.b};
         }
     }
     return best;

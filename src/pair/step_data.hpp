@@ -40,6 +40,12 @@ struct ListedPair {
     friend bool operator==(const ListedPair& p, const ListedPair& q) { return p.pair == q.pair; }
 };
 
+/// Bounds on what a body does in the step, cheap to compare: of two bodies only these and their record are looked at.
+struct BodyBounds {
+    double way = 0;   ///< m, of any of its points along any axis; infinite where they do not move straight
+    double speed = 0; ///< m/s, of any of its points
+};
+
 /// What the last list of candidate pairs was made from.
 struct FrozenBounds {
     std::vector<std::uint64_t> version; ///< of the bodies' end states
@@ -51,10 +57,12 @@ struct FrozenBounds {
 struct ListBuffers {
     FrozenBounds frozen;
     std::vector<SweptBody> swept;
+    std::vector<BodyBounds> bounds;  ///< by body, of the motion that the last list was made from
     std::vector<PairRecord*> record; ///< of each candidate pair; null: there is none yet
     std::vector<std::uint8_t> wanted;
     std::vector<std::size_t> chunk_places; ///< in `listed`, by chunk of candidate pairs
     std::vector<ListedPair> listed;
+    std::size_t num_open = 0;       ///< of `listed`, those that bounds did not prove when they were listed
     std::vector<ListedPair> active; ///< stage 1: pairs with an impulse in this step
     TaskOrder order;
     struct SweepTask {
@@ -96,6 +104,9 @@ const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximit
 
 /// The frozen list of a sweep: pairs of bodies of different clusters whose swept bounds overlap and that have no current proof,
 /// sorted. Stage 1 also wants pairs within the proximity distance (`with_proximity`), stage 5 only those within the separation.
+///
+/// Of most pairs at rest the bounds of both bodies say that the operation would prove them apart and do nothing else. Those get their
+/// proof here, side by side; they stay in the list, because an operation before their turn may move one of the bodies.
 const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity);
 
 /// All pairs whose boxes at the end poses come within the proximity distance, sorted; uses the freeze's buffers.
@@ -105,6 +116,13 @@ const std::vector<ListedPair>& end_pairs(StepData& data);
 [[nodiscard]] bool proved(const StepData& data, const PairRecord& record);
 [[nodiscard]] bool missed(const StepData& data, const PairRecord& record);
 [[nodiscard]] bool left(const StepData& data, const PairRecord& record);
+
+/// Keeps what the contact search found of the pair, for the next step.
+void record_distance(const StepData& data, PairRecord& record, const ProximityResult& found, const CoveringList& list);
+
+/// Whether bodies that were beyond the proximity distance at x^n still are at the end of the step, by bounds alone. Then there is
+/// nothing to search for, and this has recorded it.
+[[nodiscard]] bool far_by_bounds(const StepData& data, PairRecord& record);
 
 /// The pair's candidate list where it covers the present end poses: for queries of the proximity distance at the end of the
 /// step. Null otherwise.
@@ -122,7 +140,9 @@ PairHit query(const StepData& data, Worker& worker, PairRecord& record);
 /// The same for stage 1, by the setting `ccd`. What only the cubic takes for a miss is not proved: stage 5 looks at it again.
 PairHit query_collision(const StepData& data, Worker& worker, PairRecord& record);
 
-/// The earliest hit between two clusters; pairs of members with a current proof are not looked at again. All of them have records.
+/// The earliest hit between two clusters; pairs of members with a current proof are not looked at again, nor those whose swept boxes
+/// are too far apart for the list of a sweep. What is found of a pair without a record, which operations cannot make, is forgotten: if
+/// its boxes stay that near, the next list has it.
 struct ClusterHit {
     PairHit hit;
     std::int32_t a = -1, b = -1; ///< bodies, of the first and of the second cluster

@@ -110,7 +110,7 @@ const std::vector<SettingRow>& table() {
          0,
          kMaxSweeps,
          {},
-         "limit of sweeps of Algorithm 2",
+         "sweeps of Algorithm 2 after which it is given up unless the pairs left get fewer",
          "a limit below about 50 leaves work to the failsafe"},
         {"dynamic_pair_iterations",
          &Settings::dynamic_pair_iterations,

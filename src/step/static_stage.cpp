@@ -18,12 +18,14 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 void append_pair(const StepData& data, Worker& worker, const ListedPair& listed, ContactSet& out) {
     const CandidatePair& pair = listed.pair;
     PairRecord& record = *listed.record;
+    if (far_by_bounds(data, record)) return;
     worker.points.clear();
-    const auto result = find_contact_points(data.trajectories.at_end(at(pair.a)), data.trajectories.at_end(at(pair.b)),
-                                            record.lengths.proximity, data.angle_cos,
-                                            kept_candidates(data, worker, record), worker.proximity, worker.points);
+    const CoveringList list = kept_candidates(data, worker, record);
+    const auto result =
+        find_contact_points(data.trajectories.at_end(at(pair.a)), data.trajectories.at_end(at(pair.b)),
+                            record.lengths.proximity, data.angle_cos, list, worker.proximity, worker.points);
     if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
-    record.end_distance = result.near ? result.distance : std::numeric_limits<double>::infinity();
+    record_distance(data, record, result, list);
     for (const ProximityPoint& p : worker.points) {
         // The point of the vertex, or of body a's edge (section 4.3.1).
         const Vec3 point = p.features.kind == FeatureKind::face_vertex ? p.b : p.a;

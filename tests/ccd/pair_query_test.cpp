@@ -285,6 +285,64 @@ TEST(CandidateList, ChangesNoAnswerOfAMotionThatItCovers) {
     EXPECT_GE(uncovered, 20);
 }
 
+TEST(CandidateList, KnowsHowFarBodiesMayStillStrayBeforeAnythingIsNear) {
+    int known = 0, near_beyond = 0;
+    for (std::int64_t n = 0; n < 400; ++n) {
+        Random random(9000 + n);
+        Pair pair(random);
+        std::array<Pose, 2> start;
+        for (std::size_t i = 0; i < 2; ++i)
+            start[i] = make_pose(pair.model.shapes[i], i == 0 ? Vec3{} : Vec3{random.uniform(1.2, 2.8), 0, 0},
+                                 random.rotation());
+        pair.move(start, start);
+        CandidateList list;
+        CcdScratch scratch;
+        list.build(pair.motion(0), pair.motion(1),
+                   {swept_reach(kSeparation, pair.motion(0), pair.motion(1)), kProximity}, {0.06, 0.06}, n % 2 == 0,
+                   scratch.listing);
+        for (int k = 0; k < 20; ++k) {
+            std::array<Pose, 2> end;
+            for (std::size_t i = 0; i < 2; ++i)
+                end[i] = near(pair.model.shapes[i], start[i], random, k % 2 == 0 ? 0.003 : 0.03);
+            pair.move(start, end);
+            const BodyMotion a = pair.motion(0), b = pair.motion(1);
+            const double strayed = list.strayed_at_end(a, b);
+            ProximityScratch p;
+            const bool is_near =
+                any_proximity(pair.trajectories.at_end(0), pair.trajectories.at_end(1), kProximity, {}, p);
+            if (list.room_at_end(strayed) > 0) {
+                EXPECT_FALSE(is_near) << n;
+                ++known;
+            } else {
+                near_beyond += is_near ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GE(known, 1000);
+    EXPECT_GE(near_beyond, 100);
+}
+
+TEST(Displacement, OfTwoBodiesTogetherIsNoLessThanTheRelativeOne) {
+    for (std::int64_t n = 0; n < 50; ++n) {
+        Random random(7000 + n);
+        Pair pair(random);
+        std::array<Pose, 2> from, to;
+        for (std::size_t i = 0; i < 2; ++i) {
+            from[i] = make_pose(pair.model.shapes[i], random.vec(2), random.rotation());
+            to[i] = near(pair.model.shapes[i], from[i], random, n % 2 == 0 ? 0.01 : 1);
+        }
+        pair.move(from, to);
+        const BodyMotion a = pair.motion(0), b = pair.motion(1);
+        const double of_a = displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1));
+        const double of_b = displacement(*b.shape, matrix_pose(b.at0), matrix_pose(b.at1));
+        EXPECT_GE((of_a + of_b) * (1 + 1e-12), relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1),
+                                                                     *b.shape, matrix_pose(b.at0), matrix_pose(b.at1)));
+        for (std::size_t i = 0; i < a.at0.x.size(); ++i)
+            EXPECT_LE(max_component(abs(a.at1.x[i] - a.at0.x[i])), of_a * (1 + 1e-12));
+        EXPECT_EQ(displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at0)), 0);
+    }
+}
+
 TEST(RelativeDisplacement, BoundsHowFarAnyGapChanges) {
     for (std::int64_t n = 0; n < 50; ++n) {
         Random random(5000 + n);

@@ -18,15 +18,23 @@ TEST(CandidateLists, LeaveEveryStateAsItIs) {
     const Model model = make_model(scene);
     Stepper with(model, initial_state(scene, model));
     Stepper without(model, initial_state(scene, model), {.keep_candidates = false});
-    std::int64_t collisions = 0, contacts = 0;
-    for (int n = 0; n < 110; ++n) {
+    std::int64_t collisions = 0, contacts = 0, pairs = 0;
+    const auto queries_of = [](const Stepper& s) { return s.query_counters().pair_queries; };
+    std::int64_t queries_with = 0, queries_without = 0;
+    for (int n = 0; n < 200; ++n) {
+        if (n == 180) queries_with = queries_of(with), queries_without = queries_of(without);
         const StepReport r = with.step();
         ASSERT_EQ(r.state_hash, without.step().state_hash) << "step " << n + 1;
         collisions += r.collisions;
         contacts = r.contacts;
+        if (n >= 180) pairs += r.pairs;
     }
     EXPECT_GE(collisions, 100);
     EXPECT_GE(contacts, 20);
+    // At rest bounds say of all pairs what queries would: that they stay apart.
+    EXPECT_GE(pairs, 20 * contacts / 8);
+    EXPECT_EQ(queries_of(with), queries_with);
+    EXPECT_GE(queries_of(without), queries_without + pairs);
 }
 
 } // namespace
