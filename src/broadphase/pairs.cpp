@@ -14,7 +14,7 @@ namespace {
 constexpr std::int64_t kMaxCellsPerBody = 64;
 constexpr double kCellOfMedian = 1.5;      // cell edge in median body sizes
 constexpr double kLargestCoordinate = 1e6; // cells; farther away bodies share the outermost one
-constexpr std::size_t kBodyGrain = 128, kCellGrain = 128, kChunkGrain = 16; // items of a task
+constexpr std::size_t kBodyGrain = 128, kCellGrain = 128, kChunkGrain = 16, kPairGrain = 2048; // items of a task
 
 Box inflated(const SweptBody& b) {
     const Vec3 r{b.reach, b.reach, b.reach};
@@ -37,6 +37,43 @@ const std::vector<CandidatePair>& Broadphase::find(Team& team, const std::vector
     gather(team, chunks + pair_large(team, bodies, chunks));
     team_sort(team, pairs_, sorted_pairs_, std::less<>());
     return pairs_;
+}
+
+const std::vector<CandidatePair>& Broadphase::update(Team& team, const std::vector<SweptBody>& bodies,
+                                                     std::span<const std::int32_t> changed) {
+    has_changed_.assign(bodies.size(), 0);
+    for (const std::int32_t i : changed) has_changed_[static_cast<std::size_t>(i)] = 1;
+    const auto stays = [&](std::size_t i) {
+        const CandidatePair& p = pairs_[i];
+        return (has_changed_[static_cast<std::size_t>(p.a)] | has_changed_[static_cast<std::size_t>(p.b)]) == 0;
+    };
+    const auto item = [&](std::size_t i) { return pairs_[i]; };
+    compact_if({&team, "pairs that stay", kPairGrain, places_}, pairs_.size(), stays, kept_, 0, item);
+    gather(team, pair_changed(team, bodies, changed));
+    std::sort(pairs_.begin(), pairs_.end());
+    sorted_pairs_.resize(kept_.size() + pairs_.size());
+    std::merge(kept_.begin(), kept_.end(), pairs_.begin(), pairs_.end(), sorted_pairs_.begin());
+    pairs_.swap(sorted_pairs_);
+    return pairs_;
+}
+
+// Few bodies are held against all others: no grid to make.
+std::size_t Broadphase::pair_changed(Team& team, const std::vector<SweptBody>& bodies,
+                                     std::span<const std::int32_t> changed) {
+    found_.resize(std::max(found_.size(), changed.size()));
+    team.for_each("pairs of changed bodies", changed.size(), 1, [&](std::size_t k, int) {
+        const std::int32_t a = changed[k];
+        const SweptBody& p = bodies[static_cast<std::size_t>(a)];
+        auto& out = found_[k];
+        out.clear();
+        for (std::int32_t b = 0; b < static_cast<std::int32_t>(bodies.size()); ++b) {
+            const SweptBody& q = bodies[static_cast<std::size_t>(b)];
+            if (!near(p, q) || a == b || (!p.movable && !q.movable)) continue;
+            if (b < a && has_changed_[static_cast<std::size_t>(b)] != 0) continue; // found from the other side
+            out.push_back({std::min(a, b), std::max(a, b)});
+        }
+    });
+    return changed.size();
 }
 
 void Broadphase::choose_grid(const std::vector<SweptBody>& bodies) {

@@ -15,6 +15,8 @@ namespace flotilla {
 class Broadphase : public PairFinder {
   public:
     const std::vector<CandidatePair>& find(Team& team, const std::vector<SweptBody>& bodies) override;
+    const std::vector<CandidatePair>& update(Team& team, const std::vector<SweptBody>& bodies,
+                                             std::span<const std::int32_t> changed) override;
 
   private:
     struct Cell {
@@ -33,6 +35,8 @@ class Broadphase : public PairFinder {
     std::size_t pair_large(Team& team, const std::vector<SweptBody>& bodies, std::size_t first_chunk);
     void pair_run(std::size_t begin, std::size_t end, const std::vector<SweptBody>& bodies,
                   std::vector<CandidatePair>& out) const;
+    /// Fills the first entries of found_ with the pairs of the changed bodies and returns how many.
+    std::size_t pair_changed(Team& team, const std::vector<SweptBody>& bodies, std::span<const std::int32_t> changed);
     /// Makes pairs_ of what the first `chunks` entries of found_ hold, in their order.
     void gather(Team& team, std::size_t chunks);
     [[nodiscard]] std::array<std::int64_t, 3> cell_of(const Vec3& p) const;
@@ -48,6 +52,8 @@ class Broadphase : public PairFinder {
     std::vector<std::vector<CandidatePair>> found_; ///< by chunk of a loop
     std::vector<std::size_t> places_;               ///< in pairs_, by chunk of found_
     std::vector<CandidatePair> pairs_, sorted_pairs_;
+    std::vector<CandidatePair> kept_;       ///< pairs of bodies that did not change
+    std::vector<std::uint8_t> has_changed_; ///< by body
 };
 
 } // namespace flotilla

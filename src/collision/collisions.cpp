@@ -64,6 +64,19 @@ std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, 
     return std::nullopt;
 }
 
+/// What collide() would do, if that applies no impulse; nothing otherwise.
+bool examine(const StepData& data, Worker& worker, PairRecord& record) {
+    if (missed(data, record) || left(data, record)) return false;
+    const bool processed = record.processed;
+    if (!query_collision(data, worker, record).hit && !end_proximity(data, worker, record)) {
+        record.assumed = record.processed && !processed;
+        return true;
+    }
+    record.processed = processed;
+    record.proved_a = record.proved_b = record.missed_a = record.missed_b = 0; // no version has that number
+    return false;
+}
+
 /// Resolves the hits of one pair in consecutive order, then its fast end proximities.
 void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
     PairRecord& record = *listed.record;
@@ -138,6 +151,7 @@ StageCounters handle_collisions(StepData& data) {
     const auto left = [&] { return limit - static_cast<int>(counters.sweeps); };
     while (left() > 0) {
         const std::vector<ListedPair>& list = freeze(data, true);
+        prove_early(data, [&](PairRecord& record, Worker& worker) { return examine(data, worker, record); });
         counters.pairs += static_cast<std::int64_t>(list.size() - data.lists.num_open);
         if (data.lists.num_open == 0 || sweep(data, list, 1, counters) == 0) return counters;
         merge_active(data, list, active);

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <numbers>
+#include <utility>
 
 #include "ccd/rigid_path.hpp"
 #include "geometry/ccd_cubic.hpp"
@@ -168,6 +169,12 @@ double speed_of(const StepData& data, std::size_t body) {
     return length(mover.velocity) + length(mover.angular_velocity) * data.model.shape_of(body).radius;
 }
 
+void set_bounds(StepData& data, std::size_t body, const Box& box, bool with_proximity, bool with_speed) {
+    const bool movable = data.model.bodies[body].movable();
+    data.lists.swept[body] = {box, movable ? largest_reach(data, body, with_proximity) : 0.0, movable};
+    data.lists.bounds[body] = {way_of(data.trajectories.motion(body)), with_speed ? speed_of(data, body) : kUnknown};
+}
+
 /// Candidate pairs of bodies with the given boxes.
 template <class BoxOf>
 const std::vector<CandidatePair>& find_pairs(StepData& data, const char* name, bool with_proximity, bool with_speed,
@@ -175,12 +182,19 @@ const std::vector<CandidatePair>& find_pairs(StepData& data, const char* name, b
     const std::size_t n = data.model.size();
     data.lists.swept.resize(n);
     data.lists.bounds.resize(n);
-    data.team.for_each(name, n, kBodyGrain, [&](std::size_t i, int) {
-        const bool movable = data.model.bodies[i].movable();
-        data.lists.swept[i] = {box_of(i), movable ? largest_reach(data, i, with_proximity) : 0.0, movable};
-        data.lists.bounds[i] = {way_of(data.trajectories.motion(i)), with_speed ? speed_of(data, i) : kUnknown};
-    });
+    data.team.for_each(name, n, kBodyGrain,
+                       [&](std::size_t i, int) { set_bounds(data, i, box_of(i), with_proximity, with_speed); });
     return data.broadphase.find(data.team, data.lists.swept);
+}
+
+Box swept_box(const StepData& data, std::size_t body) { return data.trajectories.motion(body).swept(); }
+
+/// The same of swept boxes, where the last list was made of them and only some bodies changed since then.
+const std::vector<CandidatePair>& update_pairs(StepData& data, std::span<const std::int32_t> changed,
+                                               bool with_proximity) {
+    for (const std::int32_t i : changed)
+        set_bounds(data, at(i), swept_box(data, at(i)), with_proximity, with_proximity);
+    return data.broadphase.update(data.team, data.lists.swept, changed);
 }
 
 /// Those of the pairs that `wanted(pair, record)` wants, the record being null where there is none yet; all of them get one.
@@ -269,18 +283,24 @@ bool near_at_end(const StepData& data, Worker& worker, const PairRecord& r) {
 }
 
 const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity) {
+    constexpr std::size_t kFew = 64; // a body in so many
     FrozenBounds& frozen = data.lists.frozen;
-    bool same = frozen.pairs != nullptr && frozen.with_proximity == with_proximity;
-    frozen.version.resize(data.model.size());
-    for (std::size_t i = 0; i < frozen.version.size(); ++i) {
+    const bool known = frozen.pairs != nullptr && frozen.with_proximity == with_proximity;
+    const std::size_t n = data.model.size();
+    frozen.version.resize(n);
+    frozen.changed.clear();
+    for (std::size_t i = 0; i < n; ++i) {
         const std::uint64_t version = data.trajectories.version(i);
-        same = same && frozen.version[i] == version;
-        frozen.version[i] = version;
+        if (std::exchange(frozen.version[i], version) != version)
+            frozen.changed.push_back(static_cast<std::int32_t>(i));
     }
-    if (same) return *frozen.pairs;
+    if (known && frozen.changed.empty()) return *frozen.pairs;
     frozen.with_proximity = with_proximity;
-    frozen.pairs = &find_pairs(data, "swept bounds", with_proximity, with_proximity,
-                               [&](std::size_t i) { return data.trajectories.motion(i).swept(); });
+    if (known && frozen.changed.size() * kFew <= n)
+        frozen.pairs = &update_pairs(data, frozen.changed, with_proximity);
+    else
+        frozen.pairs = &find_pairs(data, "swept bounds", with_proximity, with_proximity,
+                                   [&](std::size_t i) { return swept_box(data, i); });
     return *frozen.pairs;
 }
 

@@ -2,6 +2,7 @@
 // The data that the stages of one step share.
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "base/stopwatch.hpp"
@@ -49,6 +50,7 @@ struct BodyBounds {
 /// What the last list of candidate pairs was made from.
 struct FrozenBounds {
     std::vector<std::uint64_t> version; ///< of the bodies' end states
+    std::vector<std::int32_t> changed;  ///< bodies with other ones than the list before
     bool with_proximity = false;
     const std::vector<CandidatePair>* pairs = nullptr; ///< null: other lists were made since
 };
@@ -62,7 +64,7 @@ struct ListBuffers {
     std::vector<std::uint8_t> wanted;
     std::vector<std::size_t> chunk_places; ///< in `listed`, by chunk of candidate pairs
     std::vector<ListedPair> listed;
-    std::size_t num_open = 0;       ///< of `listed`, those that bounds did not prove when they were listed
+    std::size_t num_open = 0;       ///< of `listed`, those not proved yet, by bounds or early
     std::vector<ListedPair> active; ///< stage 1: pairs with an impulse in this step
     TaskOrder order;
     struct SweepTask {
@@ -99,6 +101,11 @@ struct StepData {
 /// Adds what all workers counted to `counters` and sets theirs to zero.
 void collect(StepData& data, StageCounters& counters);
 
+/// Whether the pair's current versions are proved by the CCD, passed the CCD of stage 1, or were left by an operation.
+[[nodiscard]] bool proved(const StepData& data, const PairRecord& record);
+[[nodiscard]] bool missed(const StepData& data, const PairRecord& record);
+[[nodiscard]] bool left(const StepData& data, const PairRecord& record);
+
 /// All pairs whose swept bounds come within the separation, or within the proximity distance, sorted.
 const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity);
 
@@ -109,13 +116,25 @@ const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximit
 /// proof here, side by side; they stay in the list, because an operation before their turn may move one of the bodies.
 const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity);
 
+/// Where bounds left few pairs of the list open, most of those have nothing to resolve either. Calls examine(record, worker) for
+/// them, side by side, which does what the operation would do at once if that applies no impulse and says whether it did so. An
+/// operation before their turn may still move one of the bodies: then the pair is no longer proved, and its turn comes as ever.
+template <class Examine>
+void prove_early(StepData& data, Examine&& examine) {
+    constexpr std::size_t kFew = 8, kGrain = 64; // one pair in so many is open; pairs of a task
+    ListBuffers& l = data.lists;
+    if (l.num_open == 0 || l.num_open * kFew > l.listed.size()) return;
+    std::atomic<std::size_t> examined = 0;
+    data.team.for_each("examine", l.listed.size(), kGrain, [&](std::size_t i, int thread) {
+        PairRecord& record = *l.listed[i].record;
+        if (!proved(data, record) && examine(record, data.worker(thread)))
+            examined.fetch_add(1, std::memory_order_relaxed);
+    });
+    l.num_open -= examined;
+}
+
 /// All pairs whose boxes at the end poses come within the proximity distance, sorted; uses the freeze's buffers.
 const std::vector<ListedPair>& end_pairs(StepData& data);
-
-/// Whether the pair's current versions are proved by the CCD, passed the CCD of stage 1, or were left by an operation.
-[[nodiscard]] bool proved(const StepData& data, const PairRecord& record);
-[[nodiscard]] bool missed(const StepData& data, const PairRecord& record);
-[[nodiscard]] bool left(const StepData& data, const PairRecord& record);
 
 /// Keeps what the contact search found of the pair, for the next step.
 void record_distance(const StepData& data, PairRecord& record, const ProximityResult& found, const CoveringList& list);

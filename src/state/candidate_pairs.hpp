@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geometry/box.hpp"
@@ -27,6 +28,9 @@ class PairFinder {
     virtual ~PairFinder() = default;
     /// All pairs with at least one movable body whose inflated boxes overlap, sorted by (a, b).
     virtual const std::vector<CandidatePair>& find(Team& team, const std::vector<SweptBody>& bodies) = 0;
+    /// The same where the last call was for the same bodies, of which those `changed` (ascending) are other ones now: for few.
+    virtual const std::vector<CandidatePair>& update(Team& team, const std::vector<SweptBody>& bodies,
+                                                     std::span<const std::int32_t> changed) = 0;
 };
 
 } // namespace flotilla

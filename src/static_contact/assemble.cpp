@@ -46,6 +46,7 @@ void gather_bodies(std::span<const Contact> contacts, const ContactBodies& bodie
         // + 0: no component of a BodyVelocity is -0.
         s.velocity.push_back({.linear = bodies.velocity[id] + Vec3{}, .angular = bodies.angular_velocity[id] + Vec3{}});
     }
+    s.start_velocity = s.velocity;
 }
 
 void gather_pairs(std::span<const Contact> contacts, ContactScratch& s) {
@@ -165,9 +166,6 @@ void sort_by_region_to_and_fro(std::int32_t most_regions, ContactScratch& s) {
     }
     stable_sort_by_key(s.region_to_and_fro, most_regions, s.pair_order, s.counts, s.sorted);
 }
-
-// A contact without impulse is parked where the gap is this much wider than what the bodies would cross in the step, m/s.
-constexpr double kParkedMargin = 5e-3;
 
 bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& bodies, const ContactScratch& s) {
     if (warm_impulse != Vec3{}) return false;

@@ -93,13 +93,11 @@ void join_small_groups(std::vector<PacketGroup>& groups, std::size_t first, std:
 
 void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_block, std::int32_t end_block,
                      PackedContacts& packed, std::vector<PacketGroup>& groups) {
-    const std::size_t first_group = groups.size();
+    const std::size_t first_packet = packed.packets.size();
     std::int32_t rows = packed.packets.empty() ? 0 : packed.packets.back().end;
     std::int32_t parked = packed.packets.empty() ? 0 : packed.packets.back().end_parked;
     for (std::int32_t first = first_block, end = first; first < end_block; first = end) {
         const std::int32_t color = blocks[index(first)].color;
-        if (first == first_block || blocks[index(first - 1)].color != color)
-            groups.push_back({static_cast<std::int32_t>(packed.packets.size()), 0, false});
         const std::int32_t limit = std::min(end_block, first + kPacketLanes);
         std::int32_t longest = 0, longest_parked = 0;
         for (; end < limit && blocks[index(end)].color == color; ++end) {
@@ -114,10 +112,19 @@ void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_bl
         packet.end = rows += longest;
         packet.first_parked = parked;
         packet.end_parked = parked += longest_parked;
-        groups.back().swept += longest > 0 ? 1 : 0;
         packed.first_block.push_back(first);
     }
-    join_small_groups(groups, first_group, static_cast<std::int32_t>(packed.packets.size()));
+    group_packets(std::span(packed.packets).subspan(first_packet), static_cast<std::int32_t>(first_packet), groups);
+}
+
+void group_packets(std::span<const ContactPacket> packets, std::int32_t first, std::vector<PacketGroup>& groups) {
+    const std::size_t first_group = groups.size();
+    for (std::size_t p = 0; p < packets.size(); ++p) {
+        if (p == 0 || packets[p].color != packets[p - 1].color)
+            groups.push_back({first + static_cast<std::int32_t>(p), 0, false});
+        groups.back().swept += packets[p].swept() ? 1 : 0;
+    }
+    join_small_groups(groups, first_group, first + static_cast<std::int32_t>(packets.size()));
 }
 
 void resize_rows(PackedContacts& packed) {
@@ -127,6 +134,7 @@ void resize_rows(PackedContacts& packed) {
         packet.end_parked += awake;
     }
     const std::size_t rows = packed.packets.empty() ? 0 : index(packed.packets.back().end_parked);
+    packed.parked_reach.resize(packed.packets.size());
     packed.rows.resize(rows);
     packed.source.resize(rows * kPacketLanes);
 }
@@ -144,6 +152,11 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
     };
     fill(packet.first, packet.end, false);
     fill(packet.first_parked, packet.end_parked, true);
+    double reach = 0;
+    for (const ContactBlock& block : members)
+        for (std::int32_t k = block.parked; k < block.end; ++k)
+            reach = std::max({reach, length(rows[index(k)].arm_a), length(rows[index(k)].arm_b)});
+    packed.parked_reach[p] = reach;
 }
 
 void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows) {

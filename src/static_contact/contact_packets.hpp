@@ -56,6 +56,7 @@ struct PackedContacts {
     std::vector<PacketRow> rows;           ///< awake ones of all packets, then parked ones
     std::vector<std::int32_t> source;      ///< row of each lane of `rows` it was packed from; -1: idle
     std::vector<std::int32_t> first_block; ///< by packet
+    std::vector<double> parked_reach;      ///< m, by packet: the longest arm of its parked rows
     /// Keeps the rows, which fill_packet() writes over.
     void clear() {
         packets.clear();
@@ -75,6 +76,8 @@ struct PacketGroup {
 /// packet. Appends their groups to `groups`.
 void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first, std::int32_t end, PackedContacts& packed,
                      std::vector<PacketGroup>& groups);
+/// Appends the groups of packets given in colour order; `first` is the place of the first one.
+void group_packets(std::span<const ContactPacket> packets, std::int32_t first, std::vector<PacketGroup>& groups);
 /// Room for the rows of all packets laid out; gives the parked ones their places behind the others.
 void resize_rows(PackedContacts& packed);
 /// Copies the contents of a packet that was laid out; different packets may be filled side by side.

@@ -118,8 +118,8 @@ struct ContactScratch {
     std::vector<std::int32_t> region_of_pair, region_to_and_fro;
     ColoringScratch coloring;
     ContactGraphScratch graph;
-    std::vector<BodyVelocity> velocity; ///< per body in contact
-    std::vector<ContactBlock> blocks;   ///< in `pair_order`
+    std::vector<BodyVelocity> velocity, start_velocity; ///< per body in contact
+    std::vector<ContactBlock> blocks;                   ///< in `pair_order`
     std::vector<ContactRow> rows;
     PackedContacts packed, shock_packed;
     std::vector<std::int32_t> source; ///< contact of each row
@@ -128,6 +128,12 @@ struct ContactScratch {
     std::vector<std::int32_t> island_of_body;            ///< per body in contact, -1: not movable
     std::vector<BodyVelocity> before_sweep, sweep_start; ///< per body in contact
     std::vector<Weight> weight;                          ///< per body in contact
+    /// Of a body's velocity since the solve began, m/s and rad/s.
+    struct Change {
+        Vec3 linear;
+        double turn = 0;
+    };
+    std::vector<Change> change;      ///< per body in contact
     std::vector<double> sums;        ///< parts of sums, at the place of their first body in island_bodies
     std::vector<PacketGroup> groups; ///< by island
     std::vector<std::int32_t> small_islands;
@@ -146,7 +152,10 @@ struct ContactScratch {
         std::vector<std::uint8_t> near, chosen; ///< per body in contact: of a pair violated so far; of a chosen packet
         std::vector<std::int32_t> bodies;       ///< the chosen movable ones
         std::vector<ContactPacket> packets;     ///< copies of the chosen ones
-        std::int64_t contacts = 0;              ///< that a sweep of them visits
+        std::vector<PacketGroup> groups;
+        std::vector<double> sums;  ///< parts of a sum over the bodies
+        std::int64_t contacts = 0; ///< that a sweep of them visits
+        int sweeps = 0;            ///< the last ones
     };
     Unsolved unsolved;
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level

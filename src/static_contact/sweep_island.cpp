@@ -98,6 +98,7 @@ class Progress {
 
 void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
     const std::size_t n = s.bodies.size();
+    s.change.assign(n, {});
     s.before_sweep.resize(n);
     s.sweep_start.resize(n);
     s.weight.resize(n);
@@ -177,8 +178,8 @@ class IslandSweeps {
             known = worst <= options_.tolerance || course.whole % kLookEvery == 0;
             const bool peek = !known && (course.whole == kFirstPeek || course.whole == kSecondPeek);
             if (start_.momentum) add_up(thread);
-            if (known) look(thread, load_share_);
-            if (peek) wake_violated(thread);
+            if (known) look(thread, load_share_, barrier);
+            if (peek) wake_violated(thread, barrier);
             if (known || peek || start_.momentum) barrier.wait();
             const bool turns = start_.momentum && turned_back_sum() > 0;
             bool used_parts = false;
@@ -200,7 +201,9 @@ class IslandSweeps {
     void record(std::int32_t region) const {
         if (recorder_ == nullptr) return;
         for (std::size_t g = 0; g < num_groups(); ++g) {
-            GroupSpan span{region, tasks_of(g), g == part_group() ? part_rounds_ : whole_sweeps_, 0};
+            GroupSpan span{region, tasks_of(g), whole_sweeps_, 0};
+            if (g == choice_group()) span.visits = part_rounds_;
+            if (g == part_group()) span.visits = part_visits_;
             for (std::size_t t = 0; t < index(threads_); ++t) span.busy += busy_[t * num_groups() + g];
             recorder_->add_group(span);
         }
@@ -228,13 +231,18 @@ class IslandSweeps {
             progress.saw(sweeps(), found);
         }
     };
-    // Groups of the record: those of packets, then the loops over bodies (a task per kBodiesPerSum of them), the looks and the parts.
+    // Groups of the record: those of packets, then the loops over bodies (a task per kBodiesPerSum of them), the looks, the choice of
+    // parts and their sweeps.
     [[nodiscard]] std::size_t num_groups() const { return part_group() + 1; }
     [[nodiscard]] std::size_t body_group() const { return groups_.size(); }
     [[nodiscard]] std::size_t look_group() const { return groups_.size() + 1; }
-    [[nodiscard]] std::size_t part_group() const { return groups_.size() + 2; }
+    [[nodiscard]] std::size_t choice_group() const { return groups_.size() + 2; }
+    [[nodiscard]] std::size_t part_group() const { return groups_.size() + 3; }
     [[nodiscard]] std::int32_t tasks_of(std::size_t group) const {
-        if (group == part_group()) return 1;
+        if (group == choice_group()) return 1;
+        if (group == part_group())
+            return static_cast<std::int32_t>(part_visits_ > 0 ? std::max(part_tasks_ / part_visits_, std::int64_t{1})
+                                                              : 1);
         if (group == look_group()) return static_cast<std::int32_t>(packets_.size());
         return group == body_group() ? static_cast<std::int32_t>(num_sums()) : packets_of(group).num_tasks();
     }
@@ -312,7 +320,7 @@ class IslandSweeps {
         }
         return largest([parity](const Seen& seen) { return seen.worst[parity]; });
     }
-    void look(int thread, double load_share) {
+    void look(int thread, double load_share, SpinBarrier& barrier) {
         double residual = 0;
         timed(thread, look_group(), [&] {
             const auto share = share_of(packets_, thread, threads_);
@@ -322,12 +330,12 @@ class IslandSweeps {
                                                      violated_.data() + (share.data() - packets_.data()), options_.isa)
                                      : largest_violation(cone_, view, options_.isa);
         });
-        seen_[index(thread)].residual = std::max(residual, wake_violated(thread));
+        seen_[index(thread)].residual = std::max(residual, wake_violated(thread, barrier));
         if (jams_) seen_[index(thread)].violated = count_violated(share_of(packets_, thread, threads_));
     }
     double look_again(int thread, double load_share, SpinBarrier& barrier) {
         barrier.wait(); // others may still read what look() writes
-        look(thread, load_share);
+        look(thread, load_share, barrier);
         barrier.wait();
         return seen_residual();
     }
@@ -340,7 +348,7 @@ class IslandSweeps {
                sweep_part(thread, !swept, most - course.sweeps(), barrier)) {
             swept = true;
             course.of_parts += part_cost_;
-            look(thread, load_share_);
+            look(thread, load_share_, barrier);
             barrier.wait();
             const Left before = course.left;
             course.saw_after_part(seen_left());
@@ -352,31 +360,39 @@ class IslandSweeps {
         }
         return swept;
     }
-    /// One round on thread 0, which others wait for; false where the part is too large.
+    /// One round, chosen by thread 0; false where the part is too large.
     bool sweep_part(int thread, bool anew, int most_cost, SpinBarrier& barrier) {
-        if (thread == 0)
-            timed(thread, part_group(), [&] {
-                part_cost_ = 0;
-                if (!choose_unsolved(island_, anew, s_)) return;
-                const std::int64_t part = static_cast<std::int64_t>(s_.unsolved.packets.size());
-                const auto whole = static_cast<std::int64_t>(packets_.size());
-                const std::int64_t most = most_cost * whole / part;
-                const int sweeps = sweep_unsolved(cone_, options_, start_.momentum, most, view_of({}, 0), s_);
-                island_.visits += sweeps * s_.unsolved.contacts;
-                part_cost_ = static_cast<int>(std::max<std::int64_t>(1, sweeps * part / whole));
-                ++part_rounds_;
-            });
+        if (thread == 0) timed(thread, choice_group(), [&] { part_chosen_ = choose_unsolved(island_, anew, s_); });
         barrier.wait();
-        return part_cost_ > 0;
+        if (!part_chosen_) return false;
+        const auto part = static_cast<std::int64_t>(s_.unsolved.packets.size());
+        const auto whole = static_cast<std::int64_t>(packets_.size());
+        const Sweeper sweeper{
+            thread, threads_,  barrier,
+            seen_,  recorder_, recorder_ != nullptr ? &busy_[index(thread) * num_groups() + part_group()] : nullptr};
+        const int sweeps =
+            sweep_unsolved(sweeper, cone_, options_, start_.momentum, most_cost * whole / part, view_of({}, 0), s_);
+        if (thread == 0) {
+            island_.visits += sweeps * s_.unsolved.contacts;
+            part_cost_ = static_cast<int>(std::max<std::int64_t>(1, sweeps * part / whole));
+            part_tasks_ += sweeps * part;
+            part_visits_ += sweeps * static_cast<std::int64_t>(s_.unsolved.groups.size());
+            ++part_rounds_;
+        }
+        barrier.wait();
+        return true;
     }
     /// Wakes packets whose parked contacts are violated; returns the largest violation of those that were parked.
-    double wake_violated(int thread) {
+    double wake_violated(int thread, SpinBarrier& barrier) {
+        note_changes(thread);
+        barrier.wait();
         double worst = 0;
         timed(thread, look_group(), [&] {
             const auto share = share_of(packets_, thread, threads_); // as in look(), which reads what this changes
             const auto first = static_cast<std::size_t>(share.data() - packets_.data()), end = first + share.size();
             for (std::size_t p = first; p < end; ++p) {
                 if (packets_[p].first_parked == packets_[p].end_parked || packets_[p].woken != 0) continue;
+                if (parked_hold(p)) continue;
                 const double violation =
                     largest_parked_violation(cone_, view_of(packets_.subspan(p, 1), 0), options_.isa);
                 if (violation > options_.tolerance) {
@@ -387,6 +403,27 @@ class IslandSweeps {
             }
         });
         return worst;
+    }
+    void note_changes(int thread) {
+        for_my_bodies(thread, [&](std::span<const std::int32_t> bodies, double&) {
+            for (const std::int32_t body : bodies) {
+                const BodyVelocity &v = s_.velocity[index(body)], &start = s_.start_velocity[index(body)];
+                s_.change[index(body)] = {v.linear - start.linear, length(v.angular - start.angular)};
+            }
+        });
+    }
+    /// Whether the velocities of the packet's bodies changed too little for any of its parked contacts to be violated.
+    [[nodiscard]] bool parked_hold(std::size_t packet) const {
+        constexpr double kRoom = 0.9; // far more than rounding takes
+        const ContactPacket& p = packets_[packet];
+        const double reach = s_.packed.parked_reach[index(island_.first_packet) + packet];
+        bool hold = true;
+        for (std::size_t lane = 0; lane < kPacketLanes; ++lane) { // those without a pair repeat another's bodies
+            const ContactScratch::Change &a = s_.change[index(p.a[lane])], &b = s_.change[index(p.b[lane])];
+            const double least = kRoom * kParkedMargin - reach * (a.turn + b.turn);
+            hold &= least > 0 && length_sq(b.linear - a.linear) < least * least;
+        }
+        return hold;
     }
     [[nodiscard]] int count_violated(std::span<const ContactPacket> share) const {
         int pairs = 0;
@@ -437,8 +474,10 @@ class IslandSweeps {
     bool jams_;          ///< whether it may be jammed
     double load_share_;  ///< see kLoadPerTolerance
     bool may_use_parts_; ///< whether what is not solved may be swept alone
-    int part_cost_ = 0;  ///< of the last round, in sweeps of the whole; 0: there was none
+    bool part_chosen_ = false;
+    int part_cost_ = 0; ///< of the last round, in sweeps of the whole
     int part_rounds_ = 0, whole_sweeps_ = 0;
+    std::int64_t part_tasks_ = 0, part_visits_ = 0; ///< of packets and of groups
     Seen alone_;
     std::span<Seen> seen_; ///< by thread
     TaskRecorder* recorder_;

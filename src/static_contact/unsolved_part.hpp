@@ -6,6 +6,7 @@
 
 #include <span>
 
+#include "parallel/team.hpp"
 #include "static_contact/solve_contacts.hpp"
 
 namespace flotilla {
@@ -18,11 +19,20 @@ void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& scra
 /// would hand the same load to and fro. False where there are none, or too many for one thread to sweep alone.
 bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& scratch);
 
+/// One of several threads that go through the same sweeps.
+struct Sweeper {
+    int thread = 0, threads = 1;
+    SpinBarrier& barrier;
+    std::span<ContactScratch::Seen> seen; ///< by thread
+    TaskRecorder* recorder = nullptr;
+    std::int64_t* busy = nullptr; ///< ns, of this thread; counted where there is a recorder
+};
+
 /// Sweeps them, without momentum or with a sequence of their own, until a sweep meets no violation above the tolerance, `most` times or
-/// a hundred times. `view` says what violations are let off. Returns the number of sweeps. The next sweep of the island must do
-/// without momentum.
-int sweep_unsolved(Cone cone, const ContactSolveOptions& options, bool momentum, std::int64_t most, SweepView view,
-                   ContactScratch& scratch);
+/// a hundred times. `view` says what violations are let off. Returns the number of sweeps, to all threads the same; their number
+/// changes no bit. The next sweep of the island must do without momentum.
+int sweep_unsolved(const Sweeper& sweeper, Cone cone, const ContactSolveOptions& options, bool momentum,
+                   std::int64_t most, const SweepView& view, ContactScratch& scratch);
 
 /// That a sweep of the packet visits.
 [[nodiscard]] std::int64_t num_contacts(const ContactScratch& scratch, std::size_t packet);
