@@ -373,6 +373,22 @@ TEST(SolveContacts, AContactThatOthersCloseIsWoken) {
     EXPECT_NEAR(z(c), 10.1 / 3 - 0.1, 1e-8);
 }
 
+TEST(SolveContacts, AContactThatATurnClosesIsWoken) {
+    ContactWorld
+        w; // two bodies turn b, whose mass keeps its centre where it is, until its end would cross the gap to c
+    const auto up = w.add_body(1), down = w.add_body(1), b = w.add_body(1e6, {0.5, 0.5, 0.5}), c = w.add_body(1);
+    w.velocity[static_cast<std::size_t>(up)] = {0, 0, 10};
+    w.velocity[static_cast<std::size_t>(down)] = {0, 0, -10};
+    w.add_contact(up, b, {1, 0, 0}, kUp);
+    w.add_contact(down, b, {-1, 0, 0}, -kUp);
+    w.add_contact(b, c, {1, 0, 0}, kUp, 0, -0.1);
+    EXPECT_LE(w.solve({.tolerance = 1e-9}).residual, 1e-9);
+    EXPECT_EQ(w.scratch.parked, (std::vector<std::uint8_t>{0, 0, 1}));
+    const auto z = [&](std::int32_t body) { return w.velocity_at(body, {1, 0, 0}).z; };
+    EXPECT_GT(z(b), 1);
+    EXPECT_NEAR(z(c) - z(b), -0.1, 1e-8);
+}
+
 TEST(SolveContacts, AParkedContactIsNotSwept) {
     ContactWorld w;
     w.add_body(0);
