@@ -8,6 +8,7 @@
 
 #include "base/slab_list.hpp"
 #include "ccd/candidate_list.hpp"
+#include "parallel/large_vector.hpp"
 #include "parallel/team.hpp"
 #include "state/candidate_pairs.hpp"
 
@@ -75,7 +76,7 @@ class PairTable {
     void erase(std::int32_t a, std::int32_t b);
     PairRecord& new_record();
 
-    std::vector<Slot> slots_; ///< a power of two of them
+    LargeVector<Slot> slots_; ///< a power of two of them
     SlabList<PairRecord, 256> records_;
     std::vector<PairRecord*> free_;   ///< records of no pair
     std::vector<std::size_t> places_; ///< scratch

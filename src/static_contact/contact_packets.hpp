@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "geometry/ccd.hpp"
+#include "parallel/large_vector.hpp"
 #include "static_contact/contact_rows.hpp"
 
 namespace flotilla {
@@ -52,9 +53,9 @@ struct alignas(64) PacketRow {
 static_assert(sizeof(PacketRow) == 832);
 
 struct PackedContacts {
-    std::vector<ContactPacket> packets;
-    std::vector<PacketRow> rows;           ///< awake ones of all packets, then parked ones
-    std::vector<std::int32_t> source;      ///< row of each lane of `rows` it was packed from; -1: idle
+    LargeVector<ContactPacket> packets;
+    LargeVector<PacketRow> rows;           ///< awake ones of all packets, then parked ones
+    LargeVector<std::int32_t> source;      ///< row of each lane of `rows` it was packed from; -1: idle
     std::vector<std::int32_t> first_block; ///< by packet
     std::vector<double> parked_reach;      ///< m, by packet: the longest arm of its parked rows
     /// Keeps the rows, which fill_packet() writes over.

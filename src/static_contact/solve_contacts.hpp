@@ -118,22 +118,22 @@ struct ContactScratch {
     std::vector<std::int32_t> region_of_pair, region_to_and_fro;
     ColoringScratch coloring;
     ContactGraphScratch graph;
-    std::vector<BodyVelocity> velocity, start_velocity; ///< per body in contact
-    std::vector<ContactBlock> blocks;                   ///< in `pair_order`
-    std::vector<ContactRow> rows;
+    LargeVector<BodyVelocity> velocity, start_velocity; ///< per body in contact
+    LargeVector<ContactBlock> blocks;                   ///< in `pair_order`
+    LargeVector<ContactRow> rows;
     PackedContacts packed, shock_packed;
     std::vector<std::int32_t> source; ///< contact of each row
     std::vector<Island> islands;
     std::vector<std::int32_t> island_bodies;             ///< movable, by island
     std::vector<std::int32_t> island_of_body;            ///< per body in contact, -1: not movable
-    std::vector<BodyVelocity> before_sweep, sweep_start; ///< per body in contact
-    std::vector<Weight> weight;                          ///< per body in contact
+    LargeVector<BodyVelocity> before_sweep, sweep_start; ///< per body in contact
+    LargeVector<Weight> weight;                          ///< per body in contact
     /// Of a body's velocity since the solve began, m/s and rad/s.
     struct Change {
         Vec3 linear;
         double turn = 0;
     };
-    std::vector<Change> change;      ///< per body in contact
+    LargeVector<Change> change;      ///< per body in contact
     std::vector<double> sums;        ///< parts of sums, at the place of their first body in island_bodies
     std::vector<PacketGroup> groups; ///< by island
     std::vector<std::int32_t> small_islands;
@@ -159,10 +159,10 @@ struct ContactScratch {
     };
     Unsolved unsolved;
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
-    std::vector<ContactBlock> shock_blocks;                ///< of one level
-    std::vector<ContactRow> shock_rows;
+    LargeVector<ContactBlock> shock_blocks;                ///< of one level
+    LargeVector<ContactRow> shock_rows;
     std::vector<PacketGroup> shock_groups; ///< of one level
-    std::vector<BodyVelocity> before_shock;
+    LargeVector<BodyVelocity> before_shock;
 };
 
 /// Solves all contacts. impulses[k] of contacts[k], N s in the world, on b: in, the warm start (zero if cold; projected
