@@ -29,8 +29,7 @@ struct LargePageAllocator {
         return static_cast<T*>(memory);
     }
     void deallocate(T* memory, std::size_t n) {
-        const std::size_t bytes = size_of(n);
-        ::operator delete(memory, bytes, alignment_of(bytes));
+        ::operator delete(memory, alignment_of(size_of(n)));
     }
     friend bool operator==(const LargePageAllocator&, const LargePageAllocator&) { return true; }
 
