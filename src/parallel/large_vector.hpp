@@ -28,9 +28,7 @@ struct LargePageAllocator {
 #endif
         return static_cast<T*>(memory);
     }
-    void deallocate(T* memory, std::size_t n) {
-        ::operator delete(memory, alignment_of(size_of(n)));
-    }
+    void deallocate(T* memory, std::size_t n) { ::operator delete(memory, alignment_of(size_of(n))); }
     friend bool operator==(const LargePageAllocator&, const LargePageAllocator&) { return true; }
 
   private:
