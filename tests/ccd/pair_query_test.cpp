@@ -322,16 +322,21 @@ TEST(CandidateList, KnowsHowFarBodiesMayStillStrayBeforeAnythingIsNear) {
     EXPECT_GE(near_beyond, 100);
 }
 
+/// From anywhere to places nearby.
+void move_anywhere(Pair& pair, Random& random, double size) {
+    std::array<Pose, 2> from, to;
+    for (std::size_t i = 0; i < 2; ++i) {
+        from[i] = make_pose(pair.model.shapes[i], random.vec(2), random.rotation());
+        to[i] = near(pair.model.shapes[i], from[i], random, size);
+    }
+    pair.move(from, to);
+}
+
 TEST(Displacement, OfTwoBodiesTogetherIsNoLessThanTheRelativeOne) {
     for (std::int64_t n = 0; n < 50; ++n) {
         Random random(7000 + n);
         Pair pair(random);
-        std::array<Pose, 2> from, to;
-        for (std::size_t i = 0; i < 2; ++i) {
-            from[i] = make_pose(pair.model.shapes[i], random.vec(2), random.rotation());
-            to[i] = near(pair.model.shapes[i], from[i], random, n % 2 == 0 ? 0.01 : 1);
-        }
-        pair.move(from, to);
+        move_anywhere(pair, random, n % 2 == 0 ? 0.01 : 1);
         const BodyMotion a = pair.motion(0), b = pair.motion(1);
         const double of_a = displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1));
         const double of_b = displacement(*b.shape, matrix_pose(b.at0), matrix_pose(b.at1));
@@ -347,12 +352,7 @@ TEST(RelativeDisplacement, BoundsHowFarAnyGapChanges) {
     for (std::int64_t n = 0; n < 50; ++n) {
         Random random(5000 + n);
         Pair pair(random);
-        std::array<Pose, 2> from, to;
-        for (std::size_t i = 0; i < 2; ++i) {
-            from[i] = make_pose(pair.model.shapes[i], random.vec(2), random.rotation());
-            to[i] = near(pair.model.shapes[i], from[i], random, n % 2 == 0 ? 0.01 : 1);
-        }
-        pair.move(from, to);
+        move_anywhere(pair, random, n % 2 == 0 ? 0.01 : 1);
         const BodyMotion a = pair.motion(0), b = pair.motion(1);
         const double bound = relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape,
                                                    matrix_pose(b.at0), matrix_pose(b.at1));
