@@ -152,8 +152,14 @@ StageCounters handle_collisions(StepData& data) {
     while (left() > 0) {
         const std::vector<ListedPair>& list = freeze(data, true);
         prove_early(data, [&](PairRecord& record, Worker& worker) { return examine(data, worker, record); });
-        counters.pairs += static_cast<std::int64_t>(list.size() - data.lists.num_open);
-        if (data.lists.num_open == 0 || sweep(data, list, 1, counters) == 0) return counters;
+        const std::size_t proved_early = list.size() - data.lists.num_open;
+        counters.pairs += static_cast<std::int64_t>(proved_early);
+        if (data.lists.num_open == 0 || sweep(data, list, 1, counters) == 0) {
+            // What was known of pairs, a cache, must not decide how many sweeps count: proving pairs in turn would have been one.
+            if (proved_early > 0) ++counters.sweeps;
+            counters.limit = left() <= 0;
+            return counters;
+        }
         merge_active(data, list, active);
         if (left() > 0) sweep(data, active, std::min(kActiveSweeps, left()), counters);
     }

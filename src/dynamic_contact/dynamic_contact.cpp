@@ -57,16 +57,17 @@ DynamicContactStats handle_dynamic_contact(StepData& data) {
     Patience patience(data.model.settings.dynamic_iterations);
     for (int sweep = 0;; ++sweep) {
         freeze_clusters(data, list);
+        if (list.empty()) return stats;
+        if (!patience.allows(sweep, list.size())) {
+            stats.counters.limit = true;
+            return stats;
+        }
         const bool single = stats.merges == 0; // all clusters are single bodies: the pairs listed are the clusters'
         if (single)
             prove_early(data, [&](PairRecord& record, Worker& worker) { return !query(data, worker, record).hit; });
         const std::vector<ListedPair>& listed = data.lists.listed;
         stats.counters.pairs += static_cast<std::int64_t>(listed.size() - data.lists.num_open);
         if (data.lists.num_open == 0) return stats;
-        if (!patience.allows(sweep, list.size())) {
-            stats.counters.limit = true;
-            return stats;
-        }
         const bool backwards = sweep % 2 != 0;
         resolutions.assign(list.size(), {.resolved = true});
         const auto pair_of = [&](std::size_t i) { return list[i]; };

@@ -134,7 +134,10 @@ bool prove_by_bounds(const StepData& data, PairRecord& r, bool with_proximity) {
     if (with_proximity) { // stage 1: a cubic's miss proves nothing, and it looks for proximities that approach
         const std::vector<BodyBounds>& bounds = data.lists.bounds;
         const double speed = (1 + kRoundingRoom) * (bounds[at(r.a)].speed + bounds[at(r.b)].speed);
-        if (data.model.settings.ccd == CcdMethod::cubic || !(speed < (1 - kRoundingRoom) * data.approach)) return false;
+        const Settings& s = data.model.settings;
+        if (s.ccd == CcdMethod::cubic || s.collision_pair_iterations == 0)
+            return false; // without iterations it does nothing
+        if (!(speed < (1 - kRoundingRoom) * data.approach)) return false;
         r.assumed = !r.processed && r.start_distance < r.lengths.proximity;
         r.processed = r.processed || r.assumed;
     }

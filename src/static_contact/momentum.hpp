@@ -2,6 +2,7 @@
 // Nesterov's momentum for sweeps (see sweep_island.hpp).
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "static_contact/solve_contacts.hpp"
@@ -20,6 +21,9 @@ class Momentum {
 
 /// Remembers the velocities x of the bodies and moves them on to y.
 void extrapolate(std::span<const std::int32_t> bodies, double m, ContactScratch& scratch);
+
+/// Bodies whose parts of a sum are added up by one thread: sums are cut there, whatever the number of threads.
+inline constexpr std::size_t kBodiesPerSum = 64;
 
 /// (y - x) . (x - x_before), twice the energy of the product; a body turns with its mean inertia.
 [[nodiscard]] double turned_back(std::span<const std::int32_t> bodies, const ContactScratch& scratch);

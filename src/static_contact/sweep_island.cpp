@@ -23,8 +23,6 @@ constexpr double kMostRise = 2;
 constexpr int kLookEvery = 10;
 /// Sweeps after which parked contacts are looked at before the first look: most that will be woken are violated by then.
 constexpr int kFirstPeek = 2, kSecondPeek = 5;
-/// Bodies whose parts of a sum are added up by one thread.
-constexpr std::size_t kBodiesPerSum = 64;
 /// An island stalls whose residual did not fall by a fifth for some time.
 constexpr double kLeastFall = 0.8;
 /// A jam: bodies that touch so many others that their impulses are not determined hand them round for ever, and one look after the other

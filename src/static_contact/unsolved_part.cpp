@@ -13,8 +13,6 @@ namespace {
 constexpr int kMostSweeps = 100;
 /// A part is at most the island's packets divided by this.
 constexpr std::size_t kMostPartDivisor = 8;
-/// Bodies whose parts of a sum are added up by one thread.
-constexpr std::size_t kBodiesPerSum = 64;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 

@@ -16,7 +16,7 @@ void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& scra
 
 /// Copies to scratch.unsolved the packets of the island with a pair that shares a movable body with a violated pair, according to the
 /// bits in scratch.violated (see find_violated()); unless `anew`, also those chosen for earlier bits, or two neighbouring parts
-/// would hand the same load to and fro. False where there are none, or too many for one thread to sweep alone.
+/// would hand the same load to and fro. False where there are none, or too many of the island's.
 bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& scratch);
 
 /// One of several threads that go through the same sweeps.

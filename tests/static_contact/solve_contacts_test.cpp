@@ -374,8 +374,8 @@ TEST(SolveContacts, AContactThatOthersCloseIsWoken) {
 }
 
 TEST(SolveContacts, AContactThatATurnClosesIsWoken) {
-    ContactWorld
-        w; // two bodies turn b, whose mass keeps its centre where it is, until its end would cross the gap to c
+    // Two bodies turn b, whose mass keeps its centre where it is, until its end would cross the gap to c.
+    ContactWorld w;
     const auto up = w.add_body(1), down = w.add_body(1), b = w.add_body(1e6, {0.5, 0.5, 0.5}), c = w.add_body(1);
     w.velocity[static_cast<std::size_t>(up)] = {0, 0, 10};
     w.velocity[static_cast<std::size_t>(down)] = {0, 0, -10};

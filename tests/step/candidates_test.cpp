@@ -37,5 +37,27 @@ TEST(CandidateLists, LeaveEveryStateAsItIs) {
     EXPECT_GE(queries_of(without), queries_without + pairs);
 }
 
+// What is known of pairs must not decide whether the limit of sweeps was met, on which stage 7 depends.
+TEST(CandidateLists, LeaveEveryStateAsItIsAtTheLimitOfSweeps) {
+    std::int64_t limits = 0;
+    for (const auto& [sweeps, impulses] : {std::pair{1, 4}, {2, 4}, {3, 0}}) {
+        SceneDescription description = make_scene("boats-in-bowl", 14, 3);
+        description.settings.sleeping = false;
+        description.settings.collision_iterations = sweeps;
+        description.settings.collision_pair_iterations = impulses;
+        const Scene scene = build_scene(description);
+        const Model model = make_model(scene);
+        Stepper with(model, initial_state(scene, model));
+        Stepper without(model, initial_state(scene, model), {.keep_candidates = false});
+        for (int n = 0; n < 200; ++n) {
+            const StepReport r = with.step(), s = without.step();
+            ASSERT_EQ(r.state_hash, s.state_hash) << sweeps << ' ' << impulses << ", step " << n + 1;
+            ASSERT_EQ(r.warnings, s.warnings) << sweeps << ' ' << impulses << ", step " << n + 1;
+            limits += (r.warnings & kCollisionLimit) != 0 ? 1 : 0;
+        }
+    }
+    EXPECT_GE(limits, 100);
+}
+
 } // namespace
 } // namespace flotilla
