@@ -5,6 +5,7 @@
 
 #include "pair/ordered_sweep.hpp"
 #include "parallel/compact.hpp"
+#include "response/arc.hpp"
 
 namespace flotilla {
 namespace {
@@ -35,7 +36,8 @@ bool may_approach(const Impulsive& a, const Impulsive& b, double radius_a, doubl
 /// The nearest contact point at the end of the step that approaches too fast to be left to static contact, with rigid
 /// velocities and arms at the end (section 3.2). Closer than the rest distance that is faster than the threshold. Farther away,
 /// up to the proximity distance, it is also fast enough to come below the rest distance within one more step: stage 7 would cut
-/// exactly these approaches to (d_rest - d)/dt, and a fast body that happens to end a step there would lose its rebound.
+/// exactly these approaches to (d_rest - d)/dt, and a fast body that happens to end a step there would lose its rebound. A point on its way
+/// down an arc may be as fast as the arc lets it arrive (arc.hpp).
 std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, PairRecord& record) {
     const BodyMotion a = data.trajectories.at_end(at(record.a)), b = data.trajectories.at_end(at(record.b));
     const Impulsive body_a = data.clusters.impulsive(record.a), body_b = data.clusters.impulsive(record.b);
@@ -54,8 +56,13 @@ std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, 
         return ContactPoint{p.normal, arm_a, arm_b, relative, pair_friction(data.model, record.a, record.b)};
     };
     for (const ProximityPoint& p : worker.proximity.found) {
-        const double allowed = std::max(data.approach, (p.distance - record.lengths.rest) / data.dt);
-        if (dot(contact(p).relative_velocity, p.normal) < -allowed) worker.points.push_back(p);
+        const ContactPoint c = contact(p);
+        const double approach = -dot(c.relative_velocity, p.normal);
+        if (!(approach > data.approach)) continue;
+        const double apart = dot(p.normal, arc_acceleration(body_b.angular_velocity, c.arm_b) -
+                                               arc_acceleration(body_a.angular_velocity, c.arm_a));
+        const double gap = p.distance - record.lengths.rest;
+        if (approach > std::max(gap / data.dt, approach_stopped_by_arcs(gap, apart))) worker.points.push_back(p);
     }
     std::stable_sort(worker.points.begin(), worker.points.end(),
                      [](const ProximityPoint& p, const ProximityPoint& q) { return p.distance < q.distance; });

@@ -6,6 +6,7 @@
 
 #include "base/search.hpp"
 #include "parallel/compact.hpp"
+#include "response/arc.hpp"
 
 namespace flotilla {
 namespace {
@@ -215,24 +216,56 @@ bool sticks(const Contact& c, double rest, double most_slip, double time_step, c
     return length_sq(v - dot(v, c.normal) * c.normal) < limit * limit;
 }
 
+ArcContact arcs_of(const Contact& c, double time_step, const VelocityArrays& bodies) {
+    const auto point = [&](std::int32_t body) {
+        return TurningPoint{bodies.angular_velocity[at(body)], c.point - bodies.position[at(body)]};
+    };
+    return meet_on_arcs(point(c.a), point(c.b), c.normal, time_step);
+}
+
+/// The approach, m/s, that a pair which stage 1 has not seen takes into the next step. Stage 5 may have kept the bodies from moving
+/// as far as their velocities say, which count the whole acceleration of the step: a body that is held up would go on accelerating.
+/// What they keep is the approach that they began the step with and what gravity adds on the way that they really made.
+double kept_approach(const Model& model, const Contact& c, std::span<const Pose> start, std::span<const Pose> end,
+                     const VelocityArrays& bodies) {
+    const auto before = [&](std::int32_t body) {
+        const Vec3 added = bodies.inverse_mass[at(body)] > 0 ? model.settings.time_step * model.gravity : Vec3{};
+        return (bodies.velocity[at(body)] - added) +
+               cross(bodies.angular_velocity[at(body)], c.point - bodies.position[at(body)]);
+    };
+    const auto start_of = [&](std::int32_t body) { // of the body's point that is at the contact now
+        const Pose &from = start[at(body)], &to = end[at(body)];
+        return from.com + rotate(from.rotation * conjugate(to.rotation), c.point - to.com);
+    };
+    const double approach = std::max(0.0, -dot(c.normal, before(c.b) - before(c.a)));
+    const double way = std::max(0.0, dot(c.normal, start_of(c.b) - start_of(c.a)));
+    return std::sqrt(approach * approach + 2 * std::abs(dot(c.normal, model.gravity)) * way);
+}
+
 /// The contacts that the stage acts on, with its targets.
-void select_contacts(const Model& model, const ContactSet& set, std::span<const Motion> motion,
+void select_contacts(const Model& model, const ContactSet& set, std::span<const Pose> poses, std::span<const Motion> motion,
                      const StaticStageOptions& options, StaticStageScratch& scratch) {
     constexpr double kMostSlip = 0.1; // of what gravity adds in a step
     const Settings& s = model.settings;
     const double most_slip = kMostSlip * length(model.gravity) * s.time_step;
     const bool random = s.tangents == Tangents::random;
     if (random) load_last_velocities(model, motion, options, scratch);
-    const auto wanted = [&](std::size_t i) { return !options.only_processed || set.processed[i] != 0; };
     const auto complete = [&](std::size_t i) {
         Contact c = set.contacts[i];
-        const double full = equation_16(set.rest[i], c.distance, s.time_step, s.static_tolerance);
-        c.target = options.final_stage ? std::min(0.0, full) : full;
+        const ArcContact arcs = arcs_of(c, s.time_step, scratch.bodies);
+        const double full =
+            equation_16(set.rest[i], c.distance - arcs.closer, s.time_step, s.static_tolerance) + arcs.approach;
+        // Arcs that bring points together do so by the end of the step.
+        c.target = options.final_stage ? std::min(0.0, full) : full + std::max(0.0, -0.5 * s.time_step * arcs.apart);
+        if (options.keep_approach && set.processed[i] == 0)
+            c.target = std::min(c.target, -kept_approach(model, c, options.start, poses, scratch.bodies));
+        c.point += arcs.shift;
         c.sticks = random && sticks(c, set.rest[i], most_slip, s.time_step, scratch);
         return c;
     };
-    compact_if({options.team, "select contacts", kContactGrain, scratch.places}, set.size(), wanted, scratch.selected,
-               0, complete);
+    scratch.selected.resize(set.size());
+    for_each(options.team, "select contacts", set.size(), kContactGrain,
+             [&](std::size_t i) { scratch.selected[i] = complete(i); });
 }
 
 StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,
@@ -242,7 +275,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     const Settings& s = model.settings;
     VelocityArrays& b = scratch.bodies;
     b.load(options.team, model, poses, motion);
-    select_contacts(model, set, motion, options, scratch);
+    select_contacts(model, set, poses, motion, options, scratch);
     load_warm(options.team, scratch.selected, warm, other, options.warm_factor, scratch.impulses);
     scratch.angular_before = b.angular_velocity;
     ContactSolveOptions solve;

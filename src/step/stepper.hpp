@@ -52,6 +52,7 @@ class Stepper {
     void move_scripts();
     void static_contact(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage, StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
+    void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                          StepReport& report);
     void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
