@@ -74,6 +74,11 @@ struct StepReport {
     std::int64_t sleeping = 0; ///< bodies asleep
     std::uint32_t warnings = 0;
 
+    // Energy may rise by lift alone: what brings bodies to their rest distance, at most m |g| d_rest of each (G5).
+    std::int64_t energy_corrections = 0; ///< islands whose velocities the last resort cut, because it rose by more
+    double energy_removed = 0;           ///< J, taken from them
+    double lift = 0;                     ///< J, of all bodies, written down at the end of the step
+
     // Pruning at the end poses (section 4.3.1): of the feature pairs within the proximity distance, those that are no contact
     // points, by the first rule that left them out.
     std::int64_t proximities = 0;           ///< feature pairs within the proximity distance

@@ -19,8 +19,9 @@ enum class CcdMethod : std::uint8_t {
     cubic, ///< stage 1 by the paper's cubic with a tolerance (section 3.1), a baseline; stage 5 stays conservative
 };
 enum class Tangents : std::uint8_t {
-    random,  ///< friction pyramid turned by a generator keyed by (seed, features), where bodies slide by the step too
-    aligned, ///< first tangent along the slip velocity: sliding friction without the pyramid's bias
+    random,  ///< the paper's pyramid, turned by a generator keyed by (seed, features), where bodies slide by the step too
+    aligned, ///< Coulomb's cone, first tangent along the slip velocity
+    cone,    ///< Coulomb's cone: friction of mu times the normal force in every direction, whether bodies slide or stick
 };
 enum class ContactSolver : std::uint8_t { pgs };
 enum class Rigidification : std::uint8_t {
@@ -49,8 +50,9 @@ struct Settings {
     int dynamic_iterations = 100;
     int dynamic_pair_iterations = 20; ///< impulses per pair and sweep
     int static_iterations = 1000;     ///< sweeps of projected Gauss-Seidel
-    /// L-infinity constraint violation, m/s; not figure 20's 1e-6, see preset(). Targets below it (eq. 16) are none.
-    double static_tolerance = 2e-4;
+    /// L-infinity constraint violation, m/s; not figure 20's 1e-6, see preset(). Targets below it (eq. 16) are none. < 0: 1/2048 of
+    /// what gravity adds in a step, and at most what moves a pair of bodies by 1/1024 of its rest distance in one.
+    double static_tolerance = -1;
     bool warm_start = true;        ///< start PGS from the last impulses
     bool shock_propagation = true; ///< after PGS reached its limit
 
@@ -58,7 +60,7 @@ struct Settings {
     Trajectory trajectory = Trajectory::linear;
     CcdMethod ccd = CcdMethod::conservative;
     ContactSolver contact_solver = ContactSolver::pgs;
-    Tangents tangents = Tangents::random;
+    Tangents tangents = Tangents::cone; ///< not the paper's, which are random
     Rigidification rigidification = Rigidification::kinematic;
     UnsatisfiableScript unsatisfiable_script = UnsatisfiableScript::hold;
     InitialOverlap initial_overlap = InitialOverlap::error;
@@ -86,16 +88,17 @@ void set_setting(Settings& settings, std::string_view key, std::string_view valu
 /// Every problem of `settings`, "key: reason" each; empty when they can be run.
 [[nodiscard]] std::vector<std::string> validate_settings(const Settings& settings);
 
-/// preview, balanced, accurate, reference.
+/// paper, preview, balanced, accurate, reference.
 [[nodiscard]] std::vector<std::string_view> preset_names();
 
 /// The settings of a preset; what a scene file or --set gives explicitly replaces them.
 ///  - preview: few iterations, for a first look; the guarantees hold all the same.
-///  - balanced: `Settings{}`, figure 20 with warm start and a physical tolerance: figure 20's 1e-6 m/s is never reached in a
-///    pile within 1000 sweeps and only means "always run to the limit". 2e-4 m/s is 1/2000 of what gravity adds in a step
-///    and lets a resting contact creep by at most 0.2 mm per second. In a tower the errors of all contacts below add up: the top of
+///  - paper: figure 20 as printed: friction pyramids of random direction, 1e-6 m/s, no warm start.
+///  - balanced: `Settings{}`, figure 20 with Coulomb's cone, warm start and a tolerance that goes by gravity and the bodies' sizes:
+///    figure 20's 1e-6 m/s is never reached in a pile within 1000 sweeps and only means "always run to the limit". 2e-4 m/s, that of
+///    boats at 1/24 s, lets a resting contact creep by at most 0.2 mm per second. In a tower the errors of all contacts below add up: the top of
 ///    20 blocks sways by about 0.4 mm at up to 15 times the tolerance.
-///  - accurate: friction along the slip direction, tight tolerance, rotating trajectories certified, no sleeping.
+///  - accurate: tight tolerance, rotating trajectories certified, no sleeping.
 ///  - reference: accurate with iteration limits that are practically never reached, to measure the others against.
 /// Throws InputError for an unknown name.
 [[nodiscard]] Settings preset(std::string_view name);

@@ -42,7 +42,8 @@ const std::vector<StageColumns>& stage_columns() {
         {"stage 7 (contact points at the end poses)",
          {"contacts", "min_distance", "proximities", "pruned_end_points", "pruned_same_direction", "pruned_angle",
           "pruned_occluded"}},
-        {"the end of the step (who sleeps)", {"sleeping"}}};
+        {"the end of the step (energy account, who sleeps)",
+         {"energy_corrections", "energy_removed", "lift", "sleeping"}}};
     return all;
 }
 

@@ -126,7 +126,7 @@ class Failsafe {
     void hold_script(std::int32_t body) {
         if (data_.trajectories.still(at(body))) return;
         data_.trajectories.hold(at(body));
-        data_.clusters[body].velocity = data_.clusters[body].momentum = {};
+        data_.clusters.set_script(body, {});
         stats_.delayed_scripts.push_back(body);
     }
 

@@ -14,7 +14,8 @@ constexpr std::string_view kColumnsAfterPhases =
     "pairs,collisions,contacts,iterations,residual,merges,rung_changes,held,energy,momentum_x,momentum_y,momentum_z,"
     "min_distance,state_hash,angular_momentum_x,angular_momentum_y,angular_momentum_z,kinetic_energy,kinematic_bodies,"
     "rigid_bodies,largest_cluster,trigger_a,trigger_b,sleeping,warnings,"
-    "proximities,pruned_end_points,pruned_same_direction,pruned_angle,pruned_occluded";
+    "proximities,pruned_end_points,pruned_same_direction,pruned_angle,pruned_occluded,"
+    "energy_corrections,energy_removed,lift";
 
 std::string hex(std::uint64_t value) {
     char buffer[16];
@@ -54,6 +55,7 @@ std::string step_csv_row(const StepReport& row) {
     add(row.trigger_a), add(row.trigger_b), add(row.sleeping), add(row.warnings);
     add(row.proximities), add(row.pruned_end_points), add(row.pruned_same_direction), add(row.pruned_angle);
     add(row.pruned_occluded);
+    add(row.energy_corrections), add(row.energy_removed), add(row.lift);
     return text.append("\n");
 }
 

@@ -2,12 +2,11 @@
 #include "islands/sleeping.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace flotilla {
 namespace {
 
-constexpr double kQuietTime = 0.5;       // s
+constexpr std::int32_t kQuietSteps = 12;
 constexpr double kQuietShare = 1.0 / 50; // of |gravity| time_step
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -16,8 +15,7 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 SleepRule sleep_rule(const Model& model) {
     const double dt = model.settings.time_step;
-    return {kQuietShare * length(model.gravity) * dt,
-            static_cast<std::int32_t>(std::min(std::ceil(kQuietTime / dt), 1e9))};
+    return {kQuietShare * length(model.gravity) * dt, kQuietSteps};
 }
 
 void count_quiet_steps(const Model& model, const SleepRule& rule, std::span<const std::uint8_t> disturbed,

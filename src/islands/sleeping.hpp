@@ -14,7 +14,7 @@ struct SleepRule {
     double speed = 0;       ///< m/s: a body is quiet while |v| + |omega| radius stays below
     std::int32_t steps = 0; ///< a body may fall asleep after so many quiet steps
 };
-/// Half a second below a fiftieth of what gravity adds in a step.
+/// Twelve steps below a fiftieth of what gravity adds in one: whatever is not at rest gathers more in that time.
 [[nodiscard]] SleepRule sleep_rule(const Model& model);
 
 /// Counts the quiet steps of the bodies after a step; `disturbed` bodies begin anew.

@@ -17,11 +17,8 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 double largest_reach(const StepData& data, std::size_t body, bool with_proximity) {
     // A pair's lengths are those of its smaller movable body, so with each body's own length as its reach the sum of both is
     // never less than the pair's.
-    const Settings& s = data.model.settings;
-    const double rest = s.rest_distance > 0 ? s.rest_distance : data.model.bodies[body].size / 330;
-    const double proximity = s.proximity_distance > 0 ? s.proximity_distance : 2 * rest;
-    const double separation = s.separation > 0 ? s.separation : rest / 50;
-    return with_proximity ? proximity : separation;
+    const PairLengths own = body_lengths(data.model, body);
+    return with_proximity ? own.proximity : own.separation;
 }
 
 /// What the cubic compares distances with, m.
@@ -413,6 +410,9 @@ void push(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, 
           const Vec3& impulse) {
     const Stopwatch watch(worker.counters.response_ms);
     ++worker.counters.impulses;
+    if (worker.pushed.empty() || worker.pushed.back() != CandidatePair{a, b}) worker.pushed.push_back({a, b});
+    if (data.clusters[a].infinite()) data.clusters.add_work(b, dot(impulse, data.clusters.velocity_at(a, point.arm_a)));
+    if (data.clusters[b].infinite()) data.clusters.add_work(a, -dot(impulse, data.clusters.velocity_at(b, point.arm_b)));
     data.clusters.apply(a, point.arm_a, -impulse);
     data.clusters.apply(b, point.arm_b, impulse);
     data.clusters.evolve(a, data.dt, data.trajectories);

@@ -30,6 +30,7 @@ struct alignas(64) Worker {
     std::vector<ProximityPoint> points;
     StageCounters counters;
     std::vector<std::int64_t> work; ///< operations run, by round of a sweep
+    std::vector<CandidatePair> pushed; ///< clusters that had an impulse in the step; equal ones may come again
 };
 using Workers = std::vector<std::unique_ptr<Worker>>;
 

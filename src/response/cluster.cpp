@@ -36,6 +36,7 @@ void Clusters::resize(const Model& model) {
     base_.resize(n);
     inertia_.resize(n);
     base_turn_.resize(n);
+    work_.resize(n);
     motion_.resize(n);
 }
 
@@ -46,6 +47,7 @@ void Clusters::start(std::size_t i, const Trajectories& trajectories, const Moti
     cluster_of_[i] = static_cast<std::int32_t>(i);
     base_[i] = pose;
     base_turn_[i] = {};
+    work_[i] = 0;
     motion_[i] = motion;
     if (movable) inertia_[i] = {turned(shape.inertia, pose.rotation), turned(shape.inverse_inertia, pose.rotation)};
     Cluster& c = clusters_[i];

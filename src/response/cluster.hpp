@@ -48,6 +48,12 @@ class Clusters {
     [[nodiscard]] Cluster& operator[](std::int32_t id) { return clusters_[static_cast<std::size_t>(id)]; }
     [[nodiscard]] const std::vector<Motion>& motion() const { return motion_; } ///< of the members, equations 10 and 14
 
+    /// Work, J, of bodies of prescribed motion on the cluster's bodies since start().
+    void add_work(std::int32_t id, double work) { work_[static_cast<std::size_t>(id)] += work; }
+    [[nodiscard]] double work(std::int32_t id) const { return work_[static_cast<std::size_t>(id)]; }
+    /// m/s, of a point of a cluster of infinite mass.
+    [[nodiscard]] Vec3 velocity_at(std::int32_t id, const Vec3& arm) const { return point_velocity(impulsive(id), arm); }
+
     /// Prescribes the motion of a scripted body: velocity and, in place of the momentum, angular velocity.
     void set_script(std::int32_t id, const Motion& motion);
 
@@ -77,6 +83,7 @@ class Clusters {
     std::vector<WorldInertia> inertia_; ///< of the bodies at x^n
     std::vector<Pose> base_;
     std::vector<Vec3> base_turn_;
+    std::vector<double> work_; ///< by cluster
 };
 
 } // namespace flotilla

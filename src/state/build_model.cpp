@@ -68,6 +68,7 @@ State initial_state(const Scene& scene, const Model& model) {
         else
             state.motion.push_back({});
         state.script_delay.push_back(0);
+        state.lift.push_back(0);
     }
     return state;
 }

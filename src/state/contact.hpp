@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include <flotilla/types.hpp>
 
@@ -17,6 +18,7 @@ struct Contact {
     double target = 0;             ///< m/s, least (v_b - v_a).n wanted: (d_rest - d)/dt or its minimum with 0 (eq. 16)
     double friction = 0;           ///< coefficient of the pair, >= 0
     std::uint64_t feature_key = 0; ///< feature pair, unique within the body pair
+    double tolerance = std::numeric_limits<double>::infinity(); ///< m/s, to which its island is to be solved at least
     bool sticks = false;           ///< hardly slid in the last step: random tangents stay what they were
 };
 

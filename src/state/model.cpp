@@ -24,22 +24,34 @@ Pose pose_at_origin(const RigidShape& shape, const Vec3& origin, const Quat& rot
     return {origin + rotate(rotation, shape.center_of_mass), rotation, origin};
 }
 
+namespace {
+
+PairLengths lengths_of_size(const Settings& s, double size) {
+    const double rest = s.rest_distance > 0 ? s.rest_distance : size * kRestOfSize;
+    return {rest, s.proximity_distance > 0 ? s.proximity_distance : kProximityOfRest * rest,
+            s.separation > 0 ? s.separation : kSeparationOfRest * rest};
+}
+
+} // namespace
+
+PairLengths body_lengths(const Model& model, std::size_t body) {
+    return lengths_of_size(model.settings, model.bodies[body].size);
+}
+
 PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b) {
-    const Settings& s = model.settings;
     double size = std::numeric_limits<double>::infinity();
     for (std::int32_t i : {a, b}) {
         const Body& body = model.bodies[static_cast<std::size_t>(i)];
         if (body.dynamic()) size = std::min(size, body.size);
     }
-    double rest = s.rest_distance > 0 ? s.rest_distance : size * kRestOfSize;
-    const double proximity = s.proximity_distance > 0 ? s.proximity_distance : kProximityOfRest * rest;
-    const double separation = s.separation > 0 ? s.separation : kSeparationOfRest * rest;
+    PairLengths lengths = lengths_of_size(model.settings, size);
     const auto less = [](const RestDistance& r, std::pair<std::int32_t, std::int32_t> key) {
         return std::pair(r.a, r.b) < key;
     };
     const auto it = std::lower_bound(state.rest_distances.begin(), state.rest_distances.end(), std::pair(a, b), less);
-    if (it != state.rest_distances.end() && it->a == a && it->b == b) rest = std::min(rest, it->distance);
-    return {rest, proximity, separation};
+    if (it != state.rest_distances.end() && it->a == a && it->b == b)
+        lengths.rest = std::min(lengths.rest, it->distance);
+    return lengths;
 }
 
 Vec3 angular_velocity(const RigidShape& shape, const Quat& rotation, const Vec3& momentum) {
@@ -56,6 +68,7 @@ std::uint64_t state_hash(const State& state) {
         h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(q.quiet_steps)) << 32) |
               static_cast<std::uint32_t>(q.island));
     for (double d : state.script_delay) h.add(d);
+    for (double e : state.lift) h.add(e);
     for (const RestDistance& r : state.rest_distances) {
         h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(r.a)) << 32) | static_cast<std::uint32_t>(r.b));
         h.add(r.distance);

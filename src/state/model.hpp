@@ -88,6 +88,7 @@ struct State {
     std::vector<Motion> motion;
     std::vector<Sleep> sleep;
     std::vector<double> script_delay;         ///< s by which a body's script clock lags behind the time
+    std::vector<double> lift;                 ///< J of each body's energy that are lift (step/energy_account.hpp)
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
     /// The impulses of the last stage 3 and of the last stage 7, each sorted by (a, b, feature pair without a face, feature_key). The
     /// stages solve different problems (DESIGN section 3): at rest each finds its own solution of the step before.
@@ -99,6 +100,8 @@ struct State {
 struct PairLengths {
     double rest, proximity, separation; ///< m
 };
+/// The lengths of a pair of which the body is the smaller one.
+[[nodiscard]] PairLengths body_lengths(const Model& model, std::size_t body);
 [[nodiscard]] PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b);
 
 /// Angular velocity of a body with angular momentum `momentum` at the given orientation, rad/s.

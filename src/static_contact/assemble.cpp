@@ -167,14 +167,15 @@ void sort_by_region_to_and_fro(std::int32_t most_regions, ContactScratch& s) {
     stable_sort_by_key(s.region_to_and_fro, most_regions, s.pair_order, s.counts, s.sorted);
 }
 
-bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& bodies, const ContactScratch& s) {
+bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& bodies, double tolerance,
+               const ContactScratch& s) {
     if (warm_impulse != Vec3{}) return false;
     const std::size_t a = index(c.a), b = index(c.b);
     const auto velocity_of = [&](std::size_t body) {
         const BodyVelocity& v = s.velocity[index(s.local[body])];
         return v.linear + cross(v.angular, c.point - bodies.position[body]);
     };
-    return c.target < -kParkedMargin - length(velocity_of(b) - velocity_of(a));
+    return c.target < -kParkedMargin * std::min(c.tolerance, tolerance) - length(velocity_of(b) - velocity_of(a));
 }
 
 constexpr std::size_t kPairGrain = 32; // body pairs of a task
@@ -188,7 +189,8 @@ void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodie
         s.num_awake[p] = 0;
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
             const std::size_t c = index(s.order[index(i)]);
-            s.parked[index(i)] = is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies, s);
+            s.parked[index(i)] = is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies,
+                                           options.tolerance, s);
             s.num_awake[p] += s.parked[index(i)] ? 0 : 1;
         }
     });
@@ -196,7 +198,8 @@ void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodie
 
 // Sorts the pairs by (island, colour) and cuts the islands out of that list. Within a colour pairs with equally many contacts that are
 // awake come together, because they fill a packet best, and of those the ones near each other.
-int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
+int order_pairs(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
+                ContactScratch& s) {
     s.color.resize(s.pairs.size());
     s.island_of_pair.resize(s.pairs.size());
     const int num_colors = color_pairs(s.pairs, s.movable, s.coloring, s.color);
@@ -220,9 +223,15 @@ int order_pairs(const ContactBodies& bodies, ContactScratch& s) {
     if (most_regions > 1) order_packets_by_region(s);
     s.islands.assign(index(num_islands), {});
     for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
-        ContactScratch::Island& island = s.islands[index(s.island_of_pair[index(s.pair_order[k])])];
-        if (island.end == 0) island.first = count_of(k);
+        const std::size_t p = index(s.pair_order[k]);
+        ContactScratch::Island& island = s.islands[index(s.island_of_pair[p])];
+        if (island.end == 0) {
+            island.first = count_of(k);
+            island.tolerance = options.tolerance;
+        }
         island.end = count_of(k + 1);
+        for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i)
+            island.tolerance = std::min(island.tolerance, contacts[index(s.order[index(i)])].tolerance);
     }
     return num_colors;
 }
@@ -260,6 +269,7 @@ TangentPair choose_tangents(const Contact& c, const Vec3& relative_velocity, con
         if (tangential_sq(impulse) > kLeastFriction * kLeastFriction * length_sq(impulse))
             return tangents_along(c.normal, impulse);
     }
+    if (options.tangents != Tangents::random) return any_tangents(c.normal);
     return keyed_tangents(c, options.seed, c.sticks ? kNoStep : options.step);
 }
 
@@ -328,7 +338,7 @@ int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, con
     gather_bodies(contacts, bodies, s);
     gather_pairs(contacts, s);
     park_contacts(contacts, bodies, options, impulses, s);
-    const int num_colors = order_pairs(bodies, s);
+    const int num_colors = order_pairs(contacts, bodies, options, s);
     make_blocks(contacts, bodies, options, impulses, s);
     s.packed.clear();
     s.groups.clear();

@@ -13,13 +13,13 @@ namespace flotilla {
 void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::vector<std::int32_t>& order,
                         std::vector<std::int32_t>& counts, std::vector<std::int32_t>& sorted);
 
-/// m/s. A contact without impulse is parked where its gap is wider by this than what the bodies would cross in the step. As long as the
-/// velocities of its points changed by less against each other since then, it holds.
-inline constexpr double kParkedMargin = 5e-3;
+/// In tolerances. A contact without impulse is parked where its gap is wider by this than what the bodies would cross in the step. As
+/// long as the velocities of its points changed by less against each other since then, it holds.
+inline constexpr double kParkedMargin = 25;
 
 /// The friction bound that goes with the options' tangents.
 constexpr Cone cone_of(const ContactSolveOptions& options) {
-    return options.tangents == Tangents::aligned ? Cone::disc : Cone::pyramid;
+    return options.tangents == Tangents::random ? Cone::pyramid : Cone::disc;
 }
 
 /// Fills velocity, blocks, rows (with W, tangents and the cut warm impulses, none applied yet), their packets and islands.

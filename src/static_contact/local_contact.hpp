@@ -68,37 +68,22 @@ inline PackVec2<P> solve_tangent(const LocalPack<P>& c, P s, const PackVec2<P>& 
     return {scale * (w22 * rhs.x - w12 * rhs.y), scale * (w11 * rhs.y - w12 * rhs.x)};
 }
 
-/// The impulse on the edge of the disc: -(W + s I)^-1 b where s = |slip after| / bound makes friction and slip opposite.
-/// s is found by Newton's method on 1/|lambda(s)|, started from the present slip, so that at the solution of the whole
-/// system the first guess is exact; three steps, because the next visit goes on from there.
-template <class P>
-inline PackVec2<P> disc_edge(const LocalPack<P>& c, const PackVec2<P>& u, const PackVec2<P>& rhs, P bound) {
-    P s = sqrt(length_sq(u)) / bound;
-    for (int i = 0; i < 3; ++i) {
-        const PackVec2<P> l = solve_tangent(c, s, rhs);
-        const PackVec2<P> m = solve_tangent(c, s, l);
-        const P square = length_sq(l), slope = l.x * m.x + l.y * m.y;
-        const P next = max(s + (sqrt(square) / bound - P::all(1)) * square / slope, P::all(0));
-        s = select(P::all(0) < slope, next, s);
-    }
-    const PackVec2<P> l = solve_tangent(c, s, rhs);
-    const P scale = bound / sqrt(length_sq(l));
-    return {scale * l.x, scale * l.y};
-}
-
-/// The tangential impulse of the disc |lambda| <= bound for slip velocity u at the present impulse: the minimiser of
-/// 1/2 lambda W lambda + b lambda over the disc, b = u - W lambda_old. Inside the disc it stops the slip.
+/// The tangential impulse of the disc |lambda| <= bound for slip velocity u at the present impulse. Where the impulse that stops the
+/// slip, W^-1 (W lambda_old - u), lies in the disc it is taken: the minimiser of 1/2 lambda W lambda + b lambda, b = u - W lambda_old.
+/// Else a step down that function's gradient by no more than its curvature allows, projected on the disc. Its fixed points are those
+/// of Coulomb's law, friction opposite to the slip; neither form of step adds energy.
 template <class P>
 inline PackVec2<P> disc_impulse(const LocalPack<P>& c, const PackVec2<P>& u, P bound) {
-    const PackVec2<P> rhs{(c.mass_diagonal.y * c.impulse.y + c.coupling.z * c.impulse.z) - u.x,
-                          (c.coupling.z * c.impulse.y + c.mass_diagonal.z * c.impulse.z) - u.y};
+    const P w11 = c.mass_diagonal.y, w22 = c.mass_diagonal.z, w12 = c.coupling.z;
+    const PackVec2<P> rhs{(w11 * c.impulse.y + w12 * c.impulse.z) - u.x, (w12 * c.impulse.y + w22 * c.impulse.z) - u.y};
     const PackVec2<P> stick = solve_tangent(c, P::all(0), rhs);
     const auto inside = length_sq(stick) <= bound * bound;
     if (mask_bits(mask_not(inside)) == 0) return stick;
-    const PackVec2<P> edge = disc_edge(c, u, rhs, bound);
-    const auto open = P::all(0) < bound; // the edge of a disc without extent is no number
-    return {select(open, select(inside, stick.x, edge.x), P::all(0)),
-            select(open, select(inside, stick.y, edge.y), P::all(0))};
+    const P curvature = max(w11, w22) + abs(w12); // no less than the larger eigenvalue
+    const PackVec2<P> slip{c.impulse.y - u.x / curvature, c.impulse.z - u.y / curvature};
+    const P size = sqrt(length_sq(slip));
+    const P shrink = select(bound < size, bound / size, P::all(1));
+    return {select(inside, stick.x, shrink * slip.x), select(inside, stick.y, shrink * slip.y)};
 }
 
 /// What the normal row's violation is let off: a share of what the normal impulse changes, lambda_n W_nn, and at most so much, m/s.

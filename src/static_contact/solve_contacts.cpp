@@ -57,7 +57,9 @@ bool rests(const Island& island, const ContactSolveOptions& options, const Conta
 // A warm start pushes where impulses of the past are too large, and momentum may carry too far; sweeps that end unfinished do not
 // take all of it back. Plain sweeps from zero add no energy where no contact asks for separation and what is prescribed
 // rests: an island that came out with more than before is solved again from zero, and then without momentum.
-void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
+void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
+    ContactSolveOptions options = of_all;
+    options.tolerance = island.tolerance;
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.energy_pgs = kinetic_energy(island, bodies, s);
@@ -116,6 +118,14 @@ void store_velocities(const ContactScratch& s, const ContactBodies& bodies) {
     }
 }
 
+void mark_unsolved(ContactScratch& s) {
+    for (const Island& island : s.islands)
+        if (!island.solved)
+            for (std::int32_t k = island.first_body; k < island.end_body; ++k)
+                s.unsolved[static_cast<std::size_t>(
+                    s.bodies[static_cast<std::size_t>(s.island_bodies[static_cast<std::size_t>(k)])])] = 1;
+}
+
 void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     const auto unfinished = [](const Island& i) { return !i.solved; };
     if (!options.shock || std::none_of(s.islands.begin(), s.islands.end(), unfinished)) return;
@@ -124,7 +134,9 @@ void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& op
     s.before_shock = s.velocity;
     for (Island& island : s.islands) {
         if (!unfinished(island)) continue;
-        island.shocked = propagate_shock(island, bodies, options, s);
+        ContactSolveOptions own = options;
+        own.tolerance = island.tolerance;
+        island.shocked = propagate_shock(island, bodies, own, s);
         if (!island.shocked) continue;
         for (const ContactBlock& block : blocks_of(island, s))
             for (const std::int32_t body : {block.a, block.b}) {
@@ -155,6 +167,7 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
                                  ContactScratch& scratch) {
     FLOTILLA_ASSERT(impulses.size() == contacts.size());
     scratch.shocked.assign(bodies.velocity.size(), 0);
+    scratch.unsolved.assign(bodies.velocity.size(), 0);
     const int num_colors = assemble(contacts, bodies, options, impulses, scratch);
     list_island_bodies(bodies, scratch);
     solve_islands(bodies, options, scratch);
@@ -162,6 +175,7 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     store_impulses(scratch, options.team, impulses);
     propagate_shocks(bodies, options, scratch);
     store_velocities(scratch, bodies);
+    mark_unsolved(scratch);
     return summarize(scratch, num_colors);
 }
 

@@ -34,7 +34,8 @@ struct ContactBodies {
 
 struct ContactSolveOptions {
     int iterations = 1000;   ///< sweeps per island, >= 0 (figure 20)
-    double tolerance = 1e-6; ///< m/s, L-infinity violation at which an island stops (but see rest_speed)
+    /// m/s, L-infinity violation at which an island stops (but see rest_speed); the least of this and of its contacts' tolerances.
+    double tolerance = 1e-6;
     bool warm_start = true;  ///< start from the impulses handed in
     bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
@@ -52,9 +53,9 @@ struct ContactSolveOptions {
     /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
     int shock_iterations = 100;
-    /// random: the paper's pyramid with keyed tangents. aligned: first tangent along the slip at the start, friction
-    /// bounded by a disc, so that sliding friction is mu lambda_n in every direction.
-    Tangents tangents = Tangents::random;
+    /// cone: friction bounded by a disc, so that it is mu lambda_n in every direction. aligned: the same, with the first tangent along
+    /// the slip at the start. random: the paper's pyramid with keyed tangents.
+    Tangents tangents = Tangents::cone;
     std::uint64_t seed = 0, step = 0; ///< key of the random tangents; step: of contacts that slide
     Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any
     Team* team = nullptr;             ///< null: the calling thread does all; the same bits with any
@@ -73,9 +74,10 @@ struct ContactSolveStats {
 };
 
 /// Memory of the solver, owned by the caller and reused, so that a steady scene allocates nothing. What a test or a
-/// report may look at afterwards is `shocked`; the rest is between one call's functions.
+/// report may look at afterwards are `shocked` and `unsolved`; the rest is between one call's functions.
 struct ContactScratch {
-    std::vector<std::uint8_t> shocked; ///< per body id: its velocity comes from a shock pass
+    std::vector<std::uint8_t> shocked;  ///< per body id: its velocity comes from a shock pass
+    std::vector<std::uint8_t> unsolved; ///< per body id: its island ended above its tolerance
 
     struct Island {
         std::int32_t first = 0, end = 0; ///< blocks
@@ -84,6 +86,7 @@ struct ContactScratch {
         std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
         int iterations = 0;
         double residual = 0;                      ///< m/s
+        double tolerance = 0;                     ///< m/s
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
         int part_rounds = 0;
@@ -157,7 +160,7 @@ struct ContactScratch {
         std::int64_t contacts = 0; ///< that a sweep of them visits
         int sweeps = 0;            ///< the last ones
     };
-    Unsolved unsolved;
+    Unsolved part;
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     LargeVector<ContactBlock> shock_blocks;                ///< of one level
     LargeVector<ContactRow> shock_rows;

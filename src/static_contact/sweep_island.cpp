@@ -363,7 +363,7 @@ class IslandSweeps {
         if (thread == 0) timed(thread, choice_group(), [&] { part_chosen_ = choose_unsolved(island_, anew, s_); });
         barrier.wait();
         if (!part_chosen_) return false;
-        const auto part = static_cast<std::int64_t>(s_.unsolved.packets.size());
+        const auto part = static_cast<std::int64_t>(s_.part.packets.size());
         const auto whole = static_cast<std::int64_t>(packets_.size());
         const Sweeper sweeper{
             thread, threads_,  barrier,
@@ -371,10 +371,10 @@ class IslandSweeps {
         const int sweeps =
             sweep_unsolved(sweeper, cone_, options_, start_.momentum, most_cost * whole / part, view_of({}, 0), s_);
         if (thread == 0) {
-            island_.visits += sweeps * s_.unsolved.contacts;
+            island_.visits += sweeps * s_.part.contacts;
             part_cost_ = static_cast<int>(std::max<std::int64_t>(1, sweeps * part / whole));
             part_tasks_ += sweeps * part;
-            part_visits_ += sweeps * static_cast<std::int64_t>(s_.unsolved.groups.size());
+            part_visits_ += sweeps * static_cast<std::int64_t>(s_.part.groups.size());
             ++part_rounds_;
         }
         barrier.wait();
@@ -418,7 +418,7 @@ class IslandSweeps {
         bool hold = true;
         for (std::size_t lane = 0; lane < kPacketLanes; ++lane) { // those without a pair repeat another's bodies
             const ContactScratch::Change &a = s_.change[index(p.a[lane])], &b = s_.change[index(p.b[lane])];
-            const double least = kRoom * kParkedMargin - reach * (a.turn + b.turn);
+            const double least = kRoom * kParkedMargin * options_.tolerance - reach * (a.turn + b.turn);
             hold &= least > 0 && length_sq(b.linear - a.linear) < least * least;
         }
         return hold;

@@ -19,6 +19,11 @@ Vec3 any_tangent(const Vec3& n) {
 
 } // namespace
 
+TangentPair any_tangents(const Vec3& normal) {
+    const Vec3 t1 = any_tangent(normal);
+    return {t1, cross(normal, t1)};
+}
+
 TangentPair keyed_tangents(const Contact& contact, std::uint64_t seed, std::uint64_t step) {
     const std::uint64_t bits = random_bits(seed, step, contact.a, contact.b, contact.feature_key);
     const auto [s, c] = sin_cos(std::numbers::pi / 2 * unit_interval(bits));

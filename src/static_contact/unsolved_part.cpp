@@ -32,7 +32,7 @@ bool mark_violated(std::size_t first, std::size_t end, std::size_t most, Contact
     for (std::size_t p = first; p < end; ++p) {
         if (s.violated[p] == 0) continue;
         if (++violated > most) return false;
-        for_bodies(s.packed.packets[p], s.violated[p], s, [&](std::int32_t body) { s.unsolved.near[index(body)] = 1; });
+        for_bodies(s.packed.packets[p], s.violated[p], s, [&](std::int32_t body) { s.part.near[index(body)] = 1; });
     }
     return true;
 }
@@ -43,7 +43,7 @@ class PartSweeps {
   public:
     PartSweeps(const Sweeper& sweeper, Cone cone, const ContactSolveOptions& options, const SweepView& view,
                ContactScratch& s)
-        : me_(sweeper), cone_(cone), options_(options), view_(view), s_(s), part_(s.unsolved) {
+        : me_(sweeper), cone_(cone), options_(options), view_(view), s_(s), part_(s.part) {
         const auto end = static_cast<std::int32_t>(part_.packets.size());
         sharers_ = sweep_width_of(part_.groups, end, part_.packets, me_.threads);
     }
@@ -137,7 +137,7 @@ std::int64_t num_contacts(const ContactScratch& s, std::size_t packet) {
 }
 
 void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& s) {
-    ContactScratch::Unsolved& part = s.unsolved;
+    ContactScratch::Unsolved& part = s.part;
     const std::size_t packets = index(island.end_packet - island.first_packet), most = packets / kMostPartDivisor;
     part.near.resize(s.bodies.size());
     part.chosen.resize(s.bodies.size());
@@ -149,7 +149,7 @@ void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& s) {
 }
 
 bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& s) {
-    ContactScratch::Unsolved& part = s.unsolved;
+    ContactScratch::Unsolved& part = s.part;
     if (anew) part.near.assign(s.bodies.size(), 0);
     const std::size_t first = index(island.first_packet);
     const auto packets = std::span(s.packed.packets).subspan(first, index(island.end_packet) - first);
@@ -181,9 +181,9 @@ int sweep_unsolved(const Sweeper& sweeper, Cone cone, const ContactSolveOptions&
                    std::int64_t most, const SweepView& view, ContactScratch& s) {
     const int sweeps = PartSweeps(sweeper, cone, options, view, s)
                            .run(momentum, static_cast<int>(std::min<std::int64_t>(most, kMostSweeps)));
-    if (sweeper.thread == 0) s.unsolved.sweeps = sweeps;
+    if (sweeper.thread == 0) s.part.sweeps = sweeps;
     sweeper.barrier.wait();
-    return s.unsolved.sweeps;
+    return s.part.sweeps;
 }
 
 } // namespace flotilla

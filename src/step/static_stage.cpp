@@ -2,6 +2,7 @@
 #include "step/static_stage.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 #include "base/search.hpp"
@@ -216,6 +217,15 @@ bool sticks(const Contact& c, double rest, double most_slip, double time_step, c
     return length_sq(v - dot(v, c.normal) * c.normal) < limit * limit;
 }
 
+/// m/s, for a contact of the rest distance `rest` (Settings::static_tolerance).
+double tolerance_of(const Model& model, double rest) {
+    constexpr double kOfGravity = 1.0 / 2048, kOfRest = 1.0 / 1024;
+    const Settings& s = model.settings;
+    if (s.static_tolerance >= 0) return s.static_tolerance;
+    const double moves = kOfRest * rest / s.time_step, gravity = length(model.gravity) * s.time_step;
+    return gravity > 0 ? std::min(moves, kOfGravity * gravity) : moves;
+}
+
 ArcContact arcs_of(const Contact& c, double time_step, const VelocityArrays& bodies) {
     const auto point = [&](std::int32_t body) {
         return TurningPoint{bodies.angular_velocity[at(body)], c.point - bodies.position[at(body)]};
@@ -252,9 +262,10 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
     if (random) load_last_velocities(model, motion, options, scratch);
     const auto complete = [&](std::size_t i) {
         Contact c = set.contacts[i];
+        c.tolerance = tolerance_of(model, set.rest[i]);
         const ArcContact arcs = arcs_of(c, s.time_step, scratch.bodies);
         const double full =
-            equation_16(set.rest[i], c.distance - arcs.closer, s.time_step, s.static_tolerance) + arcs.approach;
+            equation_16(set.rest[i], c.distance - arcs.closer, s.time_step, c.tolerance) + arcs.approach;
         // Arcs that bring points together do so by the end of the step.
         c.target = options.final_stage ? std::min(0.0, full) : full + std::max(0.0, -0.5 * s.time_step * arcs.apart);
         if (options.keep_approach && set.processed[i] == 0)
@@ -280,7 +291,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     scratch.angular_before = b.angular_velocity;
     ContactSolveOptions solve;
     solve.iterations = s.static_iterations;
-    solve.tolerance = s.static_tolerance;
+    solve.tolerance = std::numeric_limits<double>::infinity(); // that of the contacts
     solve.warm_start = s.warm_start;
     solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
     constexpr double kRestSpeed = 2; // in what gravity adds in a step

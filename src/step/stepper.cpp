@@ -74,6 +74,7 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
     team_.for_each("place bodies", model_.size(), kBodyGrain,
                    [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
     turns_.assign(model_.size(), {});
+    disturbed_.assign(model_.size(), 0);
     activity_.resize(model_.size());
     StepData d = data();
     find_contacts(d, search_, contacts_);
@@ -133,6 +134,7 @@ StepReport Stepper::step() {
         first_version_.resize(model_.size());
         for (std::size_t i = 0; i < model_.size(); ++i) first_version_[i] = trajectories_.version(i);
         StepData d = data();
+        for (const auto& worker : workers_) worker->pushed.clear();
         { // 1) collisions: v^n becomes v^
             const PhaseWatch watch(report, Phase::collisions, team_);
             start_clusters(state_.motion);
@@ -142,6 +144,10 @@ StepReport Stepper::step() {
             report.collisions = c.impulses;
             if (c.limit) report.warnings |= kCollisionLimit;
             collided.assign(clusters_.motion().begin(), clusters_.motion().end());
+            energy_.start(team_, model_, state_.pose, state_.motion);
+            for (std::size_t i = 0; i < model_.size(); ++i)
+                energy_.add_work(static_cast<std::int32_t>(i), clusters_.work(static_cast<std::int32_t>(i)));
+            join_contacts();
         }
         { // 2) v^{n+1/2} = v^ + dt/2 a
             const PhaseWatch watch(report, Phase::half_velocity, team_);
@@ -189,6 +195,7 @@ StepReport Stepper::step() {
                 set_counters(contacts_.counters, report);
             }
             static_contact(next, end, true, report);
+            settle_energy(next, end, report);
         }
     }
     commit(next, end, failsafe);
@@ -226,7 +233,10 @@ void Stepper::wake_disturbed(StepData& d) {
 void Stepper::put_to_sleep() {
     if (!model_.settings.sleeping) return;
     const SleepRule rule = sleep_rule(model_);
-    count_quiet_steps(model_, rule, failsafe_bodies_, state_);
+    // Where forces do not carry the weight yet, velocities say nothing.
+    for (std::size_t i = 0; i < model_.size(); ++i)
+        disturbed_[i] = failsafe_bodies_[i] != 0 || static_.solver.unsolved[i] != 0 ? 1 : 0;
+    count_quiet_steps(model_, rule, disturbed_, state_);
     touching_.clear();
     for (const Contact& c : contacts_.contacts)
         if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
@@ -388,6 +398,35 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
             return failsafe_bodies_[static_cast<std::size_t>(w.a)] != 0 ||
                    failsafe_bodies_[static_cast<std::size_t>(w.b)] != 0;
         });
+}
+
+/// Bodies in contact are of one island.
+void Stepper::join_contacts() {
+    for (const Contact& c : contacts_.contacts) energy_.join(model_, c.a, c.b);
+}
+
+/// The account of the step's energy, after stage 7 (energy_account.hpp).
+void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
+    join_contacts();
+    for (const auto& worker : workers_)
+        for (const CandidatePair& p : worker->pushed) energy_.join(model_, p.a, p.b);
+    for (std::size_t id = 0; id < model_.size(); ++id)
+        for (const std::int32_t member : clusters_[static_cast<std::int32_t>(id)].members)
+            if (member != static_cast<std::int32_t>(id)) energy_.join(model_, static_cast<std::int32_t>(id), member);
+    for (std::size_t k = 0; k < static_.selected.size(); ++k) { // of scripted bodies in stage 7
+        const Contact& c = static_.selected[k];
+        for (const std::int32_t body : {c.a, c.b}) {
+            if (!model_.bodies[static_cast<std::size_t>(body)].scripted()) continue;
+            const Motion& m = motion[static_cast<std::size_t>(body)];
+            const Vec3 v = m.velocity + cross(m.momentum, c.point - end[static_cast<std::size_t>(body)].com);
+            const Vec3 impulse = body == c.a ? static_.impulses[k] : -static_.impulses[k];
+            energy_.add_work(body == c.a ? c.b : c.a, dot(impulse, v));
+        }
+    }
+    const EnergyCorrections made = energy_.settle(team_, model_, end, motion, state_.lift);
+    report.energy_corrections = made.islands;
+    report.energy_removed = made.removed;
+    report.lift = made.lift;
 }
 
 void Stepper::record_activity() {

@@ -9,6 +9,7 @@
 #include "failsafe/failsafe.hpp"
 #include "islands/sleeping.hpp"
 #include "step/certificate.hpp"
+#include "step/energy_account.hpp"
 #include "step/static_stage.hpp"
 
 namespace flotilla {
@@ -55,6 +56,8 @@ class Stepper {
     void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                          StepReport& report);
+    void join_contacts();
+    void settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report);
     void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
     void record_activity();
     void measure(StepReport& report) const;
@@ -76,6 +79,7 @@ class Stepper {
     };
     StepBuffers buffers_;
     StaticStageScratch static_;
+    EnergyAccount energy_;
     ContactSearchScratch search_;
     ContactSet contacts_;
     SleepScratch sleep_;
@@ -83,6 +87,7 @@ class Stepper {
     std::vector<WarmImpulse> waiting_; ///< of contacts between sleeping bodies
     std::vector<Vec3> turns_;
     std::vector<std::uint8_t> failsafe_bodies_;
+    std::vector<std::uint8_t> disturbed_; ///< bodies that may not fall asleep
     std::vector<std::uint64_t> first_version_; ///< of the bodies' end states in this step
     std::vector<BodyActivity> activity_;
 };

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "step/energy_account.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flotilla {
+namespace {
+
+constexpr std::size_t kGrain = 64; // bodies of a task
+/// Of the energies that a balance subtracts: the rounding of a few operations each, and of the energy of a turn (rotation_step.hpp).
+constexpr double kRounding = 0x1p-44;
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+double kinetic_energy(const Model& model, std::size_t i, const Pose& pose, const Motion& m) {
+    return 0.5 * (model.bodies[i].mass * length_sq(m.velocity) +
+                  dot(m.momentum, angular_velocity(model.shape_of(i), pose.rotation, m.momentum)));
+}
+
+} // namespace
+
+void EnergyAccount::start(Team& team, const Model& model, std::span<const Pose> pose, std::span<const Motion> motion) {
+    const std::size_t n = model.size();
+    parent_.resize(n);
+    kinetic_.resize(n);
+    com_.resize(n);
+    work_.assign(n, 0);
+    grounded_.assign(n, 0);
+    team.for_each("energy before", n, kGrain, [&](std::size_t i, int) {
+        parent_[i] = static_cast<std::int32_t>(i);
+        com_[i] = pose[i].com;
+        kinetic_[i] = model.bodies[i].movable() ? kinetic_energy(model, i, pose[i], motion[i]) : 0.0;
+    });
+}
+
+std::int32_t EnergyAccount::root(std::int32_t body) {
+    while (parent_[at(body)] != body) body = parent_[at(body)] = parent_[at(parent_[at(body)])];
+    return body;
+}
+
+void EnergyAccount::join(const Model& model, std::int32_t a, std::int32_t b) {
+    const bool movable_a = model.bodies[at(a)].movable(), movable_b = model.bodies[at(b)].movable();
+    if (movable_a && movable_b) {
+        const std::int32_t p = root(a), q = root(b);
+        parent_[at(std::max(p, q))] = std::min(p, q);
+    } else {
+        grounded_[at(movable_a ? a : b)] = 1;
+    }
+}
+
+EnergyAccount::Balance EnergyAccount::balance(const Model& model, std::size_t i, const Pose& end, const Motion& motion,
+                                              double lift) const {
+    const Body& body = model.bodies[i];
+    Balance out;
+    out.kinetic = kinetic_energy(model, i, end, motion);
+    out.gain = out.kinetic - kinetic_[i] - body.mass * dot(model.gravity, end.com - com_[i]);
+    const double weight = body.mass * length(model.gravity);
+    const double place = std::max(max_component(abs(end.com)), max_component(abs(com_[i])));
+    out.rounding = kRounding * (out.kinetic + kinetic_[i]) + 0x1p-50 * weight * place;
+    out.mass = body.mass;
+    out.momentum = body.mass * motion.velocity;
+    out.lift = lift;
+    out.most_lift = weight * body_lengths(model, i).rest;
+    out.grounded = grounded_[i] != 0;
+    return out;
+}
+
+EnergyAccount::Verdict EnergyAccount::judge(const Balance& island, EnergyCorrections& out) const {
+    Verdict v;
+    const double gain = island.gain - std::max(island.work, 0.0);
+    if (gain <= island.rounding) {
+        v.draw = -std::min(std::max(-gain, 0.0), island.lift);
+        return v;
+    }
+    v.draw = std::min(gain, std::max(island.most_lift - island.lift, 0.0));
+    const double excess = gain - v.draw;
+    if (excess <= island.rounding) return v;
+    if (!island.grounded) v.center = island.momentum / island.mass;
+    const double of_center = 0.5 * island.mass * length_sq(v.center), relative = island.kinetic - of_center;
+    const double removed = std::clamp(excess, 0.0, std::max(relative, 0.0));
+    v.scale = relative > 0 ? std::sqrt(std::max(0.0, 1 - removed / relative)) : 1.0;
+    v.debt = (excess - removed) / island.mass;
+    ++out.islands;
+    out.removed += removed;
+    return v;
+}
+
+EnergyCorrections EnergyAccount::settle(Team& team, const Model& model, std::span<const Pose> end,
+                                        std::span<Motion> motion, std::span<double> lift) {
+    const std::size_t n = model.size();
+    bodies_.resize(n);
+    islands_.assign(n, {});
+    verdicts_.assign(n, {});
+    const auto movable = [&](std::size_t i) { return model.bodies[i].movable(); };
+    team.for_each("energy after", n, kGrain, [&](std::size_t i, int) {
+        if (movable(i)) bodies_[i] = balance(model, i, end[i], motion[i], lift[i]);
+    });
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!movable(i)) continue;
+        const Balance& body = bodies_[i];
+        Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
+        island.gain += body.gain;
+        island.work += work_[i];
+        island.kinetic += body.kinetic;
+        island.rounding += body.rounding;
+        island.mass += body.mass;
+        island.momentum += body.momentum;
+        island.lift += body.lift;
+        island.most_lift += body.most_lift;
+        island.grounded = island.grounded || body.grounded;
+    }
+    EnergyCorrections out;
+    for (std::size_t i = 0; i < n; ++i)
+        if (movable(i) && parent_[i] == static_cast<std::int32_t>(i)) verdicts_[i] = judge(islands_[i], out);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!movable(i)) continue;
+        Verdict& v = verdicts_[at(root(static_cast<std::int32_t>(i)))];
+        // Lift is written down body by body, as far as each has room, and written off in the same order.
+        const double room = v.draw > 0 ? std::clamp(v.draw, 0.0, std::max(bodies_[i].most_lift - lift[i], 0.0))
+                                       : std::clamp(v.draw, -lift[i], 0.0);
+        lift[i] += room + v.debt * bodies_[i].mass;
+        v.draw -= room;
+        out.lift += lift[i];
+        if (v.scale == 1) continue;
+        motion[i].velocity = v.center + v.scale * (motion[i].velocity - v.center);
+        motion[i].momentum = v.scale * motion[i].momentum;
+    }
+    return out;
+}
+
+} // namespace flotilla

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// The last resort that keeps G5: energy does not grow by itself, island by island.
+//
+// At the end of a step every island may have at most the energy that it had before, the work of scripted bodies, and lift: stages 3
+// and 5 bring bodies that are too near to their rest distance, which may raise them. What of a rise of the energy is lift is
+// written down for every body, at most m |g| d_rest in all, and written off again when the island loses energy. So the energy of
+// a scene without scripts never exceeds its lowest value so far by more than the lift of all bodies.
+//
+// What rises beyond that is taken from the velocities of the island: relative to its centre of mass where nothing of infinite mass
+// touches it, which keeps its momentum, else relative to the world. In ordinary scenes there is nothing to take.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "parallel/team.hpp"
+#include "state/model.hpp"
+
+namespace flotilla {
+
+struct EnergyCorrections {
+    std::int64_t islands = 0; ///< that had to give up energy
+    double removed = 0;       ///< J
+    double lift = 0;          ///< J, written down at the end of the step
+};
+
+class EnergyAccount {
+  public:
+    /// Begins a step: every body is an island of its own. `before`: the poses and motions at x^n.
+    void start(Team& team, const Model& model, std::span<const Pose> pose, std::span<const Motion> motion);
+    /// The bodies exchanged momentum, or could have.
+    void join(const Model& model, std::int32_t a, std::int32_t b);
+    /// Work of scripted bodies on a body, J. Counts where it is positive for the island.
+    void add_work(std::int32_t body, double work) { work_[static_cast<std::size_t>(body)] += work; }
+
+    /// Cuts the velocities `motion` at the poses `end`; `lift` is what is written down for every body, J.
+    EnergyCorrections settle(Team& team, const Model& model, std::span<const Pose> end, std::span<Motion> motion,
+                             std::span<double> lift);
+
+  private:
+    /// Of a body, or of an island at the place of its lowest body.
+    struct Balance {
+        double gain = 0;     ///< J, since x^n
+        double kinetic = 0;  ///< J, at the end
+        double work = 0;     ///< J, of scripted bodies
+        double rounding = 0; ///< J, of kinetic energy and gain
+        double mass = 0;     ///< kg
+        Vec3 momentum;       ///< kg m/s
+        double lift = 0, most_lift = 0;
+        bool grounded = false; ///< touches infinite mass
+    };
+    /// What an island's bodies do with their velocities and their lift.
+    struct Verdict {
+        double scale = 1; ///< of velocities against `center`
+        Vec3 center;      ///< m/s
+        double draw = 0;  ///< J, lift to write down, or off where negative
+        double debt = 0;  ///< J per kg, beyond what lift allows: paid back by the steps to come
+    };
+
+    [[nodiscard]] std::int32_t root(std::int32_t body);
+    [[nodiscard]] Balance balance(const Model& model, std::size_t body, const Pose& end, const Motion& motion,
+                                  double lift) const;
+    Verdict judge(const Balance& island, EnergyCorrections& out) const;
+
+    std::vector<std::int32_t> parent_; ///< union-find, the lowest body is the root
+    std::vector<double> kinetic_, work_;
+    std::vector<Vec3> com_; ///< m, at x^n
+    std::vector<std::uint8_t> grounded_;
+    std::vector<Balance> bodies_, islands_;
+    std::vector<Verdict> verdicts_;
+};
+
+} // namespace flotilla
