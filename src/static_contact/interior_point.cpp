@@ -12,6 +12,8 @@
 
 namespace flotilla {
 
+double exp_smooth = 0; int exp_retry = 0; int exp_ls = 1, exp_sw = 100, exp_nn = 6, exp_rr = 20; int exp_stall = 8, exp_multi = 0;
+int exp_start = 0, exp_gs = 0, exp_ipm = 100; double exp_weight = 0;
 int exp_full_newton = 1, exp_newton_first = 6, exp_verbose = 0, exp_polish = 1;
 double exp_eps = 1e-9;
 
@@ -187,10 +189,10 @@ Scaling make_scaling(const Vec3& x, const Vec3& y) {
 struct ConeScratch::Storage {
     ConeProgram program;
     BodySystem system;
-    std::vector<double> w_n, w_t;
+    std::vector<double> w_n, w_t, weight;
     std::vector<Vec3> linear, angular, r, u, best, x, y, dx, dy, dxa, dya, rhs, lambda;
     std::vector<Scaling> scaling;
-    std::vector<Mat3> b;
+    std::vector<Mat3> b, w;
     Eigen::VectorXd v;
 };
 
@@ -313,7 +315,8 @@ struct Solver {
         }
         return f;
     }
-    bool done() const { return stats.residual <= options.tolerance || stats.iterations >= options.max_iterations; }
+    double floor() const { double w = 0; for (std::size_t i = 0; i < size(); ++i) w = std::max(w, std::max(s.w_n[i], s.w_t[i]) * length(s.best[i])); return 16 * 2.2e-16 * w; }
+    bool done() const { return stats.residual <= std::max(options.tolerance, floor()) || stats.iterations >= options.max_iterations; }
 
     // Semismooth Newton from s.best
     void newton(int max_steps) {
@@ -331,7 +334,7 @@ struct Solver {
             if (!finite) return;
             for (std::size_t i = 0; i < size(); ++i) s.dx[i] = s.rhs[i] - s.b[i] * spread(i);
             double alpha = 1, f = 0;
-            for (int k = 0; k < 1; ++k) {
+            for (int k = 0; k < exp_ls; ++k) {
                 for (std::size_t i = 0; i < size(); ++i) s.x[i] = s.r[i] + alpha * s.dx[i];
                 f = consider(s.x, s.y);
                 if (f < current) break;
@@ -397,6 +400,40 @@ struct Solver {
         }
     }
 
+    // Projected block Gauss-Seidel from s.best
+    void sweep(int count) {
+        s.r = s.best;
+        gather(s.r);
+        for (int k = 0; k < count; ++k)
+            for (std::size_t i = 0; i < size(); ++i) {
+                if (!live(i)) continue;
+                const Vec3 old = s.r[i];
+                Vec3 r = old;
+                const Vec3 u0 = p.contacts[i].q + spread(i);
+                Vec3 u = u0;
+                const Mat3& w = s.w[i];
+                for (int l = 0; l < 3; ++l) {
+                    r.x = std::max(r.x - u.x / s.w_n[i], 0.0);
+                    u = u0 + w * (r - old);
+                    if (!(s.w_t[i] > 0)) break;
+                    const double bound = p.contacts[i].friction * r.x;
+                    const double z1 = r.y - u.y / s.w_t[i], z2 = r.z - u.z / s.w_t[i];
+                    const double z = std::sqrt(z1 * z1 + z2 * z2), f = z > bound ? bound / z : 1;
+                    r.y = f * z1, r.z = f * z2;
+                    u = u0 + w * (r - old);
+                }
+                s.r[i] = r;
+                const Vec3 d = r - old;
+                for (auto e = index(p.first_entry[i]); e < index(p.first_entry[i + 1]); ++e)
+                    s.v[p.entries[e].column] += dot(p.entries[e].h, d);
+            }
+        const double had = stats.residual;
+        const double f = consider(s.r, s.u);
+        if (exp_verbose) std::printf("  sweeps: %.3e -> %.3e\n", had, f);
+    }
+
+    double smooth = 0;
+    double slip(const Vec3& u) const { return std::sqrt((u.y * u.y + u.z * u.z) + smooth * smooth); }
     // ---- interior point
     Vec3 to_r(std::size_t i, const Vec3& x) const {
         return has_cone(i) ? Vec3{x.x / p.contacts[i].friction, x.y, x.z} : Vec3{x.x, 0, 0};
@@ -408,13 +445,36 @@ struct Solver {
             if (live(i)) speed = std::max(speed, length(p.contacts[i].q));
         s.x.resize(m), s.y.resize(m), s.dx.resize(m), s.dy.resize(m), s.dxa.resize(m), s.dya.resize(m);
         s.b.resize(m), s.rhs.resize(m), s.lambda.resize(m), s.scaling.resize(m), s.r.resize(m);
-        std::size_t count = 0;
-        for (std::size_t i = 0; i < m; ++i) {
-            const double mu = has_cone(i) ? p.contacts[i].friction : 1;
-            s.x[i] = {live(i) ? mu * speed / std::max(s.w_n[i], s.w_t[i]) : 0, 0, 0};
-            s.y[i] = {speed * std::max(1., 1 / mu), 0, 0};
-            count += live(i);
+        double count = 0;
+        if (exp_start) {
+            for (std::size_t i = 0; i < m; ++i) {
+                s.b[i] = {};
+                s.rhs[i] = {};
+                if (!live(i)) continue;
+                const double k = 1 / (exp_eps * s.w_n[i]), kt = has_cone(i) ? 1 / (exp_eps * s.w_t[i]) : 0;
+                s.b[i] = diagonal({k, kt, kt});
+                s.rhs[i] = -(s.b[i] * p.contacts[i].q);
+            }
+            gather(s.rhs);
+            ++stats.iterations;
+            if (!s.system.factor(s.b, true)) return;
+            s.system.solve(s.v);
+            for (std::size_t i = 0; i < m; ++i) s.r[i] = s.rhs[i] - s.b[i] * spread(i);
         }
+        s.weight.resize(m);
+        for (std::size_t i = 0; i < m; ++i) {
+            s.weight[i] = 0;
+            if (!live(i)) continue;
+            const double mu = has_cone(i) ? p.contacts[i].friction : 1;
+            double size = speed / std::max(s.w_n[i], s.w_t[i]);
+            if (exp_start) size = std::max(size, length(s.r[i]));
+            s.x[i] = {mu * size, 0, 0};
+            s.y[i] = {speed * std::max(1., 1 / mu), 0, 0};
+            s.weight[i] = exp_weight ? std::pow(s.x[i].x * s.y[i].x, exp_weight) : 1;
+            count += s.weight[i];
+        }
+        double mean0 = 0, best_merit = kInfinity; int since = 0;
+        int exp_left = exp_ipm;
         double next_polish = 1e-2 * speed;
         std::vector<Vec3> px, py, pr, pu; // polish saves
         while (!done()) {
@@ -424,17 +484,20 @@ struct Solver {
             if (f < stats.residual) stats.residual = f, s.best = s.r;
             if (done()) return;
             double gap = 0, infeasible = 0;
+            for (std::size_t i = 0; i < m; ++i)
+                if (live(i)) gap += dot(s.x[i], s.y[i]);
+            if (mean0 == 0) mean0 = gap;
+            smooth = exp_smooth * speed * std::min(1.0, gap / mean0);
             // rd stored in dy
             for (std::size_t i = 0; i < m; ++i) {
                 if (!live(i)) continue;
                 const double mu = p.contacts[i].friction;
                 const Vec3 u = s.u[i];
-                Vec3 want = has_cone(i) ? Vec3{u.x / mu + std::sqrt(u.y * u.y + u.z * u.z), u.y, u.z} : Vec3{u.x, 0, 0};
+                Vec3 want = has_cone(i) ? Vec3{u.x / mu + slip(u), u.y, u.z} : Vec3{u.x, 0, 0};
                 s.lambda[i] = want - s.y[i]; // rd
                 infeasible = std::max(infeasible, length(s.lambda[i]));
-                gap += dot(s.x[i], s.y[i]);
             }
-            const double mean = gap / static_cast<double>(count);
+            const double mean = gap / count;
             if (exp_verbose)
                 std::printf("%3d residual %.3e infeasible %.3e mean %.3e\n", stats.iterations, f, infeasible, mean);
             if (exp_polish && f < next_polish) {
@@ -450,6 +513,9 @@ struct Solver {
                 s.x = px, s.y = py, s.r = pr, s.u = pu, s.lambda = rd;
                 next_polish = f * 0.03;
             }
+            if (--exp_left < 0) return;
+            const double merit = infeasible / speed + gap / mean0;
+            if (exp_stall && merit < 0.7 * best_merit) best_merit = merit, since = 0; else if (exp_stall && ++since > exp_stall) return;
             // scaling and matrix
             for (std::size_t i = 0; i < m; ++i) {
                 s.b[i] = {};
@@ -469,6 +535,17 @@ struct Solver {
             direction(sigma * mean, 1 - sigma, true, s.dx, s.dy);
             alpha = std::min(1.0, 0.99 * step_length(s.dx, s.dy));
             if (exp_verbose) std::printf("    sigma %.2e alpha %.3e\n", sigma, alpha);
+            if (exp_retry && alpha < 0.3) {
+                s.dxa.swap(s.dx), s.dya.swap(s.dy);
+                const double si = std::max(sigma, 0.5);
+                direction(si * mean, 1 - si, false, s.dx, s.dy);
+                const double plain = std::min(1.0, 0.99 * step_length(s.dx, s.dy));
+                if (exp_verbose) std::printf("    plain %.3e\n", plain);
+                if (plain > alpha)
+                    alpha = plain;
+                else
+                    s.dxa.swap(s.dx), s.dya.swap(s.dy);
+            }
             if (!(alpha > 0)) return;
             for (std::size_t i = 0; i < m; ++i)
                 if (live(i)) s.x[i] += alpha * s.dx[i], s.y[i] += alpha * s.dy[i];
@@ -485,7 +562,7 @@ struct Solver {
         Mat3 t = diagonal({im, 1, 1});
         if (exp_full_newton) {
             const Vec3& u = s.u[i];
-            const double l = std::sqrt(u.y * u.y + u.z * u.z);
+            const double l = slip(u);
             if (l > 0) t.m[1] = u.y / l, t.m[2] = u.z / l;
         }
         return diagonal({im, 1, 1}) * (g * t);
@@ -498,7 +575,7 @@ struct Solver {
             if (!live(i)) continue;
             const Scaling& w = s.scaling[i];
             const Vec3 l = w.apply(s.x[i]);
-            Vec3 c = Vec3{target, 0, 0} - jmul(l, l);
+            Vec3 c = Vec3{target * s.weight[i], 0, 0} - jmul(l, l);
             if (corrector) c = c - jmul(w.apply_inverse(s.dya[i]), w.apply(s.dxa[i]));
             const Vec3 d = jdiv(l, c); // W dx + W^-1 dy
             const Vec3 scaled = w.apply_inverse(d) - w.inverse_square() * (share * s.lambda[i]);
@@ -514,7 +591,7 @@ struct Solver {
             Vec3 dyi = has_cone(i) ? Vec3{du.x / p.contacts[i].friction, du.y, du.z} : Vec3{du.x, 0, 0};
             if (exp_full_newton && has_cone(i)) {
                 const Vec3& u = s.u[i];
-                const double l = std::sqrt(u.y * u.y + u.z * u.z);
+                const double l = slip(u);
                 if (l > 0) dyi.x += (u.y * du.y + u.z * du.z) / l;
             }
             dx[i] = dx[i] - w.inverse_square() * dyi;
@@ -533,6 +610,7 @@ struct Solver {
         return alpha;
     }
 
+    int rounds = 0;
     ConeSolveStats run(std::span<Vec3> impulses) {
         stats.residual = kInfinity;
         s.r.assign(size(), {});
@@ -543,8 +621,22 @@ struct Solver {
         consider(s.r, s.u);
         s.system.analyse(p);
         if (!done() && exp_newton_first) newton(exp_newton_first);
+        s.w.resize(size());
+        for (std::size_t i = 0; i < size(); ++i) {
+            s.w[i] = {};
+            for (auto e = index(p.first_entry[i]); e < index(p.first_entry[i + 1]); ++e)
+                s.w[i] = s.w[i] + outer(p.entries[e].h, p.entries[e].h);
+        }
+        if (exp_gs == 2) while (!done() && rounds++ < 20) { sweep(50); newton(6); }
         if (!done()) interior();
-        stats.solved = stats.residual <= options.tolerance;
+        if (exp_multi >= 1 && !done()) { exp_start = 1, exp_weight = 0.5, exp_smooth = 1, exp_retry = 1; interior(); }
+        if (exp_multi >= 2 && !done()) { exp_start = 0, exp_weight = 0, exp_smooth = 0.1, exp_retry = 1; interior(); }
+        if (exp_multi >= 3 && !done()) { exp_start = 0, exp_weight = 0, exp_smooth = 0, exp_retry = 0; exp_full_newton = 0; interior(); exp_full_newton = 1; }
+        if (exp_multi >= 1) exp_start = 0, exp_weight = 0, exp_smooth = 0, exp_retry = 0;
+        rounds = 0;
+        if (exp_gs == 1) while (!done() && rounds++ < exp_rr) { sweep(exp_sw); newton(exp_nn); }
+        if (exp_verbose) std::printf("rounds %d\n", rounds);
+        stats.solved = stats.residual <= std::max(options.tolerance, floor());
         std::copy(s.best.begin(), s.best.end(), impulses.begin());
         return stats;
     }
