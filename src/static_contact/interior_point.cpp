@@ -61,7 +61,7 @@ constexpr double kLeastConeFriction = 1e-6;
 
 // Share of 1/W_ii by which a closed contact yields within one Newton step. It keeps redundant contacts solvable, and as r
 // is corrected to W r + q = 0 by the next steps it leaves no error. Much smaller values drown free motions in rounding.
-constexpr double kCompliance = 1e-9;
+constexpr double kCompliance = 1e-11;
 
 constexpr int kFirstNewtonSteps = 6, kNewtonSteps = 6;
 constexpr int kNewtonPatience = 3; // steps without gain
@@ -84,7 +84,9 @@ enum class Start {
 Vec3 cut_to_cone(const Vec3& r, double friction) {
     if (!(r.x > 0)) return {};
     const double bound = friction * r.x, size = tangential_length(r);
-    return size > bound ? Vec3{r.x, bound / size * r.y, bound / size * r.z} : r;
+    // What was cut before stays as it is.
+    constexpr double kRounding = 1 + 4 * std::numeric_limits<double>::epsilon();
+    return size > kRounding * bound ? Vec3{r.x, bound / size * r.y, bound / size * r.z} : r;
 }
 
 class Solver {
@@ -102,7 +104,8 @@ class Solver {
     bool has_friction(std::size_t i) const { return friction(i) > 0 && s_.w[i].tangential > 0; }
     bool has_cone(std::size_t i) const { return friction(i) > kLeastConeFriction && s_.w[i].tangential > 0; }
     double limit() const { return std::max(options_.tolerance, stats_.rounding); }
-    bool done() const { return stats_.residual <= limit() || stats_.iterations >= options_.max_iterations; }
+    bool exhausted() const { return stats_.iterations >= options_.max_iterations; }
+    bool done() const { return stats_.residual <= limit() || exhausted(); }
 
     bool finite_input() const;
     double largest_velocity() const;
@@ -190,11 +193,12 @@ bool Solver::factorise() {
 }
 
 // Method 1, from r. Full steps only: where they do not lead down at once they often do after some more, and the best of them
-// is kept. Returns whether it finished.
+// is kept. Within rounding it goes on while it gains: an error common to a whole column of bodies, far below the rounding of
+// each of its contacts, is still an error of the column's load. Returns whether it finished.
 bool Solver::newton(int max_steps) {
     double best = consider();
     int without_gain = 0;
-    for (int k = 0; k < max_steps && !done(); ++k) {
+    for (int k = 0; k < max_steps && stats_.residual > options_.tolerance && !exhausted(); ++k) {
         for (std::size_t i = 0; i < size(); ++i) linearise(i);
         if (!factorise() || !s_.system.solve(s_.c, s_.du)) break;
         for (std::size_t i = 0; i < size(); ++i) s_.r[i] += s_.c[i] - s_.b[i] * s_.du[i];
