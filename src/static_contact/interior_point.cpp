@@ -152,6 +152,8 @@ bool Solver::finite_input() const {
         if (!is_finite(c.q) || !std::isfinite(c.friction)) return false;
     for (const ConeProgram::Entry& e : p_.entries)
         if (!is_finite(e.h)) return false;
+    for (const ConeDiagonal& w : s_.w) // a mass that is not finite has no entries, but shows here
+        if (!std::isfinite(w.normal) || !std::isfinite(w.tangential)) return false;
     return true;
 }
 

@@ -390,10 +390,18 @@ TEST(InteriorPoint, EndsNoWorseThanItBeganWhereThereMayBeNoSolution) {
 
 TEST(InteriorPoint, RefusesWhatIsNotFinite) {
     Random random{8};
-    Island island = make_stack({.masses = {1, 1}}, random);
-    island.contacts[2].free_velocity.y = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_FALSE(island.solve(1e-9).solved);
-    for (const Vec3& r : island.impulses) EXPECT_EQ(r, Vec3{});
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    const Island good = make_stack({.masses = {1, 1}}, random);
+    Island velocity = good, friction = good, arm = good, mass = good, inertia = good;
+    velocity.contacts[2].free_velocity.y = kNan;
+    friction.contacts[2].friction = kNan;
+    arm.contacts[2].arm_b.z = kNan;
+    mass.bodies[1].inv_mass = kNan;
+    inertia.bodies[1].inv_inertia.m[4] = kNan;
+    for (Island* const island : {&velocity, &friction, &arm, &mass, &inertia}) {
+        EXPECT_FALSE(island->solve(1e-9).solved);
+        for (const Vec3& r : island->impulses) EXPECT_EQ(r, Vec3{});
+    }
 
     Island other = make_stack({.masses = {1, 1}}, random);
     other.impulses.assign(other.contacts.size(), Vec3{std::numeric_limits<double>::infinity(), 0, 0});
