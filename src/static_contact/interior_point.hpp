@@ -22,9 +22,8 @@ struct ConeSolveStats {
     int iterations = 0; ///< factorisations
     double residual =
         0; ///< m/s: largest cone_violation(); infinite where the problem holds something that is not finite
-    double rounding =
-        0; ///< m/s: residual that rounding alone may leave, 4 eps max W |r|. Above 0 it matters for a light
-           ///< body under a heavy one: a load of 1e9 weights is not known to 1e-7 weights
+    double rounding = 0; ///< m/s: residual that rounding alone may leave, 4 eps max W |r|. It matters for a light
+                         ///< body under a heavy one: a load of 1e9 weights is not known to 1e-7 weights
     bool solved = false; ///< the residual is no larger than the tolerance, or than the rounding
 };
 
