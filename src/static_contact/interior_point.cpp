@@ -1,0 +1,503 @@
+// SPDX-License-Identifier: MIT
+// The law in cone form (De Saxce, Feng 1998): with x = (mu r_n, r_t) and y = (u_n / mu + |u_t|, u_t), which is u + mu |u_t| n
+// scaled likewise, it reads x in L, y in L, x perpendicular to y, for the Lorentz cone L. But for the term |u_t| this is a
+// convex second-order cone program with W = H H^T.
+//
+// Three methods, each begun only where those before it failed:
+//  1. Semismooth Newton on the residual itself, from the best impulses known (Alart, Curnier 1991). A few steps solve what is
+//     nearly solved and most problems of a few bodies. It has no guarantee from afar.
+//  2. Primal-dual interior point: Mehrotra's predictor and corrector with the scaling of Nesterov and Todd. Acary, Armand,
+//     Nguyen, Shpakovych (2023) solve the convex relaxation so and correct |u_t| outside; here its derivative is part of the
+//     Newton matrix, which is then not symmetric. Measured on 540 random problems: 282 unsolved without the derivative, 178
+//     with it, most of them with mu >= 10. Where it falls behind schedule it hands over to method 1 now and then, which
+//     finishes in a few steps what the central path reaches only slowly.
+//  3. Rounds of projected Gauss-Seidel and method 1, for what the interior point stalls at: large friction makes the law
+//     nonconvex, and the sweeps choose between sticking and opening contact by contact.
+// The best impulses of all are kept throughout.
+#include "static_contact/interior_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "static_contact/body_system.hpp"
+#include "static_contact/lorentz_cone.hpp"
+
+namespace flotilla {
+
+struct ConeScratch::Storage {
+    ConeProgram program; ///< of the bodies
+    BodySystem system;
+    std::vector<ConeDiagonal> w;
+    std::vector<ConeMotion> motion;
+    std::vector<Vec3> best;               ///< N s: impulses with the smallest residual so far
+    std::vector<Vec3> r, u, c, du;        ///< present impulses and velocities, and the step dr = c - B du
+    std::vector<Mat3> b;                  ///< B of body_system.hpp
+    std::vector<Vec3> x, y, infeasible;   ///< iterate of the interior point; y(u) - y
+    std::vector<Vec3> dx, dy, dx_0, dy_0; ///< its direction, and that of the predictor or the one kept aside
+    std::vector<double> weight;           ///< share of a contact in the central path's target
+    std::vector<NesterovTodd> scaling;
+
+    void resize(std::size_t n) {
+        for (auto* const v : {&r, &u, &c, &du, &x, &y, &infeasible, &dx, &dy, &dx_0, &dy_0}) v->assign(n, {});
+        b.assign(n, {});
+        weight.assign(n, 0);
+        scaling.assign(n, {});
+    }
+};
+
+ConeScratch::ConeScratch() : storage_(std::make_unique<Storage>()) {}
+ConeScratch::~ConeScratch() = default;
+ConeScratch::ConeScratch(ConeScratch&&) noexcept = default;
+ConeScratch& ConeScratch::operator=(ConeScratch&&) noexcept = default;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// In x and y a friction mu stretches the normal direction by 1/mu. Below this the contact is solved without friction, and
+// what it lacks, mu r_n, is left to the Newton steps, for which any mu is the same.
+constexpr double kLeastConeFriction = 1e-6;
+
+// Share of W_ii by which a closed contact yields to its impulse within one Newton step. It keeps redundant contacts
+// solvable, and as the next steps correct r it leaves no error. Larger values make the load of a heavy body on a column of
+// light ones converge slowly (1e-9: not to 1e-6 for a mass ratio of 1e9), smaller ones drown free motions in rounding.
+constexpr double kCompliance = 1e-11;
+
+constexpr int kFirstNewtonSteps = 6, kNewtonSteps = 6;
+constexpr int kNewtonPatience = 3; // steps without gain
+
+constexpr double kFirstHandOver = 1e-2; // of the largest velocity: residual at which method 2 first tries method 1
+constexpr double kNextHandOver = 0.03;  // of the residual at the try before
+
+constexpr double kStayInside = 0.99; // share of the way to the cone's edge
+constexpr double kShortStep = 0.3;   // a step shorter than this is compared with one without the corrector
+constexpr int kStall = 8;            // iterations without progress after which method 2 is given up
+
+constexpr int kRounds = 10, kSweepsPerRound = 400;
+
+/// Where the interior point begins. Both solved problems of the test set that the other did not.
+enum class Start {
+    own_scale, ///< each contact alone stops the largest velocity
+    bilateral, ///< impulses of contacts that hold in every direction: knows the weights carried, for large mass ratios
+};
+
+Vec3 cut_to_cone(const Vec3& r, double friction) {
+    if (!(r.x > 0)) return {};
+    const double bound = friction * r.x, size = tangential_length(r);
+    // What was cut before stays as it is.
+    constexpr double kRounding = 1 + 4 * std::numeric_limits<double>::epsilon();
+    return size > kRounding * bound ? Vec3{r.x, bound / size * r.y, bound / size * r.z} : r;
+}
+
+class Solver {
+  public:
+    Solver(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts, const ConeProgram& program,
+           const ConeSolveOptions& options, ConeScratch::Storage& storage)
+        : bodies_(bodies), contacts_(contacts), p_(program), options_(options), s_(storage) {}
+
+    ConeSolveStats run(std::span<Vec3> impulses);
+
+  private:
+    std::size_t size() const { return p_.contacts.size(); }
+    double friction(std::size_t i) const { return p_.contacts[i].friction; }
+    bool movable(std::size_t i) const { return s_.w[i].normal > 0; }
+    bool has_friction(std::size_t i) const { return friction(i) > 0 && s_.w[i].tangential > 0; }
+    bool has_cone(std::size_t i) const { return friction(i) > kLeastConeFriction && s_.w[i].tangential > 0; }
+    double limit() const { return std::max(options_.tolerance, stats_.rounding); }
+    bool exhausted() const { return stats_.iterations >= options_.max_iterations; }
+    bool done() const { return stats_.residual <= limit() || exhausted(); }
+
+    bool finite_input() const;
+    double largest_velocity() const;
+    double consider();
+    bool factorise();
+
+    bool newton(int max_steps);
+    void linearise(std::size_t i);
+    void linearise_sliding(std::size_t i, const Vec3& z, double size);
+
+    void interior(Start start);
+    bool set_start(Start start);
+    bool bilateral_impulses();
+    double measure();
+    bool stalled();
+    bool step();
+    void prepare_blocks();
+    bool direction(double target, double share, const std::vector<Vec3>* dx_0, const std::vector<Vec3>* dy_0);
+    double step_length() const;
+    double product_after(double length) const;
+    Vec3 impulse(std::size_t i, const Vec3& x) const;
+    Mat3 velocity_map(std::size_t i) const;
+
+    void sweep(int count);
+
+    std::span<const ConeBody> bodies_;
+    std::span<const ConeContact> contacts_;
+    const ConeProgram& p_;
+    ConeSolveOptions options_;
+    ConeScratch::Storage& s_;
+    ConeSolveStats stats_;
+
+    // of method 2
+    double speed_ = 0;         // m/s: largest |q|
+    double product_ = 0;       // J: sum of x . y
+    double first_product_ = 0; // J: at the start
+    double target_ = 0;        // J per weight: the central path's
+    double best_progress_ = 0; // smallest measure() so far
+    int without_progress_ = 0; // iterations
+};
+
+bool Solver::finite_input() const {
+    for (const ConeProgram::Contact& c : p_.contacts)
+        if (!is_finite(c.q) || !std::isfinite(c.friction)) return false;
+    for (const ConeProgram::Entry& e : p_.entries)
+        if (!is_finite(e.h)) return false;
+    for (const ConeDiagonal& w : s_.w) // a mass that is not finite has no entries, but shows here
+        if (!std::isfinite(w.normal) || !std::isfinite(w.tangential)) return false;
+    return true;
+}
+
+double Solver::largest_velocity() const {
+    double largest = 0;
+    for (std::size_t i = 0; i < size(); ++i)
+        if (movable(i)) largest = std::max(largest, length(p_.contacts[i].q));
+    return largest;
+}
+
+// Cuts r to the cones, sets u and returns the residual; keeps r where it is the best.
+double Solver::consider() {
+    for (std::size_t i = 0; i < size(); ++i)
+        s_.r[i] = movable(i) ? cut_to_cone(s_.r[i], has_friction(i) ? friction(i) : 0) : Vec3{};
+    if (bodies_.empty()) {
+        s_.system.gather(s_.r);
+        for (std::size_t i = 0; i < size(); ++i) s_.u[i] = p_.contacts[i].q + s_.system.spread(i);
+    } else {
+        cone_velocities(bodies_, contacts_, s_.r, s_.motion, s_.u);
+    }
+    double residual = 0, load = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+        const double violation = cone_violation(s_.w[i], friction(i), s_.r[i], s_.u[i]);
+        if (!std::isfinite(violation)) return kInfinity;
+        residual = std::max(residual, violation);
+        load = std::max(load, std::max(s_.w[i].normal, s_.w[i].tangential) * length(s_.r[i]));
+    }
+    if (residual < stats_.residual) {
+        stats_.residual = residual;
+        stats_.rounding = 4 * std::numeric_limits<double>::epsilon() * load;
+        s_.best = s_.r;
+    }
+    return residual;
+}
+
+bool Solver::factorise() {
+    ++stats_.iterations;
+    return s_.system.factorise(s_.b);
+}
+
+// Method 1, from r. Full steps only: where they do not lead down at once they often do after some more, and the best of them
+// is kept. Within rounding it goes on while it gains: an error common to a whole column of bodies, far below the rounding of
+// each of its contacts, is still an error of the column's load. Returns whether it finished.
+bool Solver::newton(int max_steps) {
+    double best = consider();
+    int without_gain = 0;
+    for (int k = 0; k < max_steps && stats_.residual > options_.tolerance && !exhausted(); ++k) {
+        for (std::size_t i = 0; i < size(); ++i) linearise(i);
+        if (!factorise() || !s_.system.solve(s_.c, s_.du)) break;
+        for (std::size_t i = 0; i < size(); ++i) s_.r[i] += s_.c[i] - s_.b[i] * s_.du[i];
+        const double residual = consider();
+        if (!std::isfinite(residual)) break;
+        without_gain = residual < 0.9 * best ? 0 : without_gain + 1;
+        if (without_gain > kNewtonPatience) break;
+        best = std::min(best, residual);
+    }
+    return done();
+}
+
+// dr = c - B du of a contact in the state that the projections of the residual show: open (r = 0), sticking (u = 0) or sliding.
+// u = 0 is relaxed to u + e W dr = 0.
+void Solver::linearise(std::size_t i) {
+    const Vec3 &r = s_.r[i], &u = s_.u[i];
+    const ConeDiagonal& w = s_.w[i];
+    s_.b[i] = {};
+    s_.c[i] = -r;
+    if (!movable(i) || !(r.x - u.x / w.normal > 0)) return;
+    s_.b[i].m[0] = 1 / (kCompliance * w.normal);
+    s_.c[i].x = -s_.b[i].m[0] * u.x;
+    if (!has_friction(i)) return;
+    const Vec3 z{0, r.y - u.y / w.tangential, r.z - u.z / w.tangential};
+    const double size = tangential_length(z);
+    if (size > friction(i) * r.x) {
+        linearise_sliding(i, z, size);
+        return;
+    }
+    const double stiffness = 1 / (kCompliance * w.tangential);
+    s_.b[i].m[4] = s_.b[i].m[8] = stiffness;
+    s_.c[i].y = -stiffness * u.y;
+    s_.c[i].z = -stiffness * u.z;
+}
+
+// r_t = mu r_n d, d = z/|z|, z = r_t - u_t / W_t. With k = mu r_n / |z| < 1 and P = I - d d^T its linearisation is
+//     (I - k P) dr_t = mu r_n d - r_t + mu d dr_n - k P du_t / W_t,   (I - k P)^-1 = d d^T + P / (1 - k).
+void Solver::linearise_sliding(std::size_t i, const Vec3& z, double size) {
+    const double mu = friction(i), bound = mu * s_.r[i].x, k = bound / size;
+    const double inverse = 1 / std::max(1 - k, kCompliance);
+    const double d1 = z.y / size, d2 = z.z / size;
+    const double g1 = bound * d1 - s_.r[i].y, g2 = bound * d2 - s_.r[i].z, along = g1 * d1 + g2 * d2;
+    Vec3& c = s_.c[i];
+    c.y = along * d1 + inverse * (g1 - along * d1) + mu * d1 * c.x;
+    c.z = along * d2 + inverse * (g2 - along * d2) + mu * d2 * c.x;
+    const double f = k * inverse / s_.w[i].tangential;
+    Mat3& b = s_.b[i];
+    b.m[3] = mu * d1 * b.m[0];
+    b.m[6] = mu * d2 * b.m[0];
+    b.m[4] = f * (d2 * d2);
+    b.m[5] = b.m[7] = -f * (d1 * d2);
+    b.m[8] = f * (d1 * d1);
+}
+
+// r of x. Contacts without cone have no friction here.
+Vec3 Solver::impulse(std::size_t i, const Vec3& x) const {
+    return has_cone(i) ? Vec3{x.x / friction(i), x.y, x.z} : Vec3{x.x, 0, 0};
+}
+
+// T = dy/du, with the derivative of |u_t|.
+Mat3 Solver::velocity_map(std::size_t i) const {
+    if (!has_cone(i)) return {{1, 0, 0, 0, 0, 0, 0, 0, 0}};
+    Mat3 t = diagonal({1 / friction(i), 1, 1});
+    const double slip = tangential_length(s_.u[i]);
+    if (slip > 0) {
+        t.m[1] = s_.u[i].y / slip;
+        t.m[2] = s_.u[i].z / slip;
+    }
+    return t;
+}
+
+bool Solver::bilateral_impulses() {
+    for (std::size_t i = 0; i < size(); ++i) {
+        const double normal = movable(i) ? 1 / (kCompliance * s_.w[i].normal) : 0;
+        const double tangential = movable(i) && has_cone(i) ? 1 / (kCompliance * s_.w[i].tangential) : 0;
+        s_.b[i] = diagonal({normal, tangential, tangential});
+        s_.c[i] = -(s_.b[i] * p_.contacts[i].q);
+    }
+    if (!factorise() || !s_.system.solve(s_.c, s_.du)) return false;
+    for (std::size_t i = 0; i < size(); ++i) s_.r[i] = s_.c[i] - s_.b[i] * s_.du[i];
+    return true;
+}
+
+// Both x and y on the cone's axis. The products x . y differ by the mass ratio from contact to contact; the central path keeps
+// the square roots of those differences.
+bool Solver::set_start(Start start) {
+    if (start == Start::bilateral && !bilateral_impulses()) return false;
+    double weights = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+        if (!movable(i)) continue;
+        const double mu = has_cone(i) ? friction(i) : 1;
+        double r = speed_ / std::max(s_.w[i].normal, s_.w[i].tangential);
+        if (start == Start::bilateral) r = std::max(r, length(s_.r[i]));
+        s_.x[i] = {mu * r, 0, 0};
+        s_.y[i] = {std::max(1.0, 1 / mu) * speed_, 0, 0};
+        s_.weight[i] = start == Start::bilateral ? std::sqrt(s_.x[i].x * s_.y[i].x) : 1;
+        weights += s_.weight[i];
+    }
+    for (std::size_t i = 0; i < size(); ++i) s_.weight[i] /= weights;
+    first_product_ = product_after(0);
+    best_progress_ = kInfinity;
+    without_progress_ = 0;
+    return true;
+}
+
+// Method 2.
+void Solver::interior(Start start) {
+    speed_ = largest_velocity();
+    if (!set_start(start)) return;
+    double hand_over = kFirstHandOver * speed_;
+    while (!done()) {
+        const double residual = measure();
+        if (!std::isfinite(residual) || done()) return;
+        if (residual < hand_over) {
+            hand_over = kNextHandOver * residual;
+            if (newton(kNewtonSteps)) return;
+            measure();
+        }
+        if (stalled() || !step()) return;
+    }
+}
+
+// Sets r, u and the infeasibility from x and y; returns the residual.
+double Solver::measure() {
+    for (std::size_t i = 0; i < size(); ++i) s_.r[i] = impulse(i, s_.x[i]);
+    const double residual = consider();
+    for (std::size_t i = 0; i < size(); ++i) {
+        const Vec3& u = s_.u[i];
+        const Vec3 y = has_cone(i) ? Vec3{u.x / friction(i) + tangential_length(u), u.y, u.z} : Vec3{u.x, 0, 0};
+        s_.infeasible[i] = y - s_.y[i];
+    }
+    product_ = target_ = product_after(0);
+    return residual;
+}
+
+bool Solver::stalled() {
+    double infeasible = 0;
+    for (std::size_t i = 0; i < size(); ++i)
+        if (movable(i)) infeasible = std::max(infeasible, length(s_.infeasible[i]));
+    const double progress = infeasible / speed_ + product_ / first_product_;
+    if (progress < 0.7 * best_progress_) {
+        best_progress_ = progress;
+        without_progress_ = 0;
+        return false;
+    }
+    return ++without_progress_ > kStall;
+}
+
+// One predictor and corrector. |u_t| is not convex, and the corrector's second order can point out of the cone at once: a short
+// step is compared with one that follows the path without it.
+bool Solver::step() {
+    prepare_blocks();
+    if (!factorise() || !direction(0, 1, nullptr, nullptr)) return false;
+    const double reached = product_after(std::min(1.0, step_length())) / product_;
+    const double centring = std::clamp(reached * reached * reached, 1e-6, 1.0);
+    s_.dx_0.swap(s_.dx);
+    s_.dy_0.swap(s_.dy);
+    if (!direction(centring, 1 - centring, &s_.dx_0, &s_.dy_0)) return false;
+    double length = std::min(1.0, kStayInside * step_length());
+    if (length < kShortStep) {
+        s_.dx_0.swap(s_.dx);
+        s_.dy_0.swap(s_.dy);
+        const double plain = std::max(centring, 0.5);
+        if (!direction(plain, 1 - plain, nullptr, nullptr)) return false;
+        const double plain_length = std::min(1.0, kStayInside * step_length());
+        if (plain_length > length) {
+            length = plain_length;
+        } else {
+            s_.dx_0.swap(s_.dx);
+            s_.dy_0.swap(s_.dy);
+        }
+    }
+    for (std::size_t i = 0; i < size(); ++i) {
+        if (!movable(i)) continue;
+        s_.x[i] += length * s_.dx[i];
+        s_.y[i] += length * s_.dy[i];
+    }
+    return length > 0;
+}
+
+// r = S x with S = diag(1/mu, 1, 1), and W^2 dx + dy = W d (the caller's d), dy = T du + infeasibility, so that
+//     dr = S (W^-1 d - W^-2 infeasibility) - S W^-2 T du.
+void Solver::prepare_blocks() {
+    for (std::size_t i = 0; i < size(); ++i) {
+        s_.b[i] = {};
+        if (!movable(i)) continue;
+        s_.scaling[i] = NesterovTodd::of(s_.x[i], s_.y[i]);
+        const Mat3 product = s_.scaling[i].inverse_square() * velocity_map(i);
+        s_.b[i] = has_cone(i) ? diagonal({1 / friction(i), 1, 1}) * product : diagonal({product.m[0], 0, 0});
+    }
+}
+
+// The direction that takes x o y to the given share of the present product, in scaled form
+//     l o d = target e - l o l - (W^-1 dy_0) o (W dx_0),   l = W x = W^-1 y,
+// and removes `share` of the infeasibility. Sets dx and dy.
+bool Solver::direction(double target, double share, const std::vector<Vec3>* dx_0, const std::vector<Vec3>* dy_0) {
+    for (std::size_t i = 0; i < size(); ++i) {
+        s_.c[i] = {};
+        if (!movable(i)) continue;
+        const NesterovTodd& w = s_.scaling[i];
+        const Vec3 l = w.apply(s_.x[i]);
+        Vec3 right = Vec3{target * target_ * s_.weight[i], 0, 0} - jordan_product(l, l);
+        if (dx_0 != nullptr) right = right - jordan_product(w.apply_inverse((*dy_0)[i]), w.apply((*dx_0)[i]));
+        s_.dx[i] = w.apply_inverse(jordan_quotient(right, l)) - w.inverse_square() * (share * s_.infeasible[i]);
+        s_.c[i] = impulse(i, s_.dx[i]);
+    }
+    if (!s_.system.solve(s_.c, s_.du)) return false;
+    for (std::size_t i = 0; i < size(); ++i) {
+        if (!movable(i)) continue;
+        const Vec3 dy = velocity_map(i) * s_.du[i];
+        s_.dx[i] -= s_.scaling[i].inverse_square() * dy;
+        s_.dy[i] = dy + share * s_.infeasible[i];
+    }
+    return true;
+}
+
+// To the edge of the nearest cone; 0 where it is no number.
+double Solver::step_length() const {
+    double length = kInfinity;
+    for (std::size_t i = 0; i < size(); ++i) {
+        if (!movable(i)) continue;
+        for (const double edge : {step_to_edge(s_.x[i], s_.dx[i]), step_to_edge(s_.y[i], s_.dy[i])}) {
+            if (std::isnan(edge)) return 0;
+            length = std::min(length, edge);
+        }
+    }
+    return length;
+}
+
+double Solver::product_after(double length) const {
+    double product = 0;
+    for (std::size_t i = 0; i < size(); ++i)
+        if (movable(i)) product += dot(s_.x[i] + length * s_.dx[i], s_.y[i] + length * s_.dy[i]);
+    return product;
+}
+
+// Method 3: visits as in local_contact.hpp, from r.
+void Solver::sweep(int count) {
+    s_.system.gather(s_.r);
+    for (std::size_t i = 0; i < size(); ++i) s_.b[i] = s_.system.own_block(i);
+    for (int k = 0; k < count; ++k)
+        for (std::size_t i = 0; i < size(); ++i) {
+            if (!movable(i)) continue;
+            const ConeDiagonal& w = s_.w[i];
+            const Vec3 before = s_.r[i], u_before = p_.contacts[i].q + s_.system.spread(i);
+            Vec3 r = before, u = u_before;
+            for (int visit = 0; visit < 3; ++visit) {
+                r.x = std::max(r.x - u.x / w.normal, 0.0);
+                u = u_before + s_.b[i] * (r - before);
+                if (!has_friction(i)) break;
+                r = cut_to_cone({r.x, r.y - u.y / w.tangential, r.z - u.z / w.tangential}, friction(i));
+                u = u_before + s_.b[i] * (r - before);
+            }
+            s_.r[i] = r;
+            s_.system.add(i, r - before);
+        }
+}
+
+ConeSolveStats Solver::run(std::span<Vec3> impulses) {
+    s_.resize(size());
+    s_.best.assign(size(), {});
+    stats_.residual = kInfinity;
+    if (finite_input()) {
+        s_.system.analyse(p_);
+        consider();
+        std::copy(impulses.begin(), impulses.end(), s_.r.begin());
+        consider();
+        s_.r = s_.best;
+        newton(kFirstNewtonSteps);
+        for (const Start start : {Start::own_scale, Start::bilateral})
+            if (!done()) interior(start);
+        for (int round = 0; round < kRounds && !done(); ++round) {
+            s_.r = s_.best;
+            sweep(kSweepsPerRound);
+            newton(kNewtonSteps);
+        }
+    }
+    stats_.solved = stats_.residual <= limit();
+    std::copy(s_.best.begin(), s_.best.end(), impulses.begin());
+    return stats_;
+}
+
+} // namespace
+
+ConeSolveStats solve_cone_program(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts,
+                                  const ConeSolveOptions& options, std::span<Vec3> impulses, ConeScratch& scratch) {
+    ConeScratch::Storage& s = scratch.storage();
+    build_cone_program(bodies, contacts, s.program, s.w);
+    return Solver(bodies, contacts, s.program, options, s).run(impulses);
+}
+
+ConeSolveStats solve_cone_program(const ConeProgram& program, const ConeSolveOptions& options, std::span<Vec3> impulses,
+                                  ConeScratch& scratch) {
+    ConeScratch::Storage& s = scratch.storage();
+    set_diagonals(program, s.w);
+    return Solver({}, {}, program, options, s).run(impulses);
+}
+
+} // namespace flotilla
