@@ -37,8 +37,7 @@ struct Start {
     double kinetic = 0, potential = 0;       ///< J
     double potential_terms = 0;              ///< J, sum of the terms' magnitudes: what rounding is relative to
     double mass = 0;                         ///< kg
-    double momentum_terms = 0;               ///< kg m/s
-    double angular_terms = 0;                ///< kg m^2/s
+    double reach = 0;                        ///< m, of the bodies from the origin
     double size_energy = 0, rest_energy = 0; ///< J, sum m |g| size and m |g| d_rest
     Vec3 momentum, angular_momentum;
 };
@@ -58,9 +57,8 @@ Start measure_start(const Scene& scene, const World& world) {
         s.potential_terms += std::abs(m * dot(scene.gravity, body.center_of_mass));
         s.mass += m;
         s.momentum += m * body.velocity;
-        s.momentum_terms += m * length(body.velocity);
+        s.reach = std::max(s.reach, length(body.center_of_mass) + shape.radius);
         s.angular_momentum += orbit + spin;
-        s.angular_terms += length(orbit) + length(spin);
         s.size_energy += m * g * size;
         s.rest_energy +=
             m * g * (scene.settings.rest_distance > 0 ? scene.settings.rest_distance : size / kSizePerRestDistance);
@@ -108,18 +106,22 @@ class EnergyWatch {
 
 double share(double part, double whole) { return part > 0 ? part / whole : 0; }
 
+/// Drifts relative to what the energy could carry: sum m |v| <= sqrt(2 M E).
 void watch_momentum(const Start& start, const Vec3& gravity, const StepReport& report, EnergyRecord& record) {
     if (!record.free) return;
     const Vec3 fall = start.mass * report.time * gravity;
+    const double carried = std::sqrt(2 * start.mass * start.kinetic);
     const double drift = length(report.momentum - start.momentum - fall);
-    record.momentum_drift = std::max(record.momentum_drift, share(drift, start.momentum_terms + length(fall)));
+    record.momentum_drift = std::max(record.momentum_drift, share(drift, carried + length(fall)));
     if (record.gravity > 0) return;
     const double turned = length(report.angular_momentum - start.angular_momentum);
-    record.angular_drift = std::max(record.angular_drift, share(turned, start.angular_terms));
+    record.angular_drift = std::max(record.angular_drift, share(turned, carried * start.reach));
 }
 
 void add_counters(const StepReport& report, EnergyRecord& record) {
     ++record.steps;
+    record.collisions += report.collisions;
+    record.contacts += report.contacts;
     record.merges += report.merges;
     record.rung_changes += report.rung_changes;
     record.held += report.held;

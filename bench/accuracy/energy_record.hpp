@@ -36,9 +36,10 @@ struct EnergyRecord {
     double scale = 0;           ///< J, at the end
     double allowance = 0;       ///< J
 
-    double momentum_drift = 0; ///< free scenes: largest change / (sum m |v| at the start + M |g| t)
-    double angular_drift = 0;  ///< free scenes without gravity: largest change / sum (|r x m v| + |I w|) at the start
+    double momentum_drift = 0; ///< free scenes: largest change / (sqrt(2 M E) at the start + M |g| t)
+    double angular_drift = 0;  ///< free scenes without gravity: largest change / (sqrt(2 M E) * farthest point) at the start
 
+    std::int64_t collisions = 0, contacts = 0;           ///< summed over the steps
     std::int64_t merges = 0, rung_changes = 0, held = 0; ///< summed over the steps
     std::uint32_t warnings = 0;                          ///< of all steps
     std::int64_t corrections = 0;                        ///< by the last resort, where the report counts them

@@ -60,9 +60,13 @@ std::vector<Task> list_tasks(const Arguments& arguments) {
 EnergyRecord record_of(const Task& task) {
     EnergyRecord record;
     record.index = task.index;
-    const std::filesystem::path file = std::filesystem::absolute(task.file);
-    set_text(record.group, task.index >= 0 ? "random" : file.parent_path().filename().string());
-    set_text(record.name, task.index >= 0 ? "" : file.stem().string());
+    if (task.index >= 0) {
+        set_text(record.group, "random");
+    } else {
+        const std::filesystem::path file = std::filesystem::absolute(task.file);
+        set_text(record.group, file.parent_path().filename().string());
+        set_text(record.name, file.stem().string());
+    }
     return record;
 }
 

@@ -53,23 +53,27 @@ std::string title(const EnergyRecord& r) {
 double removed_share(const EnergyRecord& r) { return r.removed > 0 ? r.removed / r.scale : 0; }
 
 void write_group(std::ostream& out, const std::string& name, const Records& group) {
-    std::vector<double> rise, momentum;
-    std::size_t failed = 0, rising = 0, corrected = 0;
+    std::vector<double> rise, momentum, angular;
+    std::size_t failed = 0, touching = 0, rising = 0, corrected = 0;
     std::int64_t merges = 0, held = 0, steps = 0, corrections = 0;
     double most_removed = 0, seconds = 0;
     for (const EnergyRecord* r : group) {
         failed += r->failure[0] != '\0' ? 1U : 0U;
+        touching += r->collisions + r->contacts > 0 ? 1U : 0U;
         rising += rises(*r) ? 1U : 0U;
         corrected += r->corrections > 0 ? 1U : 0U;
         corrections += r->corrections;
         most_removed = std::max(most_removed, removed_share(*r));
         merges += r->merges, held += r->held, steps += r->steps, seconds += r->seconds;
         if (!r->scripted) rise.push_back(r->rise);
-        if (r->free && r->rung_changes + r->merges == 0) momentum.push_back(r->momentum_drift);
+        if (!r->free || r->rung_changes + r->merges > 0) continue;
+        momentum.push_back(r->momentum_drift);
+        if (r->gravity == 0) angular.push_back(r->angular_drift);
     }
     std::sort(rise.begin(), rise.end());
     std::sort(momentum.begin(), momentum.end());
-    out << "| " << name << " | " << group.size() << " | " << failed << " | " << rising << " ("
+    std::sort(angular.begin(), angular.end());
+    out << "| " << name << " | " << group.size() << " | " << touching << " | " << failed << " | " << rising << " ("
         << percent(rising, rise.size()) << ") | " << short_text(quantile(rise, 0.5)) << " | "
         << short_text(quantile(rise, 0.9)) << " | " << short_text(quantile(rise, 0.99)) << " | "
         << short_text(quantile(rise, 1)) << " | " << corrections << " in " << corrected << " scenes | "
@@ -81,11 +85,11 @@ void write_group(std::ostream& out, const std::string& name, const Records& grou
 void write_groups(std::ostream& out, const Records& all) {
     std::map<std::string, Records> groups;
     for (const EnergyRecord* r : all) groups[r->group.data()].push_back(r);
-    out << "| group | scenes | failed | rises above " << short_text(kMostRise)
+    out << "| group | scenes | with contact | failed | rises above " << short_text(kMostRise)
         << " | rise, median | 90 % | 99 % | largest | last resorts | J removed / scale, largest | momentum drift, free "
            "scenes"
            " without failsafe | merges | held | steps | ms a step |\n|"
-           "---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+           "---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
     for (const auto& [name, group] : groups) write_group(out, name, group);
 }
 
@@ -174,7 +178,8 @@ void write_properties(std::ostream& out, Records all) {
 void write_csv(std::ostream& out, std::span<const EnergyRecord> records) {
     out << "group,index,name,place,bodies,scripted,time_step,gravity,friction,restitution,steps,rise,rise_joule,rise_"
            "step,growth,"
-           "scale,allowance,momentum_drift,angular_drift,merges,rung_changes,held,warnings,corrections,removed,seconds,"
+           "scale,allowance,momentum_drift,angular_drift,collisions,contacts,merges,rung_changes,held,warnings,"
+           "corrections,removed,seconds,"
            "failure\n";
     for (const EnergyRecord& r : records) {
         out << r.group.data() << ',' << r.index << ",\"" << plain(r.name.data()) << "\"," << r.place.data() << ','
@@ -184,9 +189,9 @@ void write_csv(std::ostream& out, std::span<const EnergyRecord> records) {
         out << ',' << r.rise_step;
         for (const double value : {r.growth, r.scale, r.allowance, r.momentum_drift, r.angular_drift})
             out << ',' << short_text(value);
-        out << ',' << r.merges << ',' << r.rung_changes << ',' << r.held << ',' << r.warnings << ',' << r.corrections
-            << ',' << short_text(r.removed) << ',' << short_text(r.seconds) << ",\"" << plain(r.failure.data())
-            << "\"\n";
+        out << ',' << r.collisions << ',' << r.contacts << ',' << r.merges << ',' << r.rung_changes << ',' << r.held
+            << ',' << r.warnings << ',' << r.corrections << ',' << short_text(r.removed) << ',' << short_text(r.seconds)
+            << ",\"" << plain(r.failure.data()) << "\"\n";
     }
 }
 

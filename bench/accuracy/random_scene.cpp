@@ -28,7 +28,8 @@ constexpr double kMinMass = 1e-3, kMaxMass = 1e3; // of the lightest body
 constexpr double kMaxMassRatio = 1e6;
 constexpr double kMinStep = 1e-4, kMaxStep = 1;
 constexpr double kMinSpeed = 1e-2, kMaxSpeed = 1e4; // sizes of the body a second
-constexpr double kMinSpin = 1e-2, kMaxSpin = 1e4;   // rad/s
+constexpr double kMinWay = 0.05; // sizes a step, of most scenes that move: within a few dozen steps bodies meet
+constexpr double kMinSpin = 1e-2, kMaxSpin = 1e4; // rad/s
 constexpr double kMaxAspect = 1e4;
 
 /// Numbers drawn one after the other; each a function of (seed, index, how many were drawn before).
@@ -148,19 +149,25 @@ struct Range {
 struct Common {
     Range size, mass;
     std::string_view only_kind; ///< empty: mixed
-    bool moves = false, turns = false, aimed = false;
+    double min_speed = 0;       // sizes a second; 0: at rest
+    bool turns = false;
+    bool aimed = false;  // at the middle
+    bool packed = false; // moved together until nearly touching
 };
 
-Common draw_common(Draws& draws) {
+Common draw_common(Draws& draws, double time_step) {
     Common common;
     common.size.low = common.size.high = draws.log_uniform(kMinSize, kMaxSize);
     if (draws.chance(0.5)) common.size.high = draws.log_uniform(common.size.low, kMaxSize);
     common.mass.low = common.mass.high = draws.log_uniform(kMinMass, kMaxMass);
     if (draws.chance(0.5)) common.mass.high *= draws.log_uniform(1, kMaxMassRatio);
     if (draws.chance(0.5)) common.only_kind = draws.one_of(kKinds).name;
-    common.moves = draws.chance(0.7);
+    const bool moves = draws.chance(0.7);
+    const bool slow = draws.chance(0.2);
+    if (moves) common.min_speed = slow ? kMinSpeed : std::max(kMinSpeed, kMinWay / time_step);
     common.turns = draws.chance(0.5);
-    common.aimed = draws.chance(0.5);
+    common.aimed = draws.chance(0.7);
+    common.packed = draws.chance(0.5);
     return common;
 }
 
@@ -169,35 +176,74 @@ Kind draw_kind(Draws& draws, const Common& common) {
     return *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.name == common.only_kind; });
 }
 
-/// Adds a body in a free place: near the middle, ever further out while it meets those already there.
-void add_body(SceneDescription& scene, Draws& draws, const Common& common, const Kind& kind, double& spread) {
+bool is_free(const SceneDescription& scene) { return check_scene(scene).intersections.empty(); }
+
+/// Puts the last body in a free place: near the middle, ever further out while it meets those already there.
+void place_last(SceneDescription& scene, Draws& draws, double& spread) {
     constexpr int kAttempts = 200;
     constexpr double kWiden = 1.1;
-    const std::string name = std::string(kind.name) + " " + std::to_string(scene.bodies.size());
+    BodyDescription& body = scene.bodies.back();
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        body.position = draws.in_ball(spread);
+        body.rotation = draws.rotation();
+        if (is_free(scene)) return;
+        spread *= kWiden;
+    }
+    throw InputError("no free place for body " + body.name);
+}
+
+/// Moves the last body towards the middle until it nearly meets another; how nearly is drawn.
+void pack_last(SceneDescription& scene, Draws& draws) {
+    BodyDescription& body = scene.bodies.back();
+    const Vec3 start = body.position;
+    const int halvings = draws.integer(3, 14);
+    body.position = {};
+    if (is_free(scene)) return;
+    double free = 1, meets = 0; // shares of the way out from the middle
+    for (int i = 0; i < halvings; ++i) {
+        const double share = 0.5 * (free + meets);
+        body.position = share * start;
+        (is_free(scene) ? free : meets) = share;
+    }
+    body.position = free * start;
+}
+
+ShapeDescription draw_shape(Draws& draws, const Common& common, const Kind& kind, const std::string& name) {
     const double size = draws.log_uniform(common.size.low, common.size.high);
     TriangleMesh mesh = kind.make(draws);
     fit(mesh, size);
     ShapeDescription shape = library::shape_of(name, std::move(mesh));
     shape.mass_kind = MassKind::mass;
     shape.mass_value = draws.log_uniform(common.mass.low, common.mass.high);
-    scene.shapes.push_back(std::move(shape));
-    scene.bodies.push_back(
-        library::body_of(name, static_cast<std::int32_t>(scene.bodies.size()), BodyType::dynamic, {}));
-    BodyDescription& body = scene.bodies.back();
-    spread = std::max(spread, 0.5 * size);
-    for (int attempt = 0;; ++attempt) {
-        body.position = draws.in_ball(spread);
-        body.rotation = draws.rotation();
-        if (check_scene(scene).intersections.empty()) break;
-        if (attempt == kAttempts) throw InputError("no free place for body " + name);
-        spread *= kWiden;
-    }
-    const double speed = common.moves ? size * draws.log_uniform(kMinSpeed, kMaxSpeed) : 0;
+    return shape;
+}
+
+double size_of(const ShapeDescription& shape) {
+    double radius = 0;
+    for (const Vec3& v : shape.vertices) radius = std::max(radius, length(v));
+    return 2 * radius;
+}
+
+void set_moving(BodyDescription& body, Draws& draws, const Common& common, double size, double spread) {
+    const double speed = common.min_speed > 0 ? size * draws.log_uniform(common.min_speed, kMaxSpeed) : 0;
     const Vec3 inwards = normalized(draws.in_ball(0.3 * spread) - body.position);
     body.velocity = speed * (common.aimed ? inwards : draws.direction());
     if (!common.turns) return;
     const Vec3 axis = draws.direction();
     body.angular_velocity = draws.log_uniform(kMinSpin, kMaxSpin) * axis;
+}
+
+/// `spread` is how far from the middle bodies are put, m.
+void add_body(SceneDescription& scene, Draws& draws, const Common& common, const Kind& kind, double& spread) {
+    const std::string name = std::string(kind.name) + " " + std::to_string(scene.bodies.size());
+    scene.shapes.push_back(draw_shape(draws, common, kind, name));
+    scene.bodies.push_back(
+        library::body_of(name, static_cast<std::int32_t>(scene.bodies.size()), BodyType::dynamic, {}));
+    const double size = size_of(scene.shapes.back());
+    spread = std::max(spread, 0.5 * size);
+    place_last(scene, draws, spread);
+    if (common.packed) pack_last(scene, draws);
+    set_moving(scene.bodies.back(), draws, common, size, spread);
 }
 
 struct Bounds {
@@ -228,7 +274,7 @@ Bounds bounds_of(const SceneDescription& scene) {
 void add_place(SceneDescription& scene, Draws& draws, std::string_view place) {
     if (place == "free") return;
     const Bounds bounds = bounds_of(scene);
-    const double gap = bounds.smallest * draws.log_uniform(1e-2, 1);
+    const double gap = bounds.smallest * draws.log_uniform(1e-4, 1);
     const Vec3 extent = bounds.high - bounds.low + 2 * gap * Vec3{1, 1, 1}, middle = 0.5 * (bounds.low + bounds.high);
     TriangleMesh mesh;
     Vec3 position;
@@ -268,7 +314,7 @@ RandomScene make_random_scene(std::uint64_t seed, std::uint64_t index) {
     scene.settings.seed = index;
     scene.gravity = {0, 0, draws.chance(0.7) ? -9.8 : 0.0};
     const auto place = draws.one_of(std::array<std::string_view, 4>{"free", "floor", "box", "bowl"});
-    const Common common = draw_common(draws);
+    const Common common = draw_common(draws, scene.settings.time_step);
     const int bodies = draws.integer(kMinBodies, kMaxBodies);
     std::map<std::string_view, int> counts;
     double spread = 0;
