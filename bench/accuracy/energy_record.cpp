@@ -164,6 +164,7 @@ void run(const SceneDescription& description, std::int64_t steps, double max_sec
         record.scale = watch.scale();
         record.seconds = std::chrono::duration<double>(Clock::now() - began).count();
     }
+    record.cut = record.steps < steps && record.failure[0] == '\0';
     record.allowance = watch.allowance();
     record.growth = share(watch.gained(), start.kinetic + start.size_energy);
 }

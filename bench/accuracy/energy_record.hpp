@@ -29,6 +29,7 @@ struct EnergyRecord {
     double time_step = 0, gravity = 0, friction = 0, restitution = 0;
 
     std::int64_t steps = 0;     ///< made
+    bool cut = false;           ///< ended before all steps were made, for they took too long
     double rise = 0;            ///< largest, share of the scale
     double rise_joule = 0;      ///< the same one
     std::int64_t rise_step = 0; ///< when
@@ -37,7 +38,8 @@ struct EnergyRecord {
     double allowance = 0;       ///< J
 
     double momentum_drift = 0; ///< free scenes: largest change / (sqrt(2 M E) at the start + M |g| t)
-    double angular_drift = 0;  ///< free scenes without gravity: largest change / (sqrt(2 M E) * farthest point) at the start
+    double angular_drift =
+        0; ///< free scenes without gravity: largest change / (sqrt(2 M E) * farthest point) at the start
 
     std::int64_t collisions = 0, contacts = 0;           ///< summed over the steps
     std::int64_t merges = 0, rung_changes = 0, held = 0; ///< summed over the steps

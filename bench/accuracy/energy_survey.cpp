@@ -35,7 +35,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Arguments {
     std::uint64_t seed = 1;
-    std::int64_t random = 0, only = -1, first = 0, steps = 40;
+    std::int64_t random = 0, only = -1, first = 0, steps = 40, scene_steps = 300;
     int jobs = 1;
     double dt = 0, seconds = 60;
     std::vector<std::string> scenes;
@@ -87,7 +87,8 @@ SceneDescription make_scene(const Arguments& arguments, const Task& task, Energy
 EnergyRecord run_task(const Arguments& arguments, const Task& task) {
     EnergyRecord record = record_of(task);
     try {
-        record_energy(make_scene(arguments, task, record), arguments.steps, arguments.seconds, record);
+        const std::int64_t steps = task.index >= 0 ? arguments.steps : arguments.scene_steps;
+        record_energy(make_scene(arguments, task, record), steps, arguments.seconds, record);
     } catch (const std::exception& error) {
         set_text(record.failure, error.what());
     }
@@ -208,7 +209,8 @@ int main(int argc, char** argv) {
                             ->excludes("--random");
     app.add_option("--write", arguments.write, "Write the scene of --only as JSON instead of running it")->needs(only);
     app.add_option("--scene", arguments.scenes, "Scene files; their folder names their group");
-    app.add_option("--steps", arguments.steps, "Of each scene")->check(CLI::PositiveNumber);
+    app.add_option("--steps", arguments.steps, "Of each random scene")->check(CLI::PositiveNumber);
+    app.add_option("--scene-steps", arguments.scene_steps, "Of each scene file")->check(CLI::PositiveNumber);
     app.add_option("--dt", arguments.dt, "Time step, s (default: the scene's)")->check(CLI::PositiveNumber);
     app.add_option("--seconds", arguments.seconds,
                    "A scene ends early after this time; a step of four times it is a failure")
