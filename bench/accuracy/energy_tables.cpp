@@ -98,6 +98,7 @@ void write_groups(std::ostream& out, const Records& all) {
 
 void write_worst(std::ostream& out, Records all) {
     std::erase_if(all, [](const EnergyRecord* r) { return !rises(*r); });
+    if (all.empty()) return;
     // Shares of energies that explode are all about 1: growth tells them apart.
     std::stable_sort(all.begin(), all.end(), [](const EnergyRecord* a, const EnergyRecord* b) {
         return std::pair(a->rise, a->growth) > std::pair(b->rise, b->growth);
