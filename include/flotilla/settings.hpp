@@ -23,7 +23,10 @@ enum class Tangents : std::uint8_t {
     aligned, ///< Coulomb's cone, first tangent along the slip velocity
     cone,    ///< Coulomb's cone: friction of mu times the normal force in every direction, whether bodies slide or stick
 };
-enum class ContactSolver : std::uint8_t { pgs };
+enum class ContactSolver : std::uint8_t {
+    pgs,   ///< projected Gauss-Seidel, and shock propagation where that ends unsolved (paper, section 4.3.2)
+    exact, ///< the same, but small islands that it leaves unsolved are solved by an interior point method
+};
 enum class Rigidification : std::uint8_t {
     kinematic, ///< clusters keep their members' relative motion (paper, section 4.2.2)
     rigid,     ///< clusters move as one rigid body (section 4.2.1): the paper's comparison in figure 9
@@ -59,7 +62,7 @@ struct Settings {
     bool sleeping = true; ///< resting islands sleep
     Trajectory trajectory = Trajectory::linear;
     CcdMethod ccd = CcdMethod::conservative;
-    ContactSolver contact_solver = ContactSolver::pgs;
+    ContactSolver contact_solver = ContactSolver::exact; ///< not the paper's, which is pgs
     Tangents tangents = Tangents::cone; ///< not the paper's, which are random
     Rigidification rigidification = Rigidification::kinematic;
     UnsatisfiableScript unsatisfiable_script = UnsatisfiableScript::hold;

@@ -18,7 +18,7 @@ using std::string_view_literals::operator""sv;
 constexpr std::array kTrajectories{"linear"sv, "rigid"sv};
 constexpr std::array kCcdMethods{"conservative"sv, "cubic"sv};
 constexpr std::array kTangents{"random"sv, "aligned"sv, "cone"sv};
-constexpr std::array kContactSolvers{"pgs"sv};
+constexpr std::array kContactSolvers{"pgs"sv, "exact"sv};
 constexpr std::array kRigidifications{"kinematic"sv, "rigid"sv};
 constexpr std::array kUnsatisfiableScripts{"hold"sv, "error"sv};
 constexpr std::array kInitialOverlaps{"error"sv, "separate"sv};
@@ -186,8 +186,8 @@ const std::vector<SettingRow>& table() {
          0,
          0,
          {},
-         "solver of static contact",
-         "none: one choice"},
+         "static contact: projected Gauss-Seidel, or the same with small islands that it leaves unsolved solved exactly",
+         "pgs: stacks of uneven masses, chains and thin bodies end above the tolerance"},
         {"tangents",
          choice<&Settings::tangents>(kTangents),
          "",
@@ -387,6 +387,7 @@ constexpr std::array kPresets{
                s.static_tolerance = 1e-6;
                s.tangents = Tangents::random;
                s.warm_start = false;
+               s.contact_solver = ContactSolver::pgs;
            }},
     Preset{"preview",
            [](Settings& s) {

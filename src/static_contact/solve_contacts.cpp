@@ -5,6 +5,7 @@
 
 #include "base/assert.hpp"
 #include "static_contact/assemble.hpp"
+#include "static_contact/exact_islands.hpp"
 #include "static_contact/island_energy.hpp"
 #include "static_contact/shock.hpp"
 #include "static_contact/sweep_island.hpp"
@@ -54,12 +55,16 @@ bool rests(const Island& island, const ContactSolveOptions& options, const Conta
     return options.rest_speed > 0 && island.energy_before <= 0.5 * mass * options.rest_speed * options.rest_speed;
 }
 
+/// A pile's island that is solved within so many sweeps costs less than the exact solve would.
+constexpr int kSweepsBeforeExact = 60;
+
 // A warm start pushes where impulses of the past are too large, and momentum may carry too far; sweeps that end unfinished do not
 // take all of it back. Plain sweeps from zero add no energy where no contact asks for separation and what is prescribed
 // rests: an island that came out with more than before is solved again from zero, and then without momentum.
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
     ContactSolveOptions options = of_all;
     options.tolerance = island.tolerance;
+    if (may_solve_exactly(island, options, s)) options.iterations = std::min(options.iterations, kSweepsBeforeExact);
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.energy_pgs = kinetic_energy(island, bodies, s);
@@ -155,6 +160,7 @@ ContactSolveStats summarize(const ContactScratch& s, int num_colors) {
         stats.unsolved_islands += island.solved ? 0 : 1;
         stats.part_rounds += island.part_rounds;
         stats.shocked_islands += island.shocked ? 1 : 0;
+        stats.exact_islands += island.factorisations > 0 ? 1 : 0;
         stats.cold_islands += island.cold ? 1 : 0;
     }
     return stats;
@@ -172,6 +178,7 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     list_island_bodies(bodies, scratch);
     solve_islands(bodies, options, scratch);
     unpack_impulses(scratch, options.team);
+    solve_exactly(bodies, options, scratch);
     store_impulses(scratch, options.team, impulses);
     propagate_shocks(bodies, options, scratch);
     store_velocities(scratch, bodies);

@@ -20,6 +20,7 @@
 #include "parallel/team.hpp"
 #include "state/contact.hpp"
 #include "static_contact/contact_packets.hpp"
+#include "static_contact/interior_point.hpp"
 
 namespace flotilla {
 
@@ -48,7 +49,8 @@ struct ContactSolveOptions {
     /// much need not be as exact (sweep_island.cpp), and a shock pass stands only where it solves its levels. Under impact nothing of
     /// this holds. 0: no island rests.
     double rest_speed = 0;
-    bool shock = true; ///< propagate a shock where PGS ended unsolved
+    bool exact = false; ///< small islands that PGS leaves unsolved are solved exactly (exact_islands.hpp)
+    bool shock = true;  ///< propagate a shock where an island is still unsolved
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
     /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
@@ -66,10 +68,11 @@ struct ContactSolveStats {
     int colors = 0;
     int iterations = 0;       ///< most sweeps of an island, those of parts counted as what they cost
     std::int64_t visits = 0;  ///< contact updates, shock passes included; those woken on the way as if from the start
-    double residual = 0;      ///< m/s, violation of all of eqs 17-20 by the final PGS state, before a shock
+    double residual = 0;      ///< m/s, violation of all of eqs 17-20 by the final state, before a shock
     int unsolved_islands = 0; ///< that PGS gave up or ended at the limit
     int shocked_islands = 0;  ///< islands whose velocities come from a shock pass
     int part_rounds = 0;      ///< times that a part of an island was swept alone
+    int exact_islands = 0;    ///< solved exactly, or nearer to it than PGS came
     int cold_islands = 0;     ///< islands whose warm start was taken back because it added energy
 };
 
@@ -90,6 +93,7 @@ struct ContactScratch {
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
         int part_rounds = 0;
+        int factorisations = 0; ///< of the exact solve
         bool rests = false;  ///< as ContactSolveOptions::rest_speed says
         bool solved = false; ///< the tolerance holds, apart from what loaded contacts of a resting pile are let off
         bool shocked = false;
@@ -161,6 +165,15 @@ struct ContactScratch {
         int sweeps = 0;            ///< the last ones
     };
     Unsolved part;
+    /// What a thread needs to solve an island exactly.
+    struct ExactSolve {
+        std::vector<ConeBody> bodies;
+        std::vector<ConeContact> contacts;
+        std::vector<Vec3> impulses;
+        ConeScratch scratch;
+    };
+    std::vector<ExactSolve> exact;        ///< by thread
+    std::vector<std::int32_t> exact_body; ///< per body in contact: its number in its island's problem
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     LargeVector<ContactBlock> shock_blocks;                ///< of one level
     LargeVector<ContactRow> shock_rows;

@@ -296,6 +296,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
     constexpr double kRestSpeed = 2; // in what gravity adds in a step
     solve.rest_speed = kRestSpeed * length(model.gravity) * s.time_step;
+    solve.exact = s.contact_solver == ContactSolver::exact;
     solve.shock = s.shock_propagation;
     solve.tangents = s.tangents;
     solve.seed = s.seed;

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/exact_islands.hpp"
+
+#include <algorithm>
+
+namespace flotilla {
+namespace {
+
+using Island = ContactScratch::Island;
+using Exact = ContactScratch::ExactSolve;
+
+/// What a step can wait for: the solve takes some milliseconds with so many contacts, and grows faster than their number.
+constexpr std::int32_t kMostContacts = 256;
+/// Problems that have a solution take ten to forty; the others end with what was found.
+constexpr int kMostFactorisations = 60;
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+std::span<const ContactBlock> blocks_of(const Island& island, const ContactScratch& s) {
+    return std::span(s.blocks).subspan(index(island.first), index(island.end - island.first));
+}
+
+void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
+    e.bodies.clear();
+    e.contacts.clear();
+    e.impulses.clear();
+    for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
+        const std::int32_t body = s.island_bodies[index(k)];
+        const std::size_t id = index(s.bodies[index(body)]);
+        s.exact_body[index(body)] = static_cast<std::int32_t>(e.bodies.size());
+        e.bodies.push_back({bodies.inv_mass[id], bodies.inv_inertia[id]});
+    }
+    const auto number = [&](std::int32_t body) { return s.movable[index(body)] ? s.exact_body[index(body)] : -1; };
+    for (const ContactBlock& block : blocks_of(island, s))
+        for (std::int32_t r = block.first; r < block.end; ++r) {
+            const ContactRow& row = s.rows[index(r)];
+            Vec3 free = to_contact(
+                row, relative_velocity(row, s.start_velocity[index(block.a)], s.start_velocity[index(block.b)]));
+            free.x -= row.local.target;
+            e.contacts.push_back({number(block.a), number(block.b), row.normal, row.tangent_1, row.tangent_2, row.arm_a,
+                                  row.arm_b, row.local.friction, free});
+            e.impulses.push_back(row.local.impulse);
+        }
+}
+
+void scatter(const Island& island, const ContactBodies& bodies, ContactScratch& s, const Exact& e) {
+    for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
+        const std::size_t body = index(s.island_bodies[index(k)]);
+        s.velocity[body] = s.start_velocity[body];
+    }
+    std::size_t c = 0;
+    for (const ContactBlock& block : blocks_of(island, s))
+        for (std::int32_t r = block.first; r < block.end; ++r, ++c) {
+            ContactRow& row = s.rows[index(r)];
+            row.local.impulse = e.impulses[c];
+            const Vec3 impulse = to_world(row, e.impulses[c]);
+            const auto push = [&](std::int32_t body, const Vec3& arm, const Vec3& l) {
+                if (!s.movable[index(body)]) return;
+                const std::size_t id = index(s.bodies[index(body)]);
+                BodyVelocity& v = s.velocity[index(body)];
+                v.linear += bodies.inv_mass[id] * l;
+                v.angular += bodies.inv_inertia[id] * cross(arm, l);
+            };
+            push(block.a, row.arm_a, -impulse);
+            push(block.b, row.arm_b, impulse);
+        }
+}
+
+void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
+    gather(island, bodies, s, e);
+    const ConeSolveStats stats =
+        solve_cone_program(e.bodies, e.contacts, {island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
+    if (!(stats.residual < island.residual)) return;
+    scatter(island, bodies, s, e);
+    island.residual = stats.residual;
+    island.solved = stats.solved;
+    island.factorisations = stats.iterations;
+}
+
+} // namespace
+
+bool may_solve_exactly(const Island& island, const ContactSolveOptions& options, const ContactScratch& s) {
+    if (!options.exact || options.tangents == Tangents::random) return false;
+    const std::span<const ContactBlock> blocks = blocks_of(island, s);
+    return blocks.back().end - blocks.front().first <= kMostContacts;
+}
+
+void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
+    s.small_islands.clear();
+    for (std::size_t k = 0; k < s.islands.size(); ++k)
+        if (!s.islands[k].solved && may_solve_exactly(s.islands[k], options, s))
+            s.small_islands.push_back(static_cast<std::int32_t>(k));
+    if (s.small_islands.empty()) return;
+    s.exact_body.resize(s.bodies.size());
+    s.exact.resize(index(options.team != nullptr ? options.team->size() : 1));
+    const auto one = [&](std::size_t i, int thread) {
+        solve(s.islands[index(s.small_islands[i])], bodies, s, s.exact[index(thread)]);
+    };
+    if (options.team == nullptr)
+        for (std::size_t i = 0; i < s.small_islands.size(); ++i) one(i, 0);
+    else
+        options.team->for_each("exact islands", s.small_islands.size(), 1, one);
+}
+
+} // namespace flotilla
