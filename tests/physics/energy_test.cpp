@@ -106,15 +106,17 @@ void small_boats_in_a_bowl(const Run& run) {
     EXPECT_GT(lowest, -0.01) << "left the bowl";
 }
 
-// One plate spins amid others: its corners reach the four nearest.
+// One plate spins amid others: its corners reach the four nearest, and all of them come closer.
 void spinning_plate(const Run& run, double speed) {
     SceneDescription scene = make_scene_with(run.settings(), {});
     const auto plate = add_shape(scene, make_plate(1, 1), 1);
     add_body(scene, plate, BodyType::dynamic, {}).angular_velocity = speed * normalized(Vec3{0.2, 0.1, 1});
     for (int i = 0; i < 8; ++i) {
         const Quat turn = rotation_from_vector({0, 0, i * kPi / 4});
-        add_body(scene, plate, BodyType::dynamic, rotate(turn, {i % 2 == 0 ? 1.1 : 1.4, 0, 0})).rotation =
-            turn * rotation_from_vector({kPi / 2 + 0.1, 0, 0});
+        auto& body = add_body(scene, plate, BodyType::dynamic, rotate(turn, {i % 2 == 0 ? 1.1 : 1.4, 0, 0}));
+        body.rotation = turn * rotation_from_vector({kPi / 2 + 0.1, 0, 0});
+        body.velocity = rotate(turn, {-0.5, 0, 0});
+        body.angular_velocity = {0, 0, 0.1 * i};
     }
     Motion motion(scene);
     motion.run(1);

@@ -40,12 +40,10 @@ struct Run {
 
 /// balanced, accurate and reference at each of `rates`.
 [[nodiscard]] std::vector<Run> runs(const std::vector<int>& rates = {24, 120, 480});
-/// The preset and the time step of most of the scenes: balanced at 1/24 s.
-[[nodiscard]] inline bool is_default(const Run& run) { return run.preset == "balanced" && run.rate == 24; }
 
 /// Registers `body` as the test SUITE.NAME.
 void add_test(const std::string& suite, const std::string& name, Slice slice, std::function<void()> body);
-/// Registers `body` as SUITE.NAME/RUN for each of `list`; the one of the default run, if `fast`, in the fast slice.
+/// Registers `body` as SUITE.NAME/RUN for each of `list`; the first one, if `fast`, in the fast slice.
 void add_runs(const std::string& suite, const std::string& name, const std::vector<Run>& list, bool fast,
               const std::function<void(const Run&)>& body);
 
@@ -88,7 +86,7 @@ struct Outcome {
     int steps = 0;
     double rise = 0;        ///< largest rise of energy above the lowest so far and the lift, as a share of `scale`
     int rise_step = 0;      ///< where
-    double scale = 0;       ///< J, the larger of the range of the energy and the kinetic energy at the start
+    double scale = 0;       ///< J, the larger of the range of the energy and the largest kinetic energy
     double start = 0;       ///< J, kinetic energy
     double end = 0;         ///< J, kinetic energy
     double start_total = 0; ///< J, with the potential energy, zero at the origin
@@ -141,7 +139,7 @@ class Motion {
     std::vector<Body> bodies_;
     Outcome out_;
     double lift_ = 0; ///< J: every body raised once by its rest distance
-    double lowest_ = 0, low_ = 0, high_ = 0, rise_ = 0;
+    double lowest_ = 0, low_ = 0, high_ = 0, kinetic_ = 0, rise_ = 0;
 };
 
 /// Of the scale: what rounding may add.

@@ -154,6 +154,20 @@ void leaves_a_gap_of_a_nanometre(const Run& run) {
     EXPECT_NEAR(apart.z, 1.25, 1e-6);
 }
 
+/// A box that slides over a plate from which rounding alone separates it.
+void slides_over_a_gap_of_a_nanometre(const Run& run) {
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto box = add_solid(scene, make_box(1, 1, 1), 1000);
+    add_body(scene, box, BodyType::dynamic, {0, 0, 0.5 + kGap}, 0, 0).velocity = {1, 0, 0};
+    add_ground(scene, 20, 0, 0);
+    Motion motion(scene);
+    motion.run(2.5);
+    const double way = motion.body(0).position.x;
+    motion.print("slides %.4g m, due 2.5", way);
+    EXPECT_EQ(motion.outcome().held, 0);
+    EXPECT_NEAR(way, 2.5, 1e-6);
+}
+
 void falls_through_a_slot(const Run& run) {
     SceneDescription scene = make_scene_with(run.settings());
     const auto box = add_solid(scene, make_box(1, 1, 1), 1000);
@@ -188,6 +202,7 @@ void falls_through_a_slot(const Run& run) {
     add_runs("SmallAndFast", "SameMotionAtAnySize", once, true, same_motion_at_any_size);
     add_runs("SmallAndFast", "CubeSlidesOutOfATightTunnel", runs(), true, slides_out_of_a_tunnel);
     add_runs("SmallAndFast", "BoxLeavesAGapOfANanometre", once, true, leaves_a_gap_of_a_nanometre);
+    add_runs("SmallAndFast", "BoxSlidesOverAGapOfANanometre", once, true, slides_over_a_gap_of_a_nanometre);
     add_runs("SmallAndFast", "BoxFallsThroughASlotOfANanometre", once, true, falls_through_a_slot);
     return true;
 }();
