@@ -106,7 +106,7 @@ class Motion {
     explicit Motion(const SceneDescription& scene);
     StepReport step();
     /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes more than a minute, and when the energy has
-    /// risen by half of the scale: what follows an explosion is slow and teaches nothing.
+    /// risen by half of the scale without scripts: what follows an explosion is slow and teaches nothing.
     void run(double time, const std::function<void(const StepReport&)>& each = {});
 
     [[nodiscard]] World& world() { return world_; }
@@ -138,7 +138,8 @@ class Motion {
     World world_;
     std::vector<Body> bodies_;
     Outcome out_;
-    double lift_ = 0; ///< J: every body raised once by its rest distance
+    bool scripted_ = false; ///< bodies may work on others
+    double lift_ = 0;       ///< J: every body raised once by its rest distance
     double lowest_ = 0, low_ = 0, high_ = 0, kinetic_ = 0, rise_ = 0;
 };
 

@@ -84,7 +84,8 @@ void bars_in_a_heap(const Run& run, double thickness) {
     EXPECT_EQ(motion.outcome().held, 0);
 }
 
-/// The scene of the small cubes in units of 1/1024: the same bits in other units.
+/// A scene and one 1,024 times as large in 32 times as long: the same bits in other units. A preset's tolerances count as derived from
+/// the scene's.
 void same_motion_at_any_size(const Run& run) {
     constexpr double kFactor = 1024, kRoot = 32;
     const auto make = [&](double factor) {
