@@ -183,13 +183,12 @@ StepReport Motion::step() {
     return r;
 }
 
-void Motion::run(double time, const std::function<void(const StepReport&)>& each) {
-    constexpr double kTooLong = 60;   // s of wall time
+void Motion::run(double time, const std::function<void(const StepReport&)>& each, double most) {
     constexpr double kExploded = 0.5; // of the scale
     while (world_.time() < time - 0.5 * scene_.settings.time_step) {
         const StepReport r = step();
         if (each) each(r);
-        if (out_.seconds < kTooLong && (scripted_ || out_.rise < kExploded)) continue;
+        if (out_.seconds < most && (scripted_ || out_.rise < kExploded)) continue;
         ADD_FAILURE() << "given up at " << world_.time() << " s of " << time << " s, step " << out_.steps;
         return;
     }

@@ -105,9 +105,9 @@ class Motion {
   public:
     explicit Motion(const SceneDescription& scene);
     StepReport step();
-    /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes more than a minute, and when the energy has
-    /// risen by half of the scale without scripts: what follows an explosion is slow and teaches nothing.
-    void run(double time, const std::function<void(const StepReport&)>& each = {});
+    /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes longer than `most` s of wall time, and when the
+    /// energy has risen by half of the scale without scripts: what follows an explosion is slow and teaches nothing.
+    void run(double time, const std::function<void(const StepReport&)>& each = {}, double most = 60);
 
     [[nodiscard]] World& world() { return world_; }
     [[nodiscard]] BodyState body(std::size_t i) const { return world_.body(i); }
