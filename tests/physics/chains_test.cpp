@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+// Chains, ropes and mail of closed links: they swing, hang and come to rest, and no link is ever held.
+#include "physics/physics.hpp"
+
+namespace flotilla::physics {
+namespace {
+
+/// A torus of 0.65 m; every other link of a chain is turned by a right angle about the chain's axis.
+struct Link {
+    double ring = 0.28, tube = 0.045; ///< m
+    int around = 48, across = 16;     ///< 1,536 triangles
+    [[nodiscard]] TriangleMesh mesh() const { return make_ring(ring, tube, around, across); }
+    [[nodiscard]] double inner() const { return 2 * (ring - tube); } ///< m, the pitch of a chain whose links touch
+};
+
+constexpr double kSteel = 7680; // kg/m^3
+
+/// `links` links from the origin along `axis`; the first one is fixed. The links are `play` m short of tight.
+SceneDescription chain(const Settings& settings, int links, const Link& link, double play, bool hangs) {
+    SceneDescription scene = make_scene_with(settings);
+    const auto fixed = add_shape(scene, link.mesh()), free = add_solid(scene, link.mesh(), kSteel);
+    const Quat along = hangs ? rotation_from_vector({0, kPi / 2, 0}) : Quat{}; // x to -z
+    for (int i = 0; i < links; ++i)
+        add_body(scene, i == 0 ? fixed : free, i == 0 ? BodyType::fixed : BodyType::dynamic,
+                 rotate(along, {i * (link.inner() - play), 0, 0}), 0, 0)
+            .rotation = along * rotation_from_vector({i % 2 * kPi / 2, 0, 0});
+    return scene;
+}
+
+// A chain that is let go level has no tension at first: its last link falls freely, and faster once the rest pulls it round. It is
+// looked at before it has fallen by 0.4 of the chain's length.
+void swings(const Run& run, int links, double time, const Link& link = {}, double play = 2.5) {
+    Motion motion(chain(run.settings(), links, link, play * rest_gap(link.mesh()), false));
+    const std::size_t last = static_cast<std::size_t>(links) - 1;
+    const double until = std::min(time, std::sqrt(2 * 0.4 * (links - 1) * link.inner() / kGravity));
+    double fallen = 0, due = 0, stood_still = 0;
+    motion.run(time, [&](const StepReport& r) {
+        if (r.held > 0) stood_still += run.dt();
+        if (r.time > until) return;
+        fallen = -motion.body(last).center_of_mass.z;
+        due = 0.5 * kGravity * r.time * r.time;
+    });
+    motion.print("the last of %d links fell %.3g m, freely %.3g; bodies held for %.2g s", links, fallen, due,
+                 stood_still);
+    EXPECT_EQ(motion.outcome().held, 0);
+    EXPECT_EQ(motion.outcome().merges, 0);
+    EXPECT_GT(fallen, 0.9 * due);
+    expect_no_rise(motion);
+}
+
+/// Level rings on a grid, each two neighbours joined by an upright ring; the first row of the level ones is fixed.
+SceneDescription mail(const Settings& settings, int rows, int columns, double size) {
+    const double ring = 0.45 * size, tube = 0.05 * size, pitch = 2.4 * ring;
+    SceneDescription scene = make_scene_with(settings);
+    const TriangleMesh mesh = make_ring(ring, tube, 20, 8);
+    const auto free = add_solid(scene, mesh, kSteel), fixed = add_shape(scene, mesh);
+    const Quat upright_x = rotation_from_vector({kPi / 2, 0, 0}), upright_y = rotation_from_vector({0, kPi / 2, 0});
+    for (int i = 0; i < rows; ++i)
+        for (int j = 0; j < columns; ++j) {
+            const Vec3 at = pitch * Vec3{1.0 * i, 1.0 * j, 0};
+            add_body(scene, i == 0 ? fixed : free, i == 0 ? BodyType::fixed : BodyType::dynamic, at, 0, 0);
+            if (i + 1 < rows)
+                add_body(scene, free, BodyType::dynamic, at + Vec3{pitch / 2, 0, 0}, 0, 0).rotation = upright_x;
+            if (j + 1 < columns)
+                add_body(scene, free, BodyType::dynamic, at + Vec3{0, pitch / 2, 0}, 0, 0).rotation = upright_y;
+        }
+    return scene;
+}
+
+void mail_moves(const Run& run, int rows, int columns, double size, int steps) {
+    Motion motion(mail(run.settings(), rows, columns, size));
+    motion.run(run.dt() * steps);
+    motion.print("%zu rings of %.3g m", motion.world().size(), size);
+    EXPECT_EQ(motion.outcome().held, 0);
+    EXPECT_EQ(motion.outcome().merges, 0);
+    expect_no_rise(motion);
+}
+
+void hangs_at_rest(const Run& run, const SceneDescription& scene, double time) {
+    Motion motion(scene);
+    double before = 0, jump = 0; // of the kinetic energy in the last second, step by step
+    motion.run(time, [&](const StepReport& r) {
+        if (r.time > time - 1) jump = std::max(jump, std::abs(r.kinetic_energy - before));
+        before = r.kinetic_energy;
+    });
+    const double carried = -motion.force_on(0).z / (motion.total_mass() * kGravity);
+    motion.print("%s: jumps of %.3g J a step in the last second, the fixed link carries %.5f of the weight",
+                 run.preset.c_str(), jump, carried);
+    expect_rest(motion);
+    expect_weight_on(motion, 0);
+    EXPECT_EQ(motion.outcome().held, 0);
+    expect_no_rise(motion);
+}
+
+void torus_links_hang(const Run& run, int links) {
+    const Link link;
+    hangs_at_rest(run, chain(run.settings(), links, link, 2.5 * rest_gap(link.mesh()), true), 5);
+}
+
+/// Rings without thickness, 1 m across.
+void flat_links_hang(const Run& run, int links) {
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_annulus(0.4, 0.5, 24);
+    const auto fixed = add_shape(scene, mesh), free = add_shape(scene, mesh, 1);
+    const Quat down = rotation_from_vector({0, kPi / 2, 0});
+    for (int i = 0; i < links; ++i)
+        add_body(scene, i == 0 ? fixed : free, i == 0 ? BodyType::fixed : BodyType::dynamic,
+                 {0, 0, -i * (0.8 - 2.5 * rest_gap(mesh))}, 0.3, 0)
+            .rotation = down * rotation_from_vector({i % 2 * kPi / 2, 0, 0});
+    hangs_at_rest(run, scene, 5);
+}
+
+// The lowest frequency of a hanging chain of length l is 1.2024 sqrt(g / l), first zero of J0 over 2, with the shape
+// J0(2.4048 sqrt(s / l)) at s above the end. A chain of N links from a fixed one is N + 1/4 pitches long to within a quarter: it
+// hangs from a point half a pitch below the fixed link's centre, but every other link is free to turn in the plane of its ring and
+// acts on a point. Links start in that shape, their vertices in each other's corners; period from the zero crossings of the
+// part of the motion along the shape.
+void frequency_of_a_chain(const Run& run, int links) {
+    Link link{0.28, 0.02, 32, 8};
+    const double gap = rest_gap(link.mesh()), pitch = link.inner() - 1.0 * gap;
+    const double length_of_chain = (links + 0.25) * pitch;
+    const auto shape_at = [&](double depth) {
+        const double s = std::max(0.0, 1 - depth / length_of_chain);
+        return std::cyl_bessel_j(0.0, 2.404825557695773 * std::sqrt(s));
+    };
+    SceneDescription scene = chain(run.settings(), links + 1, link, gap, true);
+    // Swings across the x axis; each centre follows its neighbour at the pitch, turned along the tangent between them.
+    constexpr double kAmplitude = 0.02; // of the length
+    Vec3 at;
+    std::vector<double> shape{0};
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+        const double depth = static_cast<double>(i) * pitch;
+        shape.push_back(shape_at(depth));
+        const double aside = kAmplitude * length_of_chain * shape.back() - at.x;
+        at += Vec3{aside, 0, -std::sqrt(pitch * pitch - aside * aside)};
+        scene.bodies[i].position = at;
+        scene.bodies[i].rotation = rotation_from_vector({0, -std::asin(aside / pitch), 0}) * scene.bodies[i].rotation;
+    }
+    for (BodyDescription& b : scene.bodies) b.friction = 1; // no slipping along the sides of a hole
+    Motion motion(scene);
+    const double due = 1.2024 * std::sqrt(kGravity / length_of_chain), period = 2 * kPi / due;
+    double before = 1, first = 0, last = 0;
+    int crossings = 0;
+    motion.run(2.3 * period, [&](const StepReport& r) {
+        double part = 0;
+        for (std::size_t i = 1; i < motion.world().size(); ++i) part += shape[i] * motion.body(i).center_of_mass.x;
+        if (part * before < 0) {
+            const double time = r.time - run.dt() * part / (part - before);
+            if (crossings++ == 0) first = time;
+            last = time;
+        }
+        before = part;
+    });
+    const double found = crossings > 1 ? kPi * (crossings - 1) / (last - first) : 0;
+    motion.print("frequency %.5g, due %.5g rad/s (%.4f), %d crossings", found, due, found / due, crossings);
+    EXPECT_NEAR(found / due, 1, 0.02);
+    EXPECT_EQ(motion.outcome().held, 0);
+    expect_no_rise(motion);
+}
+
+[[maybe_unused]] const bool registered = [] {
+    for (const int links : {8, 16, 32, 64})
+        add_runs("Chains", "ChainOf" + std::to_string(links) + "LinksSwings", runs({100}), links == 8,
+                 [=](const Run& r) { swings(r, links, links <= 16 ? 1 : 0.4); });
+    add_runs("Chains", "ChainOf8LinksSwings", runs(), false, [](const Run& r) { swings(r, 8, 0.5); });
+    add_runs("Chains", "MailOf29Rings", runs({100}), false, [](const Run& r) { mail_moves(r, 4, 3, 6.5e-3, 15); });
+    add_runs("Chains", "MailOf62Rings", runs({100}), false, [](const Run& r) { mail_moves(r, 4, 6, 6.5e-3, 30); });
+    add_runs("Chains", "MailOf671Rings", runs({100}), false, [](const Run& r) { mail_moves(r, 13, 18, 6.5e-3, 15); });
+    add_runs("Chains", "TenTorusLinksHang", runs({100}), false, [](const Run& r) { torus_links_hang(r, 11); });
+    add_runs("Chains", "ThreeTorusLinksHang", runs({100}), true, [](const Run& r) { torus_links_hang(r, 4); });
+    add_runs("Chains", "TenFlatLinksHang", runs({100}), true, [](const Run& r) { flat_links_hang(r, 11); });
+    add_runs("Chains", "FrequencyOfAHangingChain", runs(), true, [](const Run& r) { frequency_of_a_chain(r, 12); });
+    // Ten micrometres of play, links of 4,096 triangles.
+    add_runs("Chains", "TightChainOf8LinksSwings", runs({100}), true, [](const Run& r) {
+        swings(r, 8, 1, {0.28, 0.045, 64, 32}, 0.005);
+    });
+    return true;
+}();
+
+} // namespace
+} // namespace flotilla::physics

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT
+#include "physics/physics.hpp"
+
+#include <chrono>
+#include <cstdarg>
+#include <cstdio>
+#include <utility>
+
+#include "scene/scene.hpp"
+
+namespace flotilla::physics {
+
+extern const Slice kSlice; // of the executable
+
+namespace {
+
+class FunctionTest : public testing::Test {
+  public:
+    explicit FunctionTest(std::function<void()> body) : body_(std::move(body)) {}
+    void TestBody() override { body_(); }
+
+  private:
+    std::function<void()> body_;
+};
+
+Vec3 angular_momentum(const MassProperties& mass, const Quat& rotation, const Vec3& angular_velocity) {
+    return rotate(rotation, mass.inertia * rotate(conjugate(rotation), angular_velocity));
+}
+
+} // namespace
+
+Settings Run::settings() const {
+    Settings s = flotilla::preset(preset);
+    s.time_step = dt();
+    s.sleeping = false;
+    return s;
+}
+
+std::vector<Run> runs(const std::vector<int>& rates) {
+    std::vector<Run> list;
+    for (const char* preset : {"balanced", "accurate", "reference"})
+        for (const int rate : rates) list.push_back({preset, rate});
+    return list;
+}
+
+void add_test(const std::string& suite, const std::string& name, Slice slice, std::function<void()> body) {
+    if (slice != kSlice) return;
+    testing::RegisterTest(suite.c_str(), name.c_str(), nullptr, nullptr, __FILE__, __LINE__,
+                          [body = std::move(body)]() -> testing::Test* { return new FunctionTest(body); });
+}
+
+void add_runs(const std::string& suite, const std::string& name, const std::vector<Run>& list, bool fast,
+              const std::function<void(const Run&)>& body) {
+    for (const Run& run : list)
+        add_test(suite, name + "/" + run.name(), fast && &run == &list.front() ? Slice::fast : Slice::full,
+                 [run, body] { body(run); });
+}
+
+SceneDescription make_scene_with(const Settings& settings, const Vec3& gravity) {
+    SceneDescription scene;
+    scene.settings = settings;
+    scene.gravity = gravity;
+    return scene;
+}
+
+std::int32_t add_solid(SceneDescription& scene, TriangleMesh mesh, double density) {
+    const std::int32_t shape = add_shape(scene, std::move(mesh));
+    scene.shapes.back().mass_kind = MassKind::density;
+    scene.shapes.back().mass_value = density;
+    return shape;
+}
+
+BodyDescription& add_ground(SceneDescription& scene, double size, double friction, double restitution) {
+    return add_body(scene, add_shape(scene, make_plate(size, size)), BodyType::fixed, {}, friction, restitution);
+}
+
+double rest_gap(const TriangleMesh& mesh) {
+    Vec3 low = mesh.vertices.front(), high = low;
+    for (const Vec3& v : mesh.vertices) low = min(low, v), high = max(high, v);
+    double radius = 0;
+    for (const Vec3& v : mesh.vertices) radius = std::max(radius, length(v - 0.5 * (low + high)));
+    return 1.0001 * 2 * radius / kSizePerRestDistance;
+}
+
+TriangleMesh make_hexahedron(const std::array<Vec3, 8>& corners) {
+    TriangleMesh mesh;
+    mesh.vertices.assign(corners.begin(), corners.end());
+    const auto face = [&](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}});
+    };
+    face(3, 2, 1, 0), face(4, 5, 6, 7);
+    for (std::int32_t i = 0; i < 4; ++i) face(i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i);
+    return mesh;
+}
+
+TriangleMesh make_annulus(double inner, double outer, int segments) {
+    TriangleMesh mesh;
+    for (int i = 0; i < segments; ++i) {
+        const SinCos s = sin_cos(2 * kPi * i / segments);
+        mesh.vertices.push_back({inner * s.cos, inner * s.sin, 0});
+        mesh.vertices.push_back({outer * s.cos, outer * s.sin, 0});
+        const std::int32_t a = 2 * i, b = 2 * ((i + 1) % segments);
+        mesh.triangles.insert(mesh.triangles.end(), {{a, a + 1, b + 1}, {a, b + 1, b}});
+    }
+    return mesh;
+}
+
+SceneDescription scaled(SceneDescription scene, double factor) {
+    const double root = std::sqrt(factor);
+    for (ShapeDescription& shape : scene.shapes)
+        for (Vec3& v : shape.vertices) v *= factor;
+    for (BodyDescription& body : scene.bodies) {
+        body.position *= factor;
+        body.velocity *= root;
+        body.angular_velocity = body.angular_velocity / root;
+        for (Keyframe& key : body.keyframes) key.position *= factor, key.time *= root;
+    }
+    return scene;
+}
+
+double Numbers::next() {
+    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<double>(state_ >> 11) * 0x1p-52 - 1;
+}
+
+Motion::Motion(const SceneDescription& scene) : scene_(scene), world_(scene), bodies_(scene.bodies.size()) {
+    const Scene built = build_scene(scene);
+    const double g = length(scene.gravity);
+    double total = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const BodyDescription& body = built.bodies[i];
+        const Shape& shape = built.shapes[static_cast<std::size_t>(body.shape)];
+        bodies_[i].start = world_.body(i).center_of_mass;
+        bodies_[i].size = 2 * shape.sphere.radius;
+        scripted_ = scripted_ || body.type == BodyType::kinematic;
+        if (body.type != BodyType::dynamic) continue;
+        const MassProperties& mass = *shape.mass;
+        bodies_[i].mass = mass.mass;
+        const Vec3 spin = angular_momentum(mass, body.rotation, body.angular_velocity);
+        out_.start += 0.5 * (mass.mass * length_sq(body.velocity) + dot(spin, body.angular_velocity));
+        total -= mass.mass * dot(scene.gravity, bodies_[i].start);
+        lift_ += mass.mass * g * bodies_[i].size / kSizePerRestDistance;
+    }
+    total += out_.start;
+    out_.start_total = lowest_ = low_ = high_ = total;
+    add(total, out_.start);
+}
+
+void Motion::add(double total, double kinetic) {
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    const double rise = std::isfinite(total) ? total - lowest_ - lift_ : kInfinite;
+    if (rise > rise_) rise_ = rise, out_.rise_step = out_.steps;
+    lowest_ = std::min(lowest_, total);
+    low_ = std::min(low_, total), high_ = std::max(high_, total);
+    kinetic_ = std::max(kinetic_, kinetic);
+    // What cannot be told from rounding of the energy is no scale.
+    const double rounding = 1e-9 * std::max(std::abs(low_), std::abs(high_));
+    out_.scale = std::max({high_ - low_, kinetic_, rounding, 1e-300});
+    out_.rise = rise_ < kInfinite ? rise_ / out_.scale : kInfinite;
+    out_.end = kinetic;
+    out_.end_total = total;
+}
+
+StepReport Motion::step() {
+    const auto start = std::chrono::steady_clock::now();
+    const StepReport r = world_.step();
+    out_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ++out_.steps;
+    out_.merges += r.merges;
+    out_.held += r.held;
+    out_.held_steps += r.held > 0 ? 1 : 0;
+    out_.above += (r.warnings & kStaticLimit) != 0 ? 1 : 0;
+    out_.asleep = r.sleeping;
+    add(r.energy, r.kinetic_energy);
+    out_.fastest = out_.fastest_sizes = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        if (bodies_[i].mass == 0) continue;
+        const BodyState s = world_.body(i);
+        const double speed = length(s.velocity), turning = 0.5 * length(s.angular_velocity);
+        out_.fastest = std::max(out_.fastest, speed);
+        out_.fastest_sizes = std::max(out_.fastest_sizes, std::max(speed / bodies_[i].size, turning));
+    }
+    return r;
+}
+
+void Motion::run(double time, const std::function<void(const StepReport&)>& each, double most) {
+    constexpr double kExploded = 0.5; // of the scale
+    while (world_.time() < time - 0.5 * scene_.settings.time_step) {
+        const StepReport r = step();
+        if (each) each(r);
+        if (out_.seconds < most && (scripted_ || out_.rise < kExploded)) continue;
+        ADD_FAILURE() << "given up at " << world_.time() << " s of " << time << " s, step " << out_.steps;
+        return;
+    }
+}
+
+double Motion::total_mass() const {
+    double sum = 0;
+    for (const Body& b : bodies_) sum += b.mass;
+    return sum;
+}
+
+Vec3 Motion::force_on(std::size_t body) const {
+    Vec3 impulse;
+    for (const ContactState& c : world_.contacts()) {
+        if (c.body_b == static_cast<std::int32_t>(body)) impulse += c.impulse;
+        if (c.body_a == static_cast<std::int32_t>(body)) impulse += -c.impulse;
+    }
+    return impulse / scene_.settings.time_step;
+}
+
+double Motion::farthest() const {
+    double most = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+        if (bodies_[i].mass > 0) most = std::max(most, length(world_.body(i).center_of_mass - bodies_[i].start));
+    return most;
+}
+
+double Motion::farthest_aside() const {
+    const Vec3 up = normalized(-scene_.gravity);
+    double most = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        if (bodies_[i].mass == 0) continue;
+        const Vec3 moved = world_.body(i).center_of_mass - bodies_[i].start;
+        most = std::max(most, length(moved - dot(moved, up) * up));
+    }
+    return most;
+}
+
+void Motion::print(const char* format, ...) const {
+    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+    std::printf(
+        "%s.%s: rise %.2g of %.3g J (step %d), end %.3g J %.2g m/s %.2g sizes/s, merges %lld, held %lld in %lld, "
+        "above %lld of %d, %.1f s",
+        test->test_suite_name(), test->name(), out_.rise, out_.scale, out_.rise_step, out_.end, out_.fastest,
+        out_.fastest_sizes, static_cast<long long>(out_.merges), static_cast<long long>(out_.held),
+        static_cast<long long>(out_.held_steps), static_cast<long long>(out_.above), out_.steps, out_.seconds);
+    std::printf("; ");
+    std::va_list arguments;
+    va_start(arguments, format);
+    std::vprintf(format, arguments);
+    va_end(arguments);
+    std::printf("\n");
+    std::fflush(stdout);
+}
+
+void expect_no_rise(const Motion& motion) {
+    EXPECT_LE(motion.outcome().rise, kRise)
+        << "of " << motion.outcome().scale << " J, at step " << motion.outcome().rise_step;
+}
+
+void expect_rest(const Motion& motion) { EXPECT_LT(motion.outcome().fastest_sizes, 1e-4) << "sizes a second"; }
+
+void expect_weight_on(const Motion& motion, std::size_t ground) {
+    const double weight = motion.total_mass() * length(motion.scene().gravity);
+    const double carried = dot(motion.force_on(ground), normalized(motion.scene().gravity));
+    EXPECT_NEAR(carried / weight, 1, 1e-3) << "of the weight";
+}
+
+} // namespace flotilla::physics

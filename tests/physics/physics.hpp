@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// What the tests of the physics share: scenes built in code, runs with their account of energy, and tests that are registered once
+// for each preset and time step. Every run prints one line of what was measured, whether its checks pass or not. SI units.
+//
+// A check states what is due, not what the solver gives: none is to be loosened so that it passes.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "base/rotation.hpp"
+#include "step/scenario.hpp"
+
+namespace flotilla::physics {
+
+using scenario::add_body;
+using scenario::add_shape;
+using scenario::kGravity;
+using scenario::kPi;
+
+inline constexpr double kDegree = kPi / 180;
+
+// ---- tests --------------------------------------------------------------------------------------------------------------------
+
+/// Where a test belongs: `fast` ones run in less than 3 s each and a minute together; all of them make the full set.
+enum class Slice { fast, full };
+
+/// A preset and a time step.
+struct Run {
+    std::string preset = "balanced";
+    int rate = 24; ///< steps a second
+
+    [[nodiscard]] double dt() const { return 1.0 / rate; }
+    [[nodiscard]] std::string name() const { return preset + "_dt" + std::to_string(rate); }
+    /// Of the preset, sleeping off: rest and creep are then the solver's own doing.
+    [[nodiscard]] Settings settings() const;
+};
+
+/// balanced, accurate and reference at each of `rates`.
+[[nodiscard]] std::vector<Run> runs(const std::vector<int>& rates = {24, 120, 480});
+
+/// Registers `body` as the test SUITE.NAME.
+void add_test(const std::string& suite, const std::string& name, Slice slice, std::function<void()> body);
+/// Registers `body` as SUITE.NAME/RUN for each of `list`; the first one, if `fast`, in the fast slice.
+void add_runs(const std::string& suite, const std::string& name, const std::vector<Run>& list, bool fast,
+              const std::function<void(const Run&)>& body);
+
+// ---- scenes -------------------------------------------------------------------------------------------------------------------
+
+/// `settings` with the gravity of scenes, or without.
+[[nodiscard]] SceneDescription make_scene_with(const Settings& settings, const Vec3& gravity = {0, 0, -kGravity});
+/// A solid of `density` kg/m^3; the mesh must be closed.
+std::int32_t add_solid(SceneDescription& scene, TriangleMesh mesh, double density);
+/// A fixed square plate of `size` m in the plane z = 0.
+BodyDescription& add_ground(SceneDescription& scene, double size, double friction = 0.1, double restitution = 0.1);
+/// The distance at which a body of this mesh comes to rest on a fixed one, and a rounding more: size / 330.
+[[nodiscard]] double rest_gap(const TriangleMesh& mesh);
+/// Six faces on eight corners: the first four around one face, the others opposite to them.
+[[nodiscard]] TriangleMesh make_hexahedron(const std::array<Vec3, 8>& corners);
+/// A flat ring in the plane z = 0 without thickness.
+[[nodiscard]] TriangleMesh make_annulus(double inner, double outer, int segments);
+/// The same scene `factor` times as large, with speeds that grow like the square root: gravity makes both move alike in time
+/// sqrt(factor) as long. The time step is not changed.
+[[nodiscard]] SceneDescription scaled(SceneDescription scene, double factor);
+/// Numbers in [-1, 1) that depend on nothing but the order of calls.
+class Numbers {
+  public:
+    explicit Numbers(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15u + 1) {}
+    double next();
+    Vec3 vector() {
+        const double x = next(), y = next(), z = next();
+        return {x, y, z};
+    }
+    Quat rotation() { return normalized(Quat{next(), next(), next(), next()}); }
+
+  private:
+    std::uint64_t state_;
+};
+
+// ---- runs ---------------------------------------------------------------------------------------------------------------------
+
+/// What a run came to.
+struct Outcome {
+    int steps = 0;
+    double rise = 0;        ///< largest rise of energy above the lowest so far and the lift, as a share of `scale`
+    int rise_step = 0;      ///< where
+    double scale = 0;       ///< J, the larger of the range of the energy and the largest kinetic energy
+    double start = 0;       ///< J, kinetic energy
+    double end = 0;         ///< J, kinetic energy
+    double start_total = 0; ///< J, with the potential energy, zero at the origin
+    double end_total = 0;
+    double fastest = 0;       ///< m/s, centre of mass of a dynamic body at the end
+    double fastest_sizes = 0; ///< the same in diameters of that body a second, its turning with it
+    std::int64_t merges = 0, held = 0;
+    std::int64_t held_steps = 0; ///< with a body held
+    std::int64_t above = 0;      ///< steps that ended above the solver's tolerance
+    std::int64_t asleep = 0;     ///< bodies at the end
+    double seconds = 0;          ///< of wall time
+};
+
+/// A World and its account. Energy is that of StepReport; before the first step it is computed here.
+class Motion {
+  public:
+    explicit Motion(const SceneDescription& scene);
+    StepReport step();
+    /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes longer than `most` s of wall time, and when the
+    /// energy has risen by half of the scale without scripts: what follows an explosion is slow and teaches nothing.
+    void run(double time, const std::function<void(const StepReport&)>& each = {}, double most = 60);
+
+    [[nodiscard]] World& world() { return world_; }
+    [[nodiscard]] BodyState body(std::size_t i) const { return world_.body(i); }
+    [[nodiscard]] const SceneDescription& scene() const { return scene_; }
+    [[nodiscard]] const Outcome& outcome() const { return out_; }
+    [[nodiscard]] double mass(std::size_t i) const { return bodies_[i].mass; } ///< kg; 0 for fixed and scripted bodies
+    [[nodiscard]] double size(std::size_t i) const { return bodies_[i].size; } ///< m, diameter
+    [[nodiscard]] double total_mass() const;
+    /// N, mean force on `body` in the last step, from the impulses of contacts().
+    [[nodiscard]] Vec3 force_on(std::size_t body) const;
+    /// The farthest that a dynamic body is from its start, m.
+    [[nodiscard]] double farthest() const;
+    /// The same, aside of gravity.
+    [[nodiscard]] double farthest_aside() const;
+
+    /// Prints the line of this run: what Outcome holds and what the test adds.
+    void print() const { print("%s", ""); }
+    void print(const char* format, ...) const __attribute__((format(printf, 2, 3)));
+
+  private:
+    struct Body {
+        double mass = 0, size = 0;
+        Vec3 start;
+    };
+    void add(double total, double kinetic);
+
+    SceneDescription scene_;
+    World world_;
+    std::vector<Body> bodies_;
+    Outcome out_;
+    bool scripted_ = false; ///< bodies may work on others
+    double lift_ = 0;       ///< J: every body raised once by its rest distance
+    double lowest_ = 0, low_ = 0, high_ = 0, kinetic_ = 0, rise_ = 0;
+};
+
+/// Of the scale: what rounding may add.
+inline constexpr double kRise = 1e-6;
+/// Energy never rises beyond the lift.
+void expect_no_rise(const Motion& motion);
+/// No dynamic body moves by more than 1e-4 of its size a second.
+void expect_rest(const Motion& motion);
+/// The contacts carry the weight of all dynamic bodies on body `ground`, to 0.1 %.
+void expect_weight_on(const Motion& motion, std::size_t ground);
+
+} // namespace flotilla::physics

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// Scripted bodies: conveyor, turntable, press, closing walls. Their work may raise the energy, so bounds are checked instead.
+#include "physics/physics.hpp"
+
+namespace flotilla::physics {
+namespace {
+
+// Friction 1 brings a box that is put down at rest to the speed of the belt in v / (mu g), 0.1 s.
+void conveyor(const Run& run) {
+    constexpr double kSpeed = 1, kTime = 3;
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_box(0.5, 0.5, 0.5);
+    const auto box = add_solid(scene, mesh, 200), belt = add_shape(scene, make_box(20, 2, 0.2));
+    const double rest = 0.25 + rest_gap(mesh);
+    add_body(scene, box, BodyType::dynamic, {-4, 0, rest}, 1, 0);
+    add_body(scene, belt, BodyType::kinematic, {0, 0, -0.1}, 1, 0).keyframes = {{0, {0, 0, -0.1}, {}},
+                                                                                {100, {100 * kSpeed, 0, -0.1}, {}}};
+    Motion motion(scene);
+    double hop = 0, fastest = 0;
+    motion.run(kTime, [&](const StepReport&) {
+        hop = std::max(hop, motion.body(0).center_of_mass.z - rest);
+        fastest = std::max(fastest, motion.body(0).velocity.x);
+    });
+    const double speed = motion.body(0).velocity.x, way = motion.body(0).center_of_mass.x + 4,
+                 due = kSpeed * kTime - kSpeed * kSpeed / (2 * kGravity);
+    motion.print("hops %.3g m, at most %.4g m/s, at the end %.5g m/s, %.4g of %.4g m", hop, fastest, speed, way, due);
+    EXPECT_LT(hop, 1e-3);
+    EXPECT_LT(fastest, 1.001 * kSpeed);
+    EXPECT_NEAR(speed, kSpeed, 1e-3);
+    EXPECT_NEAR(way, due, kSpeed * run.dt());
+    EXPECT_LT(motion.outcome().end, 0.505 * motion.mass(0) * kSpeed * kSpeed);
+}
+
+// A box at r on a table that turns at W stays where W^2 r <= mu g. Steps along the tangent lead outwards by r (W dt)^2 / 2 each, which
+// the velocity of the table at the new place does not bring back: the drift of the scheme, of first order, is allowed for.
+void turntable(const Run& run, double share) {
+    constexpr double kRate = 1.5, kFriction = 0.4;
+    const double time = share < 1 ? 1 : 5;
+    const double radius = share * kFriction * kGravity / (kRate * kRate);
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_box(0.3, 0.3, 0.1);
+    const auto box = add_solid(scene, mesh, 500), table = add_shape(scene, make_cylinder(6, 0.2, 32));
+    auto& body = add_body(scene, box, BodyType::dynamic, {radius, 0, 0.05 + rest_gap(mesh)}, kFriction, 0);
+    body.velocity = {0, kRate * radius, 0};
+    body.angular_velocity = {0, 0, kRate};
+    auto& turning = add_body(scene, table, BodyType::kinematic, {0, 0, -0.1}, kFriction, 0);
+    for (int k = 0; k <= 40; ++k) // slerp between them is a constant rate
+        turning.keyframes.push_back({k * 0.5 / kRate, {0, 0, -0.1}, rotation_from_vector({0, 0, k * 0.5})});
+    Motion motion(scene);
+    motion.run(time);
+    const Vec3 at = motion.body(0).center_of_mass;
+    const double out = std::hypot(at.x, at.y) - radius, angle = std::atan2(at.y, at.x),
+                 behind = std::remainder(kRate * motion.world().time() - angle, 2 * kPi);
+    motion.print("%.3f of the least radius, moved out by %.4g m, behind by %.3g rad", share, out, behind);
+    if (share < 1) {
+        const double drift = std::expm1(0.5 * kRate * kRate * run.dt() * time);
+        EXPECT_LT(std::abs(out), (1.1 * drift + 1e-3) * radius);
+        EXPECT_LT(std::abs(behind), 0.1 * drift + 1e-3);
+    } else {
+        EXPECT_GT(out, 0.5 * radius);
+    }
+}
+
+constexpr int kBoxes = 5;
+
+/// A loose stack with 5 cm between its boxes of 0.5 m, and a press that comes down at 6 m/s from 6 m to `low` and goes up again.
+SceneDescription press(const Run& run, double low) {
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto box = add_solid(scene, make_box(0.5, 0.5, 0.5), 500), plate = add_shape(scene, make_box(2, 2, 0.2));
+    for (int i = 0; i < kBoxes; ++i) add_body(scene, box, BodyType::dynamic, {0, 0, 0.3 + 0.55 * i}, 0.5, 0);
+    const Vec3 up{0, 0, 6.1}, down{0, 0, low + 0.1};
+    const double time = (6 - low) / 6;
+    add_body(scene, plate, BodyType::kinematic, up, 0.5, 0).keyframes = {
+        {0, up, {}}, {time, down, {}}, {time + 1, down, {}}, {2 * time + 1, up, {}}};
+    add_ground(scene, 20, 0.5, 0);
+    return scene;
+}
+
+constexpr double kSettled = 0.5 * kBoxes; // m, the height of the stack without gaps
+
+// There is room for all once the boxes have fallen together: the script ends.
+void press_goes_back(const Run& run) {
+    Motion motion(press(run, kSettled + 0.06));
+    double lowest = 10;
+    std::int64_t delayed = 0;
+    motion.run(4, [&](const StepReport& r) {
+        lowest = std::min(lowest, motion.body(kBoxes).position.z - 0.1);
+        delayed += (r.warnings & kScriptDelayed) != 0 ? 1 : 0;
+    });
+    motion.print("press down to %.4g m (stack %.4g m), at the end at %.4g m, delayed in %lld steps", lowest, kSettled,
+                 motion.body(kBoxes).position.z - 0.1, static_cast<long long>(delayed));
+    EXPECT_LT(lowest, kSettled + 0.061);
+    EXPECT_NEAR(motion.body(kBoxes).position.z, 6.1, 1e-6);
+    expect_rest(motion);
+}
+
+// No room: boxes fall and are squeezed to contact, the press lies on them.
+void press_meets_a_stack(const Run& run) {
+    Motion motion(press(run, kSettled - 0.5));
+    motion.run(run.rate <= 24 ? 2.5 : 1.5);
+    const double low = motion.body(kBoxes).position.z - 0.1, top = motion.body(kBoxes - 1).center_of_mass.z + 0.25;
+    motion.print("press %.4g m above the top box, that %.4g m above the height of the stack", low - top,
+                 top - kSettled);
+    EXPECT_LT(low - top, 0.006); // two rest distances
+    EXPECT_LT(top - kSettled, 0.02);
+    EXPECT_LT(motion.outcome().fastest, 0.01);
+}
+
+// Eight cubes in a box whose walls close until they would meet: the cubes fall to the floor and are pushed together, none hangs in the
+// air. With `all` the floor and the ceiling close too, towards the height of the cubes' middle.
+void closing_walls(const Run& run, bool all) {
+    constexpr double kEdge = 0.5, kStart = 2, kSpeed = 1, kMiddle = 2;
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto cube = add_solid(scene, make_box(kEdge, kEdge, kEdge), 500);
+    const auto wall = add_shape(scene, make_box(0.2, 8, 8));
+    const Vec3 middle{0, 0, kMiddle};
+    Numbers numbers(6);
+    for (int i = 0; i < 8; ++i) {
+        const Vec3 cell{i % 2 - 0.5, i / 2 % 2 - 0.5, i / 4 - 0.5};
+        add_body(scene, cube, BodyType::dynamic, middle + cell, 0.3, 0).rotation =
+            rotation_from_vector(0.2 * numbers.vector());
+    }
+    // The walls overlap at their edges, as bodies without finite mass may.
+    for (int k = 0; k < (all ? 6 : 4); ++k) {
+        const Quat turn = k < 4 ? rotation_from_vector({0, 0, k * kPi / 2})
+                                : rotation_from_vector({0, (k == 4 ? 1 : -1) * kPi / 2, 0});
+        const auto at = [&](double distance) { return middle + rotate(turn, {distance + 0.1, 0, 0}); };
+        auto& body = add_body(scene, wall, BodyType::kinematic, at(kStart), 0.3, 0);
+        body.rotation = turn;
+        body.keyframes = {{0, at(kStart), turn}, {kStart / kSpeed, at(0), turn}};
+    }
+    if (!all) add_ground(scene, 20, 0.3, 0);
+    Motion motion(scene);
+    double lowest = kMiddle, fallen = 0; // of the cubes' mean height
+    motion.run(2.4, [&](const StepReport& r) {
+        double mean = 0;
+        for (std::size_t i = 0; i < 8; ++i) mean += motion.body(i).center_of_mass.z / 8;
+        lowest = std::min(lowest, mean);
+        if (r.time < 0.4) fallen = kMiddle - mean;
+    });
+    double width = 0;
+    for (std::size_t i = 8; i < 12; ++i) width = std::max(width, length(motion.body(i).position - middle) - 0.1);
+    motion.print("walls end %.4g m from the middle, cubes fell %.3g m in 0.4 s, %.3g m at most", width, fallen,
+                 kMiddle - lowest);
+    EXPECT_LT(width, 1.2); // less than half a metre of the way is needed to reach the cubes
+    EXPECT_LT(motion.outcome().fastest, 0.1);
+    EXPECT_GT(fallen, 0.5);
+}
+
+[[maybe_unused]] const bool registered = [] {
+    add_runs("Scripts", "BoxOnAConveyor", runs(), true, conveyor);
+    add_runs("Scripts", "BoxStaysOnATurntable", runs(), true, [](const Run& r) { turntable(r, 0.9); });
+    add_runs("Scripts", "BoxSlidesOffATurntable", runs(), true, [](const Run& r) { turntable(r, 1.1); });
+    add_runs("Scripts", "PressGoesBack", runs({24, 120}), true, press_goes_back);
+    add_runs("Scripts", "PressMeetsAStack", runs({24, 120}), true, press_meets_a_stack);
+    add_runs("Scripts", "ClosingWalls", runs({24, 120}), false, [](const Run& r) { closing_walls(r, false); });
+    add_runs("Scripts", "ClosingBox", runs({24, 120}), false, [](const Run& r) { closing_walls(r, true); });
+    return true;
+}();
+
+} // namespace
+} // namespace flotilla::physics

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: MIT
+// Small, thin and fast bodies, and steps that are large against them: only ratios may matter, never metres or seconds.
+#include "physics/physics.hpp"
+
+namespace flotilla::physics {
+namespace {
+
+/// Three cubes fall half a metre or more, which at a frame rate is many times their size.
+void three_cubes(const Run& run, double edge, double time_step, double time) {
+    Settings settings = run.settings();
+    settings.time_step = time_step;
+    SceneDescription scene = make_scene_with(settings);
+    const auto cube = add_solid(scene, make_box(edge, edge, edge), 1000);
+    Numbers numbers(2);
+    for (int i = 0; i < 3; ++i)
+        add_body(scene, cube, BodyType::dynamic, {0.3 * edge * i, 0, std::max(0.5, 1.5 * edge) + 2 * edge * i}, 0.3)
+            .rotation = numbers.rotation();
+    add_ground(scene, std::max(10.0, 100 * edge), 0.3);
+    Motion motion(scene);
+    // A body that hangs in the air while its velocity grows shows as a step whose way is not that of its velocity.
+    double hangs = 0;
+    Vec3 at = motion.body(0).center_of_mass, speed;
+    motion.run(time, [&](const StepReport&) {
+        const BodyState s = motion.body(0);
+        if (s.velocity.z < speed.z && speed.z < 0 && s.center_of_mass.z > 3 * edge)
+            hangs = std::max(hangs, 1 - (s.center_of_mass.z - at.z) / (speed.z * time_step));
+        at = s.center_of_mass, speed = s.velocity;
+    });
+    double highest = 0;
+    for (std::size_t i = 0; i < 3; ++i) highest = std::max(highest, motion.body(i).center_of_mass.z / edge);
+    motion.print("highest at %.3g edges, falls short of its speed by %.3g", highest, hangs);
+    expect_no_rise(motion);
+    expect_rest(motion);
+    EXPECT_LT(highest, 3) << "edges";
+    EXPECT_LT(hangs, 0.01);
+}
+
+constexpr double kBar = 1e-3; // m, thickness of bars of 1 m
+
+void two_bars(const Run& run) {
+    SceneDescription scene = make_scene_with(run.settings(), {});
+    const auto bar = add_shape(scene, make_box(1, kBar, kBar), 1);
+    add_body(scene, bar, BodyType::dynamic, {}, 0.1, 0);
+    auto& falling = add_body(scene, bar, BodyType::dynamic, {0.2, 0.1, 0.5}, 0.1, 0);
+    falling.rotation = rotation_from_vector({0, 0, 1.5});
+    falling.velocity = {0, 0, -5};
+    Motion motion(scene);
+    double after = 0;
+    motion.run(2, [&](const StepReport& r) {
+        if (r.time < 0.2) after = r.kinetic_energy;
+    });
+    motion.print("%.4g J at the start, %.4g after the impact, %.4g at the end", motion.outcome().start, after,
+                 motion.outcome().end);
+    expect_no_rise(motion);
+}
+
+void bar_dropped(const Run& run, double thickness) {
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto bar = add_shape(scene, make_box(1, thickness, thickness), 1);
+    add_body(scene, bar, BodyType::dynamic, {0, 0, 0.8}, 0.3, 0).rotation = rotation_from_vector({0.1, 0.15, 0.3});
+    add_ground(scene, 20, 0.3, 0);
+    Motion motion(scene);
+    motion.run(3);
+    motion.print("height %.4g m", motion.body(0).center_of_mass.z);
+    expect_no_rise(motion);
+    expect_rest(motion);
+}
+
+/// Layers of bars across each other, none quite level.
+void bars_in_a_heap(const Run& run, double thickness) {
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto bar = add_shape(scene, make_box(1, thickness, thickness), 0.05);
+    Numbers numbers(4);
+    for (int i = 0; i < 18; ++i)
+        add_body(scene, bar, BodyType::dynamic, {0.2 * numbers.next(), 0.2 * numbers.next(), 0.15 + 0.05 * i}, 0.5, 0.1)
+            .rotation =
+            rotation_from_vector({0, 0, 3 * numbers.next()}) * rotation_from_vector({0, 0.02 * numbers.next(), 0});
+    add_ground(scene, 20, 0.5);
+    Motion motion(scene);
+    motion.run(5);
+    motion.print();
+    expect_no_rise(motion);
+    expect_rest(motion);
+    EXPECT_EQ(motion.outcome().held, 0);
+}
+
+/// A scene and one 1,024 times as large in 32 times as long: the same bits in other units. A preset's tolerances count as derived from
+/// the scene's.
+void same_motion_at_any_size(const Run& run) {
+    constexpr double kFactor = 1024, kRoot = 32;
+    const auto make = [&](double factor) {
+        SceneDescription scene = make_scene_with(run.settings());
+        const auto cube = add_solid(scene, make_box(0.5, 0.5, 0.5), 1000);
+        for (int i = 0; i < 4; ++i)
+            add_body(scene, cube, BodyType::dynamic, {0.125 * i, 0, 0.75 + 0.75 * i}, 0.5).rotation =
+                rotation_from_vector({0.1 * i, 0.2, 0});
+        add_ground(scene, 16, 0.5);
+        scene = scaled(scene, factor);
+        scene.settings.time_step *= std::sqrt(factor);
+        return scene;
+    };
+    Motion motion(make(1)), large(make(kFactor));
+    std::int64_t first_difference = -1;
+    double farthest = 0;
+    for (int n = 0; n < 72; ++n) {
+        motion.step(), large.step();
+        for (std::size_t i = 0; i < 4; ++i) {
+            const BodyState a = motion.body(i), b = large.body(i);
+            farthest = std::max(farthest, length(kFactor * a.position - b.position) / kFactor);
+            const bool same =
+                kFactor * a.position == b.position && a.rotation == b.rotation && kRoot * a.velocity == b.velocity;
+            if (!same && first_difference < 0) first_difference = n + 1;
+        }
+    }
+    motion.print("first difference in step %lld, at most %.3g m", static_cast<long long>(first_difference), farthest);
+    EXPECT_EQ(first_difference, -1);
+}
+
+// ---- next to nothing between bodies -----------------------------------------------------------------------------------------
+
+void slides_out_of_a_tunnel(const Run& run) {
+    constexpr double kPlay = 1e-4, kSpeed = 10, kEdge = 1, kLength = 6;
+    SceneDescription scene = make_scene_with(run.settings(), {});
+    const auto cube = add_solid(scene, make_box(kEdge, kEdge, kEdge), 1000);
+    const auto wall = add_shape(scene, make_plate(kLength, 2));
+    add_body(scene, cube, BodyType::dynamic, {}, 0.1, 0).velocity = {kSpeed, 0, 0};
+    for (int i = 0; i < 4; ++i) {
+        const Quat turn = rotation_from_vector({i * kPi / 2, 0, 0});
+        add_body(scene, wall, BodyType::fixed, rotate(turn, {kLength / 2 - 2, 0, -(kEdge + kPlay) / 2}), 0.1, 0)
+            .rotation = turn;
+    }
+    Motion motion(scene);
+    motion.run(1);
+    const BodyState s = motion.body(0);
+    motion.print("%.6g m of 10, %.6g m/s", s.position.x, s.velocity.x);
+    EXPECT_EQ(motion.outcome().held, 0);
+    EXPECT_NEAR(s.position.x, 10, 0.01);
+    EXPECT_NEAR(s.velocity.x, kSpeed, 0.01);
+}
+
+constexpr double kGap = 1e-9; // m
+
+/// Two boxes almost in touch, pushed along their faces and away from each other.
+void leaves_a_gap_of_a_nanometre(const Run& run) {
+    SceneDescription scene = make_scene_with(run.settings(), {});
+    const auto box = add_solid(scene, make_box(1, 1, 1), 1000);
+    add_body(scene, box, BodyType::dynamic, {}, 0, 0);
+    add_body(scene, box, BodyType::dynamic, {0, 0, 1 + kGap}, 0, 0).velocity = {1, 0, 0.1};
+    Motion motion(scene);
+    motion.run(2.5);
+    const Vec3 apart = motion.body(1).position - motion.body(0).position;
+    motion.print("apart by (%.4g, %.4g, %.4g) m, due (2.5, 0, 1.25)", apart.x, apart.y, apart.z);
+    EXPECT_EQ(motion.outcome().held, 0);
+    EXPECT_NEAR(apart.x, 2.5, 1e-6);
+    EXPECT_NEAR(apart.z, 1.25, 1e-6);
+}
+
+/// A box that slides over a plate from which rounding alone separates it.
+void slides_over_a_gap_of_a_nanometre(const Run& run) {
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto box = add_solid(scene, make_box(1, 1, 1), 1000);
+    add_body(scene, box, BodyType::dynamic, {0, 0, 0.5 + kGap}, 0, 0).velocity = {1, 0, 0};
+    add_ground(scene, 20, 0, 0);
+    Motion motion(scene);
+    motion.run(2.5);
+    const double way = motion.body(0).position.x;
+    motion.print("slides %.4g m, due 2.5", way);
+    EXPECT_EQ(motion.outcome().held, 0);
+    EXPECT_NEAR(way, 2.5, 1e-3); // a tolerance of speed may act at corners, one sided
+}
+
+void falls_through_a_slot(const Run& run) {
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto box = add_solid(scene, make_box(1, 1, 1), 1000);
+    const auto wall = add_shape(scene, make_plate(80, 4));
+    add_body(scene, box, BodyType::dynamic, {}, 0, 0);
+    for (const double side : {-1.0, 1.0})
+        add_body(scene, wall, BodyType::fixed, {side * (0.5 + kGap), 0, 0}, 0, 0).rotation =
+            rotation_from_vector({0, kPi / 2, 0});
+    Motion motion(scene);
+    motion.run(2.5);
+    const double fallen = -motion.body(0).position.z, due = 0.5 * kGravity * 2.5 * 2.5;
+    motion.print("falls %.4g m, due %.4g", fallen, due);
+    EXPECT_EQ(motion.outcome().held, 0);
+    EXPECT_NEAR(fallen / due, 1, 0.01);
+}
+
+[[maybe_unused]] const bool registered = [] {
+    const std::vector<Run> once = runs({24});
+    struct Edge {
+        const char* name;
+        double edge, time_step, time;
+    };
+    for (const Edge& e : {Edge{"10mm", 1e-2, 0, 4}, {"1mm", 1e-3, 0, 4}, {"300um", 3e-4, 0, 4}, {"1mAt1s", 1, 1, 40}})
+        add_runs("SmallAndFast", std::string("ThreeCubesOf") + e.name, once, true,
+                 [=](const Run& r) { three_cubes(r, e.edge, e.time_step > 0 ? e.time_step : r.dt(), e.time); });
+    add_runs("SmallAndFast", "TwoBarsInSpace", runs(), true, two_bars);
+    for (const int aspect : {100, 1000})
+        add_runs("SmallAndFast", "BarOfAspect" + std::to_string(aspect) + "Falls", runs(), true,
+                 [=](const Run& r) { bar_dropped(r, 1.0 / aspect); });
+    add_runs("SmallAndFast", "HeapOfBarsOf1mm", once, true, [](const Run& r) { bars_in_a_heap(r, 1e-3); });
+    add_runs("SmallAndFast", "HeapOfNeedlesOf10um", once, true, [](const Run& r) { bars_in_a_heap(r, 1e-5); });
+    add_runs("SmallAndFast", "SameMotionAtAnySize", once, true, same_motion_at_any_size);
+    add_runs("SmallAndFast", "CubeSlidesOutOfATightTunnel", runs(), true, slides_out_of_a_tunnel);
+    add_runs("SmallAndFast", "BoxLeavesAGapOfANanometre", once, true, leaves_a_gap_of_a_nanometre);
+    add_runs("SmallAndFast", "BoxSlidesOverAGapOfANanometre", once, true, slides_over_a_gap_of_a_nanometre);
+    add_runs("SmallAndFast", "BoxFallsThroughASlotOfANanometre", once, true, falls_through_a_slot);
+    return true;
+}();
+
+} // namespace
+} // namespace flotilla::physics

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+// Stacks come to rest and stay, whatever their height and mass ratios, and carry their weight.
+#include "physics/physics.hpp"
+
+namespace flotilla::physics {
+namespace {
+
+/// Boxes of `edge` with `gap` below each on the ground, which is the last body.
+SceneDescription stack(const Settings& settings, const std::vector<double>& masses, double edge, double gap) {
+    SceneDescription scene = make_scene_with(settings);
+    double z = 0;
+    for (const double mass : masses) {
+        const auto box = add_shape(scene, make_box(edge, edge, edge), mass);
+        add_body(scene, box, BodyType::dynamic, {0, 0, z + gap + edge / 2}, 0.5, 0);
+        z += gap + edge;
+    }
+    add_ground(scene, 40 * edge, 0.5, 0);
+    return scene;
+}
+
+SceneDescription resting_stack(const Settings& settings, const std::vector<double>& masses, double edge = 1) {
+    return stack(settings, masses, edge, rest_gap(make_box(edge, edge, edge)));
+}
+
+/// Masses from the ground up, each `ratio` times that below.
+std::vector<double> growing(int boxes, double ratio) {
+    std::vector<double> masses{1};
+    while (static_cast<int>(masses.size()) < boxes) masses.push_back(masses.back() * ratio);
+    return masses;
+}
+
+/// At rest after 5 s, carrying its weight, about where it was.
+void expect_stands(Motion& motion, double edge = 1) {
+    motion.run(5);
+    const std::size_t ground = motion.world().size() - 1;
+    const double carried = -motion.force_on(ground).z / (motion.total_mass() * kGravity);
+    motion.print("carries %.5f of its weight, aside by %.3g, moved by %.3g edges", carried,
+                 motion.farthest_aside() / edge, motion.farthest() / edge);
+    expect_rest(motion);
+    expect_weight_on(motion, ground);
+    expect_no_rise(motion);
+    EXPECT_LT(motion.farthest_aside(), 1e-3 * edge);
+    EXPECT_LT(motion.farthest(), 0.01 * edge);
+    EXPECT_EQ(motion.outcome().held, 0);
+}
+
+void stands(const Run& run, const std::vector<double>& masses, double edge = 1) {
+    Motion motion(resting_stack(run.settings(), masses, edge));
+    expect_stands(motion, edge);
+}
+
+void stays_still(const Run& run, int boxes) {
+    Motion motion(resting_stack(run.settings(), std::vector<double>(static_cast<std::size_t>(boxes), 1.0)));
+    double fastest = 0;
+    motion.run(5, [&](const StepReport& r) {
+        if (r.time > 2) fastest = std::max(fastest, motion.outcome().fastest_sizes);
+    });
+    motion.print("at most %.3g sizes/s from 2 s on", fastest);
+    EXPECT_LT(fastest, 1e-4);
+}
+
+void dropped_apart(const Run& run, int boxes, double gap) {
+    constexpr double kEdge = 1;
+    Motion motion(stack(run.settings(), std::vector<double>(static_cast<std::size_t>(boxes), 1.0), kEdge, gap));
+    motion.run(5);
+    motion.print("aside by %.4g m", motion.farthest_aside());
+    expect_rest(motion);
+    expect_no_rise(motion);
+    EXPECT_LT(motion.farthest_aside(), 0.02 * kEdge);
+    expect_weight_on(motion, motion.world().size() - 1);
+}
+
+// An island may sleep only when its forces carry its weight: they are looked at in the last step before it does, and then with
+// sleeping off, what it stands on must not have been sleep.
+void sleeps_only_when_carried(const Run& run, const SceneDescription& scene) {
+    SceneDescription sleepy = scene;
+    sleepy.settings.sleeping = true;
+    Motion motion(sleepy);
+    const std::size_t ground = motion.world().size() - 1;
+    double carried = 0, before = 0;
+    std::int64_t fell_asleep = -1;
+    motion.run(5, [&](const StepReport& r) {
+        if (r.sleeping > 0 && fell_asleep < 0) fell_asleep = r.step, carried = before;
+        before = -motion.force_on(ground).z / (motion.total_mass() * kGravity);
+    });
+    Motion awake(scene);
+    awake.run(5);
+    motion.print("asleep in step %lld, carrying %.5f of its weight", static_cast<long long>(fell_asleep), carried);
+    awake.print("sleeping off (%s): moved by %.3g m", run.preset.c_str(), awake.farthest());
+    if (fell_asleep >= 0) {
+        EXPECT_NEAR(carried, 1, 1e-3) << "of the weight when it fell asleep in step " << fell_asleep;
+    }
+    expect_rest(awake);
+    EXPECT_LT(motion.farthest(), 0.01);
+    EXPECT_LT(awake.farthest(), 0.01);
+}
+
+SceneDescription brick_wall(const Settings& settings, int courses, int bricks) {
+    constexpr double kLength = 0.25, kWidth = 0.12, kHeight = 0.065;
+    const TriangleMesh whole = make_box(kLength, kWidth, kHeight);
+    const double gap = rest_gap(whole);
+    SceneDescription scene = make_scene_with(settings);
+    const auto brick = add_shape(scene, whole, 4),
+               half = add_shape(scene, make_box((kLength - gap) / 2, kWidth, kHeight), 2);
+    for (int j = 0; j < courses; ++j) {
+        const double z = gap + kHeight / 2 + j * (kHeight + gap), pitch = kLength + gap;
+        const bool odd = j % 2 == 1;
+        for (int i = 0; i < bricks - (odd ? 1 : 0); ++i)
+            add_body(scene, brick, BodyType::dynamic, {(i + (odd ? 0.5 : 0.0)) * pitch, 0, z}, 0.6, 0);
+        if (!odd) continue;
+        for (const double end : {-pitch / 4, (bricks - 1) * pitch + pitch / 4})
+            add_body(scene, half, BodyType::dynamic, {end, 0, z}, 0.6, 0);
+    }
+    return scene;
+}
+
+/// 44 bricks in eight courses under a beam as long as the wall. The last body is the ground.
+SceneDescription wall_under_beam(const Settings& settings, double bricks_of_beam) {
+    SceneDescription scene = brick_wall(settings, 8, 5);
+    double top = 0;
+    for (const BodyDescription& b : scene.bodies) top = std::max(top, b.position.z);
+    const TriangleMesh mesh = make_box(1.25, 0.12, 0.2);
+    const auto beam = add_shape(scene, mesh, 4 * bricks_of_beam);
+    const double brick_gap = rest_gap(make_box(0.25, 0.12, 0.065));
+    add_body(scene, beam, BodyType::dynamic, {0.5, 0, top + 0.065 / 2 + brick_gap + 0.1}, 0.6, 0);
+    add_ground(scene, 10, 0.6, 0);
+    return scene;
+}
+
+void wall_stands(const Run& run, double bricks_of_beam) {
+    Motion motion(wall_under_beam(run.settings(), bricks_of_beam));
+    motion.run(5);
+    motion.print("moved by %.3g m", motion.farthest());
+    expect_rest(motion);
+    expect_no_rise(motion);
+    EXPECT_LT(motion.farthest(), 1e-3);
+    expect_weight_on(motion, motion.world().size() - 1);
+}
+
+// The force between the boxes k and k + 1 from the ground of a stack of N is (N - k) m g.
+void forces_in_a_stack(const Run& run) {
+    constexpr int kBoxes = 10;
+    Motion motion(resting_stack(run.settings(), std::vector<double>(kBoxes, 2.0)));
+    motion.run(5);
+    double worst = 0;
+    for (int k = 0; k < kBoxes; ++k) {
+        double force = 0;
+        for (const ContactState& c : motion.world().contacts())
+            if (c.body_a == (k == 0 ? 0 : k - 1) && c.body_b == (k == 0 ? kBoxes : k))
+                force += std::abs(c.impulse.z) / run.dt();
+        worst = std::max(worst, std::abs(force / ((kBoxes - k) * 2 * kGravity) - 1));
+    }
+    motion.print("forces differ by up to %.3g of (N - k) m g", worst);
+    EXPECT_LT(worst, 0.01);
+}
+
+std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(std::lround(std::log10(ratio)))); }
+
+[[maybe_unused]] const bool registered = [] {
+    const std::vector<Run> once = runs({24});
+    for (const int boxes : {2, 3, 5, 10, 20, 50}) {
+        const std::vector<double> equal(static_cast<std::size_t>(boxes), 1.0);
+        add_runs("Stacks", std::to_string(boxes) + "BoxesRest", boxes <= 20 ? runs() : once, boxes <= 20,
+                 [=](const Run& r) { stands(r, equal); });
+    }
+    for (const double ratio : {1e1, 1e2, 1e3, 1e4, 1e5, 1e6}) {
+        add_runs("Stacks", "HeavyOnLight" + power(ratio), runs(), true, [=](const Run& r) { stands(r, {1, ratio}); });
+        add_runs("Stacks", "LightOnHeavy" + power(ratio), runs(), true, [=](const Run& r) { stands(r, {ratio, 1}); });
+    }
+    for (const int ratio : {2, 5, 10})
+        add_runs("Stacks", "TenBoxesEach" + std::to_string(ratio) + "TimesHeavier", once, true,
+                 [=](const Run& r) { stands(r, growing(10, ratio)); });
+    add_runs("Stacks", "TenBoxesOfMixedMasses", once, true, [](const Run& r) {
+        stands(r, {1, 1000, 3, 300, 1e4, 10, 1, 2e4, 50, 5e3});
+    });
+    add_runs("Stacks", "1e7TimesHeavierOnTop", runs(), true, [](const Run& r) { stands(r, {1, 1e7}); });
+    add_runs("Stacks", "HundredWith1e9OnTop", once, false, [](const Run& r) {
+        std::vector<double> masses(100, 1.0);
+        masses.back() = 1e9;
+        stands(r, masses);
+    });
+    add_runs("Stacks", "FiveWith1000TimesOnTopSleepWhenCarried", once, true, [](const Run& r) {
+        sleeps_only_when_carried(r, resting_stack(r.settings(), {1, 1, 1, 1, 1, 1000}));
+    });
+    add_runs("Stacks", "BrickWallSleepsWhenCarried", once, true, [](const Run& r) {
+        SceneDescription scene = brick_wall(r.settings(), 10, 5);
+        add_ground(scene, 10, 0.6, 0);
+        sleeps_only_when_carried(r, scene);
+    });
+    for (const int beam : {61, 182, 606})
+        add_runs("Stacks", "WallUnderABeamOf" + std::to_string(beam) + "Bricks", once, beam == 61,
+                 [=](const Run& r) { wall_stands(r, beam); });
+    add_runs("Stacks", "TenDiceOf1mmStand", runs(), true,
+             [](const Run& r) { stands(r, std::vector<double>(10, 2.5e-6), 1e-3); });
+    add_runs("Stacks", "TwentyBoxesDropped3cmApartStand", once, true, [](const Run& r) { dropped_apart(r, 20, 0.03); });
+    add_runs("Stacks", "FiftyBoxesStayStill", {{"balanced", 24}, {"balanced", 120}, {"preview", 24}}, false,
+             [](const Run& r) { stays_still(r, 50); });
+    add_runs("Stacks", "ForcesAreThoseOfTheWeightAbove", runs(), true, forces_in_a_stack);
+    return true;
+}();
+
+} // namespace
+} // namespace flotilla::physics
