@@ -90,6 +90,8 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
     const CandidatePair& pair = listed.pair;
     ++worker.counters.pairs;
     if (record.assumed) record.assumed = record.processed = false; // of an end state that is no more
+    const double restitution = pair_restitution(data.model, pair.a, pair.b);
+    worker.manifold.start(data.clusters.impulsive(pair.a), data.clusters.impulsive(pair.b));
     for (int i = 0; i < data.model.settings.collision_pair_iterations; ++i) {
         const PairHit hit = query_collision(data, worker, record);
         std::optional<ContactPoint> point;
@@ -100,6 +102,13 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
             point = end_proximity(data, worker, record);
             if (!point) return;
         }
+        if (!worker.manifold.empty() && worker.manifold.resolve(*point, restitution, worker.changes)) {
+            for (const PairManifold::Change& c : worker.changes)
+                apply_impulse(data, worker, pair.a, pair.b, c.point, c.impulse);
+            data.clusters.evolve(pair.a, data.dt, data.trajectories);
+            data.clusters.evolve(pair.b, data.dt, data.trajectories);
+            continue;
+        }
         const auto impulse = elastic_impulse(data, pair, *point);
         if (!impulse) { // a separating hit, or one that only energy could resolve: stage 5 takes it
             record.left_a = data.trajectories.version(at(pair.a));
@@ -108,6 +117,7 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
             return;
         }
         record.active = true;
+        worker.manifold.add(*point, restitution, *impulse);
         push(data, worker, pair.a, pair.b, *point, *impulse);
     }
 }

@@ -406,15 +406,20 @@ double pair_restitution(const Model& model, std::int32_t a, std::int32_t b) {
     return std::max(model.bodies[at(a)].restitution, model.bodies[at(b)].restitution);
 }
 
-void push(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
-          const Vec3& impulse) {
-    const Stopwatch watch(worker.counters.response_ms);
+void apply_impulse(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
+                   const Vec3& impulse) {
     ++worker.counters.impulses;
     if (worker.pushed.empty() || worker.pushed.back() != CandidatePair{a, b}) worker.pushed.push_back({a, b});
     if (data.clusters[a].infinite()) data.clusters.add_work(b, dot(impulse, data.clusters.velocity_at(a, point.arm_a)));
     if (data.clusters[b].infinite()) data.clusters.add_work(a, -dot(impulse, data.clusters.velocity_at(b, point.arm_b)));
     data.clusters.apply(a, point.arm_a, -impulse);
     data.clusters.apply(b, point.arm_b, impulse);
+}
+
+void push(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
+          const Vec3& impulse) {
+    const Stopwatch watch(worker.counters.response_ms);
+    apply_impulse(data, worker, a, b, point, impulse);
     data.clusters.evolve(a, data.dt, data.trajectories);
     data.clusters.evolve(b, data.dt, data.trajectories);
 }

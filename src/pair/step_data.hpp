@@ -10,6 +10,7 @@
 #include "pair/pair_table.hpp"
 #include "proximity/contact_points.hpp"
 #include "response/cluster.hpp"
+#include "response/pair_manifold.hpp"
 #include "state/candidate_pairs.hpp"
 
 namespace flotilla {
@@ -28,6 +29,8 @@ struct alignas(64) Worker {
     CcdScratch ccd;
     ProximityScratch proximity;
     std::vector<ProximityPoint> points;
+    PairManifold manifold; ///< of the operation under way
+    std::vector<PairManifold::Change> changes;
     StageCounters counters;
     std::vector<std::int64_t> work; ///< operations run, by round of a sweep
     std::vector<CandidatePair> pushed; ///< clusters that had an impulse in the step; equal ones may come again
@@ -180,7 +183,10 @@ struct SweptContact {
 [[nodiscard]] double pair_friction(const Model& model, std::int32_t a, std::int32_t b);
 [[nodiscard]] double pair_restitution(const Model& model, std::int32_t a, std::int32_t b);
 
-/// Applies an impulse to two clusters and re-evolves them.
+/// Applies an impulse to two clusters.
+void apply_impulse(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
+                   const Vec3& impulse);
+/// The same, and re-evolves them.
 void push(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
           const Vec3& impulse);
 

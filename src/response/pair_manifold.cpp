@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "response/pair_manifold.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flotilla {
+namespace {
+
+constexpr int kSweeps = 200;
+/// Of the fastest approach: where the sweeps stop.
+constexpr double kTolerance = 1e-9;
+
+} // namespace
+
+void PairManifold::start(const Impulsive& a, const Impulsive& b) {
+    a_ = a;
+    b_ = b;
+    hits_.clear();
+}
+
+void PairManifold::set_masses(Hit& hit) const {
+    const Mat3 k = collision_matrix(a_, b_, hit.point.arm_a, hit.point.arm_b);
+    hit.mass_normal = dot(hit.point.normal, k * hit.point.normal);
+    hit.mass_tangent = k.m[0] + k.m[4] + k.m[8]; // its trace: no less than its largest eigenvalue
+}
+
+PairManifold::Velocities PairManifold::applied() {
+    Velocities v;
+    for (Hit& hit : hits_) {
+        hit.next = hit.impulse;
+        push(hit, hit.impulse, v);
+    }
+    return v;
+}
+
+PairManifold::Hit PairManifold::make_hit(const ContactPoint& point, double restitution, const Velocities& applied) const {
+    Hit hit{.point = point};
+    set_masses(hit);
+    hit.point.relative_velocity = {};
+    hit.point.relative_velocity = point.relative_velocity - relative(hit, applied);
+    hit.target = std::max(0.0, -restitution * dot(point.normal, hit.point.relative_velocity));
+    return hit;
+}
+
+void PairManifold::add(const ContactPoint& point, double restitution, const Vec3& impulse) {
+    Hit hit = make_hit(point, restitution, applied());
+    hit.impulse = impulse;
+    hits_.push_back(hit);
+}
+
+void PairManifold::push(const Hit& hit, const Vec3& impulse, Velocities& v) const {
+    v.linear_a -= a_.inverse_mass * impulse;
+    v.angular_a -= a_.inverse_inertia * cross(hit.point.arm_a, impulse);
+    v.linear_b += b_.inverse_mass * impulse;
+    v.angular_b += b_.inverse_inertia * cross(hit.point.arm_b, impulse);
+}
+
+Vec3 PairManifold::relative(const Hit& hit, const Velocities& v) {
+    return hit.point.relative_velocity + ((v.linear_b + cross(v.angular_b, hit.point.arm_b)) -
+                                          (v.linear_a + cross(v.angular_a, hit.point.arm_a)));
+}
+
+/// Returns the largest change of a normal velocity.
+double PairManifold::sweep(Velocities& v) {
+    double worst = 0;
+    for (Hit& hit : hits_) {
+        if (!(hit.mass_normal > 0)) continue;
+        const Vec3& n = hit.point.normal;
+        const Vec3 u = relative(hit, v);
+        const double old = dot(n, hit.next), normal = std::max(0.0, old + (hit.target - dot(n, u)) / hit.mass_normal);
+        push(hit, (normal - old) * n, v);
+        hit.next += (normal - old) * n;
+        worst = std::max(worst, std::abs(normal - old) * hit.mass_normal);
+        // Down the gradient of the energy of the slip, onto the disc of Coulomb's law.
+        const Vec3 slip = relative(hit, v), tangential = slip - dot(n, slip) * n;
+        Vec3 wanted = hit.next - normal * n - tangential / hit.mass_tangent;
+        const double size = length(wanted), bound = hit.point.friction * normal;
+        if (size > bound) wanted = (bound / size) * wanted;
+        const Vec3 change = wanted - (hit.next - normal * n);
+        push(hit, change, v);
+        hit.next += change;
+    }
+    return worst;
+}
+
+/// How much of all impulses the pair's energy allows ([13], as energy_clamp() has it for one).
+double PairManifold::energy_share() const {
+    Velocities v;
+    double slope = 0, curvature = 0;
+    for (const Hit& hit : hits_) {
+        push(hit, hit.next, v);
+        slope += dot(hit.next, point_velocity(b_, hit.point.arm_b) - point_velocity(a_, hit.point.arm_a));
+    }
+    if (!(slope < 0)) return 0;
+    for (const Hit& hit : hits_) curvature += dot(hit.next, relative(hit, v) - hit.point.relative_velocity);
+    return curvature > -2 * slope ? -2 * slope / curvature : 1.0;
+}
+
+bool PairManifold::resolve(const ContactPoint& point, double restitution, std::vector<Change>& changes) {
+    Velocities v = applied();
+    hits_.push_back(make_hit(point, restitution, v));
+    double fastest = 0;
+    for (const Hit& h : hits_) fastest = std::max(fastest, length(h.point.relative_velocity));
+    for (int i = 0; i < kSweeps; ++i)
+        if (sweep(v) <= kTolerance * fastest) break;
+    const double share = energy_share();
+    if (!(share > 0) || !(dot(hits_.back().next, point.normal) > 0)) {
+        hits_.pop_back();
+        return false;
+    }
+    changes.clear();
+    for (Hit& h : hits_) {
+        changes.push_back({h.point, share * h.next - h.impulse});
+        h.impulse = share * h.next;
+    }
+    return true;
+}
+
+} // namespace flotilla

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// The hits of one pair in one operation of Algorithm 1, resolved together.
+//
+// A crate that lands flat touches with four corners at one time. Resolved one by one, the first corner's impulse turns it, the next
+// one's turns it back too late, and with restitution a fifth of its energy ends in spin, at any time step. So an operation forgets no hit:
+// when another one is found, the impulses of all hits so far are solved again, each for the rebound from the approach that
+// its point had before the operation, with friction, by projected Gauss-Seidel. One hit alone is resolved as in section 3.2.
+#pragma once
+
+#include <vector>
+
+#include "response/impulse.hpp"
+
+namespace flotilla {
+
+class PairManifold {
+  public:
+    /// Begins an operation on bodies with these velocities.
+    void start(const Impulsive& a, const Impulsive& b);
+    [[nodiscard]] bool empty() const { return hits_.empty(); }
+    /// A hit that is resolved by `impulse` (N s, on b) alone; `point` has the velocities before that.
+    void add(const ContactPoint& point, double restitution, const Vec3& impulse);
+
+    struct Change {
+        ContactPoint point; ///< as the hit was added
+        Vec3 impulse;       ///< on b, N s, on top of what was applied before
+    };
+    /// One more hit; `point` has the velocities after all impulses so far. Fills `changes` with what the hits' impulses change by. False,
+    /// and nothing is changed, where the new hit gets no impulse: it cannot be resolved together with the others.
+    [[nodiscard]] bool resolve(const ContactPoint& point, double restitution, std::vector<Change>& changes);
+
+  private:
+    struct Hit {
+        ContactPoint point; ///< relative velocity: before all impulses
+        double target = 0;  ///< m/s, normal velocity wanted
+        Vec3 impulse;       ///< N s, on b, applied
+        Vec3 next;          ///< the same, as solved
+        double mass_normal = 0, mass_tangent = 0; ///< 1/kg, of the point: along the normal, and no less than any other
+    };
+    /// What impulses change.
+    struct Velocities {
+        Vec3 linear_a, angular_a, linear_b, angular_b;
+    };
+    void push(const Hit& hit, const Vec3& impulse, Velocities& v) const;
+    /// Sets what is to be solved to what is applied; its effect.
+    [[nodiscard]] Velocities applied();
+    [[nodiscard]] Hit make_hit(const ContactPoint& point, double restitution, const Velocities& applied) const;
+    [[nodiscard]] static Vec3 relative(const Hit& hit, const Velocities& v);
+    void set_masses(Hit& hit) const;
+    [[nodiscard]] double sweep(Velocities& v);
+    [[nodiscard]] double energy_share() const;
+
+    Impulsive a_, b_;
+    std::vector<Hit> hits_;
+};
+
+} // namespace flotilla
