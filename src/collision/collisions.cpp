@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pair/ordered_sweep.hpp"
+#include "pair/simultaneous_hits.hpp"
 #include "parallel/compact.hpp"
 #include "response/arc.hpp"
 
@@ -95,14 +96,20 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
     for (int i = 0; i < data.model.settings.collision_pair_iterations; ++i) {
         const PairHit hit = query_collision(data, worker, record);
         std::optional<ContactPoint> point;
+        worker.hits.clear();
         if (hit.hit) {
             record.processed = true;
             point = swept_contact(data, {hit, pair.a, pair.b}).point;
+            worker.hits.push_back(*point);
+            find_simultaneous_hits(data, {hit, pair.a, pair.b}, *point, record.lengths.rest, worker.hits);
         } else {
             point = end_proximity(data, worker, record);
             if (!point) return;
+            worker.hits.push_back(*point);
         }
-        if (!worker.manifold.empty() && worker.manifold.resolve(*point, restitution, worker.changes)) {
+        const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
+        if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.changes)) {
+            record.active = true;
             for (const PairManifold::Change& c : worker.changes)
                 apply_impulse(data, worker, pair.a, pair.b, c.point, c.impulse);
             data.clusters.evolve(pair.a, data.dt, data.trajectories);

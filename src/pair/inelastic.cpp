@@ -10,6 +10,28 @@ namespace {
 // halved, later stopped, and if the points do not even approach they are pushed apart at this many separations per step.
 constexpr double kPushSeparations = 4;
 
+// A contact's impulse turns a body by dt I^-1 (r x l), and its point then moves by that turn times r: as long as the turn is small.
+// A thin body that is hit on an edge would turn many times instead, its point would be anywhere, and the next impulse would push again.
+// Beyond this angle an impulse acts on the centre of mass alone, which moves the point by just as much as is asked for.
+constexpr double kLargestTurn = 1; // radians
+
+/// The impulse for the target; sets the arms of bodies that it, or their own spin, would turn too far to zero.
+std::optional<Vec3> displacing_impulse(const Impulsive& a, const Impulsive& b, double dt, double target,
+                                       ContactPoint& point) {
+    auto impulse = contact_impulse(a, b, point, target);
+    if (!impulse) return impulse;
+    const auto turns_far = [&](const Impulsive& body, const Vec3& arm) {
+        if (!(body.inverse_mass > 0)) return false;
+        const Vec3 change = body.inverse_inertia * cross(arm, *impulse);
+        return std::max(length_sq(body.angular_velocity), length_sq(change)) * dt * dt > kLargestTurn * kLargestTurn;
+    };
+    const bool far_a = turns_far(a, point.arm_a), far_b = turns_far(b, point.arm_b);
+    if (!far_a && !far_b) return impulse;
+    if (far_a) point.arm_a = {};
+    if (far_b) point.arm_b = {};
+    return contact_impulse(a, b, point, target);
+}
+
 double inelastic_target(const StepData& data, const SweptContact& contact, const PairLengths& lengths, int iteration,
                         int iterations) {
     const double vn = dot(contact.point.normal, contact.point.relative_velocity);
@@ -32,12 +54,13 @@ Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t 
         if (!out.found) out.first_a = hit.a, out.first_b = hit.b;
         out.found = true;
         if (i == iterations) return out;
-        const SweptContact contact = swept_contact(data, hit);
+        SweptContact contact = swept_contact(data, hit);
         const PairLengths lengths = pair_lengths(data.model, data.state, hit.a, hit.b);
         const std::int32_t ca = data.clusters.of(static_cast<std::size_t>(hit.a));
         const std::int32_t cb = data.clusters.of(static_cast<std::size_t>(hit.b));
-        const auto impulse = contact_impulse(data.clusters.impulsive(ca), data.clusters.impulsive(cb), contact.point,
-                                             inelastic_target(data, contact, lengths, i, iterations));
+        const auto impulse =
+            displacing_impulse(data.clusters.impulsive(ca), data.clusters.impulsive(cb), data.dt,
+                               inelastic_target(data, contact, lengths, i, iterations), contact.point);
         if (!impulse) return out;
         push(data, worker, ca, cb, contact.point, *impulse);
     }

@@ -35,7 +35,8 @@ PairManifold::Velocities PairManifold::applied() {
 }
 
 PairManifold::Hit PairManifold::make_hit(const ContactPoint& point, double restitution, const Velocities& applied) const {
-    Hit hit{.point = point};
+    Hit hit;
+    hit.point = point;
     set_masses(hit);
     hit.point.relative_velocity = {};
     hit.point.relative_velocity = point.relative_velocity - relative(hit, applied);
@@ -97,16 +98,17 @@ double PairManifold::energy_share() const {
     return curvature > -2 * slope ? -2 * slope / curvature : 1.0;
 }
 
-bool PairManifold::resolve(const ContactPoint& point, double restitution, std::vector<Change>& changes) {
+bool PairManifold::resolve(std::span<const ContactPoint> points, double restitution, std::vector<Change>& changes) {
+    const std::size_t before = hits_.size();
     Velocities v = applied();
-    hits_.push_back(make_hit(point, restitution, v));
+    for (const ContactPoint& point : points) hits_.push_back(make_hit(point, restitution, v));
     double fastest = 0;
     for (const Hit& h : hits_) fastest = std::max(fastest, length(h.point.relative_velocity));
     for (int i = 0; i < kSweeps; ++i)
         if (sweep(v) <= kTolerance * fastest) break;
     const double share = energy_share();
-    if (!(share > 0) || !(dot(hits_.back().next, point.normal) > 0)) {
-        hits_.pop_back();
+    if (!(share > 0) || !(dot(hits_[before].next, hits_[before].point.normal) > 0)) {
+        hits_.resize(before);
         return false;
     }
     changes.clear();

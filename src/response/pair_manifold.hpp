@@ -7,6 +7,7 @@
 // its point had before the operation, with friction, by projected Gauss-Seidel. One hit alone is resolved as in section 3.2.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "response/impulse.hpp"
@@ -25,16 +26,16 @@ class PairManifold {
         ContactPoint point; ///< as the hit was added
         Vec3 impulse;       ///< on b, N s, on top of what was applied before
     };
-    /// One more hit; `point` has the velocities after all impulses so far. Fills `changes` with what the hits' impulses change by. False,
-    /// and nothing is changed, where the new hit gets no impulse: it cannot be resolved together with the others.
-    [[nodiscard]] bool resolve(const ContactPoint& point, double restitution, std::vector<Change>& changes);
+    /// More hits, at one time, with the velocities after all impulses so far. Fills `changes` with what the impulses of all hits change
+    /// by. False, and nothing is changed, where the first of the new ones gets no impulse: it cannot be resolved together with the others.
+    [[nodiscard]] bool resolve(std::span<const ContactPoint> points, double restitution, std::vector<Change>& changes);
 
   private:
     struct Hit {
-        ContactPoint point; ///< relative velocity: before all impulses
+        ContactPoint point{}; ///< relative velocity: before all impulses
         double target = 0;  ///< m/s, normal velocity wanted
-        Vec3 impulse;       ///< N s, on b, applied
-        Vec3 next;          ///< the same, as solved
+        Vec3 impulse{};       ///< N s, on b, applied
+        Vec3 next{};          ///< the same, as solved
         double mass_normal = 0, mass_tangent = 0; ///< 1/kg, of the point: along the normal, and no less than any other
     };
     /// What impulses change.

@@ -66,12 +66,32 @@ void scatter(const Island& island, const ContactBodies& bodies, ContactScratch& 
         }
 }
 
+// 1/2 r W r + r (u - target), J, which a solution has below zero, and which is zero without impulses. What it is above is energy from
+// nowhere.
+double objective(const Island& island, const ContactScratch& s, const Exact& e) {
+    double sum = 0;
+    std::size_t c = 0;
+    for (const ContactBlock& block : blocks_of(island, s))
+        for (std::int32_t r = block.first; r < block.end; ++r, ++c) {
+            const ContactRow& row = s.rows[index(r)];
+            Vec3 u = to_contact(row, relative_velocity(row, s.velocity[index(block.a)], s.velocity[index(block.b)]));
+            u.x -= row.local.target;
+            sum += 0.5 * dot(row.local.impulse, u + e.contacts[c].free_velocity);
+        }
+    return sum;
+}
+
 void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
     gather(island, bodies, s, e);
+    e.swept = e.impulses;
     const ConeSolveStats stats =
         solve_cone_program(e.bodies, e.contacts, {island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
     if (!(stats.residual < island.residual)) return;
     scatter(island, bodies, s, e);
+    if (!stats.solved && objective(island, s, e) > 0) {
+        e.impulses = e.swept;
+        return scatter(island, bodies, s, e);
+    }
     island.residual = stats.residual;
     island.solved = stats.solved;
     island.factorisations = stats.iterations;

@@ -169,7 +169,7 @@ struct ContactScratch {
     struct ExactSolve {
         std::vector<ConeBody> bodies;
         std::vector<ConeContact> contacts;
-        std::vector<Vec3> impulses;
+        std::vector<Vec3> impulses, swept; ///< N s, contact frames; those of the sweeps
         ConeScratch scratch;
     };
     std::vector<ExactSolve> exact;        ///< by thread

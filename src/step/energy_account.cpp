@@ -27,6 +27,7 @@ void EnergyAccount::start(Team& team, const Model& model, std::span<const Pose> 
     com_.resize(n);
     work_.assign(n, 0);
     grounded_.assign(n, 0);
+    scripted_.assign(n, 0);
     team.for_each("energy before", n, kGrain, [&](std::size_t i, int) {
         parent_[i] = static_cast<std::int32_t>(i);
         com_[i] = pose[i].com;
@@ -45,7 +46,9 @@ void EnergyAccount::join(const Model& model, std::int32_t a, std::int32_t b) {
         const std::int32_t p = root(a), q = root(b);
         parent_[at(std::max(p, q))] = std::min(p, q);
     } else {
-        grounded_[at(movable_a ? a : b)] = 1;
+        const std::int32_t body = movable_a ? a : b;
+        grounded_[at(body)] = 1;
+        if (model.bodies[at(movable_a ? b : a)].scripted()) scripted_[at(body)] = 1;
     }
 }
 
@@ -84,6 +87,32 @@ EnergyAccount::Verdict EnergyAccount::judge(const Balance& island, EnergyCorrect
     ++out.islands;
     out.removed += removed;
     return v;
+}
+
+std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, const Trajectories& trajectories,
+                                                       std::span<const double> lift) {
+    const std::size_t n = model.size();
+    overdrawn_.clear();
+    islands_.assign(n, {});
+    bool any = false;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!model.bodies[i].movable()) continue;
+        Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
+        const double mass = model.bodies[i].mass, weight = mass * length(model.gravity);
+        island.gain -= mass * dot(model.gravity, trajectories.end_pose(i).com - com_[i]);
+        island.kinetic += kinetic_[i];
+        island.most_lift += std::max(weight * body_lengths(model, i).rest - lift[i], 0.0);
+        island.grounded = island.grounded || scripted_[i] != 0;
+        any = any || island.gain > island.kinetic + island.most_lift;
+    }
+    if (!any) return overdrawn_;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!model.bodies[i].movable() || trajectories.still(i)) continue;
+        const Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
+        if (!island.grounded && island.gain > island.kinetic + island.most_lift)
+            overdrawn_.push_back(static_cast<std::int32_t>(i));
+    }
+    return overdrawn_;
 }
 
 EnergyCorrections EnergyAccount::settle(Team& team, const Model& model, std::span<const Pose> end,

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "parallel/team.hpp"
-#include "state/model.hpp"
+#include "state/trajectories.hpp"
 
 namespace flotilla {
 
@@ -33,6 +33,10 @@ class EnergyAccount {
     /// Work of scripted bodies on a body, J. Counts where it is positive for the island.
     void add_work(std::int32_t body, double work) { work_[static_cast<std::size_t>(body)] += work; }
 
+    /// Bodies of islands whose end poses alone cost more than they have, with all their velocities given up: they must not end there.
+    /// Empty in any scene whose contacts are solved.
+    [[nodiscard]] std::span<const std::int32_t> overdrawn(const Model& model, const Trajectories& trajectories,
+                                                          std::span<const double> lift);
     /// Cuts the velocities `motion` at the poses `end`; `lift` is what is written down for every body, J.
     EnergyCorrections settle(Team& team, const Model& model, std::span<const Pose> end, std::span<Motion> motion,
                              std::span<double> lift);
@@ -68,6 +72,8 @@ class EnergyAccount {
     std::vector<std::uint8_t> grounded_;
     std::vector<Balance> bodies_, islands_;
     std::vector<Verdict> verdicts_;
+    std::vector<std::int32_t> overdrawn_;
+    std::vector<std::uint8_t> scripted_; ///< touches a scripted body
 };
 
 } // namespace flotilla

@@ -266,8 +266,9 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
         const ArcContact arcs = arcs_of(c, s.time_step, scratch.bodies);
         const double full =
             equation_16(set.rest[i], c.distance - arcs.closer, s.time_step, c.tolerance) + arcs.approach;
-        // Arcs that bring points together do so by the end of the step.
-        c.target = options.final_stage ? std::min(0.0, full) : full + std::max(0.0, -0.5 * s.time_step * arcs.apart);
+        // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost there.
+        const double together = std::clamp(-0.5 * s.time_step * arcs.apart, 0.0, set.rest[i] / s.time_step);
+        c.target = options.final_stage ? std::min(0.0, full) : full + together;
         if (options.keep_approach && set.processed[i] == 0)
             c.target = std::min(c.target, -kept_approach(model, c, options.start, poses, scratch.bodies));
         c.point += arcs.shift;

@@ -171,6 +171,7 @@ StepReport Stepper::step() {
             const PhaseWatch watch(report, Phase::failsafe, team_);
             failsafe = run_failsafe(d);
             add_counters(failsafe.counters, report);
+            hold_overdrawn(d, failsafe);
             record_failsafe(dynamic, failsafe, report);
         }
         {
@@ -400,6 +401,34 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         });
 }
 
+/// Islands that stages 3 and 5 raised by more than all their energy stay where they were, and the failsafe goes on around them. Each
+/// round holds a body more at least.
+void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
+    while (true) {
+        join_pushed();
+        const std::span<const std::int32_t> bodies = energy_.overdrawn(model_, trajectories_, state_.lift);
+        if (bodies.empty()) return;
+        for (const std::int32_t body : bodies) {
+            const std::int32_t id = clusters_.of(static_cast<std::size_t>(body));
+            if (!clusters_[id].infinite()) clusters_.hold(id, trajectories_), ++failsafe.rung_changes;
+        }
+        const FailsafeStats more = run_failsafe(d);
+        failsafe.merges += more.merges;
+        failsafe.rung_changes += more.rung_changes;
+        failsafe.delayed_scripts.insert(failsafe.delayed_scripts.end(), more.delayed_scripts.begin(),
+                                        more.delayed_scripts.end());
+    }
+}
+
+/// Bodies that had an impulse in stages 1 and 5, or are of one cluster, are of one island.
+void Stepper::join_pushed() {
+    for (const auto& worker : workers_)
+        for (const CandidatePair& p : worker->pushed) energy_.join(model_, p.a, p.b);
+    for (std::size_t id = 0; id < model_.size(); ++id)
+        for (const std::int32_t member : clusters_[static_cast<std::int32_t>(id)].members)
+            if (member != static_cast<std::int32_t>(id)) energy_.join(model_, static_cast<std::int32_t>(id), member);
+}
+
 /// Bodies in contact are of one island.
 void Stepper::join_contacts() {
     for (const Contact& c : contacts_.contacts) energy_.join(model_, c.a, c.b);
@@ -408,11 +437,6 @@ void Stepper::join_contacts() {
 /// The account of the step's energy, after stage 7 (energy_account.hpp).
 void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     join_contacts();
-    for (const auto& worker : workers_)
-        for (const CandidatePair& p : worker->pushed) energy_.join(model_, p.a, p.b);
-    for (std::size_t id = 0; id < model_.size(); ++id)
-        for (const std::int32_t member : clusters_[static_cast<std::int32_t>(id)].members)
-            if (member != static_cast<std::int32_t>(id)) energy_.join(model_, static_cast<std::int32_t>(id), member);
     for (std::size_t k = 0; k < static_.selected.size(); ++k) { // of scripted bodies in stage 7
         const Contact& c = static_.selected[k];
         for (const std::int32_t body : {c.a, c.b}) {

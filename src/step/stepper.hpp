@@ -56,6 +56,8 @@ class Stepper {
     void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                          StepReport& report);
+    void hold_overdrawn(StepData& d, FailsafeStats& failsafe);
+    void join_pushed();
     void join_contacts();
     void settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report);
     void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
