@@ -33,6 +33,8 @@ class ConeScratch {
     struct Storage;
     ConeScratch();
     ~ConeScratch();
+    ConeScratch(const ConeScratch&) : ConeScratch() {} ///< memory of its own: nothing in it outlives a solve
+    ConeScratch& operator=(const ConeScratch&) { return *this; }
     ConeScratch(ConeScratch&&) noexcept;
     ConeScratch& operator=(ConeScratch&&) noexcept;
     Storage& storage() { return *storage_; }
