@@ -12,7 +12,7 @@ using Exact = ContactScratch::ExactSolve;
 /// What a step can wait for: the solve takes some milliseconds with so many contacts, and grows faster than their number.
 constexpr std::int32_t kMostContacts = 256;
 /// Problems that have a solution take ten to forty; the others end with what was found.
-constexpr int kMostFactorisations = 60;
+constexpr int kMostFactorisations = 40;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -85,7 +85,8 @@ void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact
     gather(island, bodies, s, e);
     e.swept = e.impulses;
     const ConeSolveStats stats =
-        solve_cone_program(e.bodies, e.contacts, {island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
+        solve_cone_program(e.bodies, e.contacts, {kExactShare * island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
+    island.solved = island.residual <= island.tolerance;
     if (!(stats.residual < island.residual)) return;
     scatter(island, bodies, s, e);
     if (!stats.solved && objective(island, s, e) > 0) {
@@ -93,7 +94,7 @@ void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact
         return scatter(island, bodies, s, e);
     }
     island.residual = stats.residual;
-    island.solved = stats.solved;
+    island.solved = stats.solved || stats.residual <= island.tolerance;
     island.factorisations = stats.iterations;
 }
 

@@ -7,6 +7,10 @@
 
 namespace flotilla {
 
+/// Of an island's tolerance: to which it is solved where it is solved exactly. It costs next to nothing there, bodies on the edge of
+/// sliding do not creep, and stacks do not sway at the speed of the tolerance.
+inline constexpr double kExactShare = 0x1p-20;
+
 /// Whether the island may be solved so: friction by the cone, and few enough contacts.
 [[nodiscard]] bool may_solve_exactly(const ContactScratch::Island& island, const ContactSolveOptions& options,
                                      const ContactScratch& scratch);

@@ -65,8 +65,8 @@ bool rests(const Island& island, const ContactSolveOptions& options, const Conta
     return options.rest_speed > 0 && island.energy_before <= 0.5 * mass * options.rest_speed * options.rest_speed;
 }
 
-/// A pile's island that is solved within so many sweeps costs less than the exact solve would.
-constexpr int kSweepsBeforeExact = 60;
+/// An exact solve starts from what so many sweeps find, and is not needed where that is all.
+constexpr int kSweepsBeforeExact = 20;
 
 constexpr double kRounding = 0x1p-40; ///< of energies, far more than that of their sums
 
@@ -77,7 +77,10 @@ constexpr double kRounding = 0x1p-40; ///< of energies, far more than that of th
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
     ContactSolveOptions options = of_all;
     options.tolerance = island.tolerance;
-    if (may_solve_exactly(island, options, s)) options.iterations = std::min(options.iterations, kSweepsBeforeExact);
+    if (may_solve_exactly(island, options, s)) {
+        options.iterations = std::min(options.iterations, kSweepsBeforeExact);
+        options.tolerance *= kExactShare;
+    }
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.energy_pgs = kinetic_energy(island, bodies, s);
