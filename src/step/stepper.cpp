@@ -462,8 +462,8 @@ void Stepper::record_activity() {
 }
 
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
-    for (std::int32_t body : failsafe.delayed_scripts)
-        state_.script_delay[static_cast<std::size_t>(body)] += model_.settings.time_step;
+    for (const DelayedScript& d : failsafe.delayed_scripts)
+        state_.script_delay[static_cast<std::size_t>(d.body)] += (1 - d.share) * model_.settings.time_step;
     for (std::size_t i = 0; i < model_.size(); ++i) turns_[i] = trajectories_.turn(i);
     record_activity();
     state_.motion.assign(motion.begin(), motion.end());
