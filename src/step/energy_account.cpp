@@ -93,7 +93,7 @@ EnergyAccount::Verdict EnergyAccount::judge(const Balance& island, EnergyCorrect
     return v;
 }
 
-std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, const Trajectories& trajectories,
+std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::span<const Vec3> way,
                                                        std::span<const double> lift) {
     const std::size_t n = model.size();
     overdrawn_.clear();
@@ -103,7 +103,7 @@ std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, const
         if (!model.bodies[i].movable()) continue;
         Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
         const double mass = model.bodies[i].mass, weight = mass * length(model.gravity);
-        island.gain -= mass * dot(model.gravity, trajectories.end_pose(i).com - com_[i]);
+        island.gain -= mass * dot(model.gravity, way[i]);
         island.kinetic += kinetic_[i];
         const double most = weight * body_lengths(model, i).rest;
         island.most_lift += std::max(most - lift[i], 0.0) + kCreep * most;
@@ -112,7 +112,7 @@ std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, const
     }
     if (!any) return overdrawn_;
     for (std::size_t i = 0; i < n; ++i) {
-        if (!model.bodies[i].movable() || trajectories.still(i)) continue;
+        if (!model.bodies[i].movable() || way[i] == Vec3{}) continue;
         const Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
         if (!island.grounded && island.gain > island.kinetic + island.most_lift)
             overdrawn_.push_back(static_cast<std::int32_t>(i));
