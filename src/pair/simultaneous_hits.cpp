@@ -44,7 +44,10 @@ bool touches(const BodyMotion& body, const Vec3& x, double t, double reach) {
     bool found = false;
     const Vec3 room{reach, reach, reach};
     descend(
-        body, t, [&](const Box& box) { return !found && boxes_overlap(box, {x - room, x + room}, 0); },
+        body, t,
+        [&](const Box& box) {
+            return !found && boxes_overlap(box, {x - room, x + room}, 0);
+        },
         [&](std::int32_t triangle) {
             if (found) return;
             const Triangle& f = body.shape->mesh.triangles[at(triangle)];

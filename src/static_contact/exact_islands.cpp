@@ -84,8 +84,8 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
 void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
     gather(island, bodies, s, e);
     e.swept = e.impulses;
-    const ConeSolveStats stats =
-        solve_cone_program(e.bodies, e.contacts, {kExactShare * island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
+    const ConeSolveStats stats = solve_cone_program(
+        e.bodies, e.contacts, {kExactShare * island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
     if (!(stats.residual < island.residual)) return;
     scatter(island, bodies, s, e);
