@@ -13,6 +13,7 @@ enum class RequestKind { merge_kinematic, merge_rigid, go_down, hold_script };
 struct Request {
     RequestKind kind;
     std::int32_t a, b; ///< clusters; go_down and hold_script: only a
+    double toi = 1;    ///< hold_script: of what it would hit
 };
 
 class Failsafe {
@@ -73,7 +74,7 @@ class Failsafe {
         if (!r.found) return;
         if (stats_.trigger_a < 0) stats_.trigger_a = r.first_a, stats_.trigger_b = r.first_b;
         if (infinite_a && infinite_b) {
-            request({RequestKind::hold_script, data_.model.bodies[at(pair.a)].scripted() ? pair.a : pair.b, -1});
+            request({RequestKind::hold_script, data_.model.bodies[at(pair.a)].scripted() ? pair.a : pair.b, -1, r.toi});
         } else if (infinite_a || infinite_b) {
             meet_infinite(infinite_a ? pair.b : pair.a, infinite_a ? pair.a : pair.b, r.resolved);
         } else {
@@ -100,7 +101,7 @@ class Failsafe {
     void apply(const Request& r) {
         switch (r.kind) {
         case RequestKind::go_down: go_down(r.a); break;
-        case RequestKind::hold_script: hold_script(r.a); break;
+        case RequestKind::hold_script: hold_script(r.a, r.toi); break;
         default: {
             ++stats_.merges;
             const bool rigid = r.kind == RequestKind::merge_rigid;
@@ -123,11 +124,34 @@ class Failsafe {
         }
     }
 
-    void hold_script(std::int32_t body) {
+    /// A script goes as far as what stands in its way, if that is anywhere, and where that is not proved either it stays at x^n. So it is
+    /// held twice at most.
+    void hold_script(std::int32_t body, double toi) {
+        constexpr double kOfWay = 0.9, kLeastShare = 1.0 / 64; // below it a body hardly moves, and queries cost as ever
         if (data_.trajectories.still(at(body))) return;
-        data_.trajectories.hold(at(body));
-        data_.clusters.set_script(body, {});
-        stats_.delayed_scripts.push_back(body);
+        auto& delayed = stats_.delayed_scripts;
+        const auto known = std::find_if(delayed.begin(), delayed.end(), [&](const auto& d) { return d.body == body; });
+        const bool again = known != delayed.end();
+        const double share = again || kOfWay * toi < kLeastShare ? 0.0 : kOfWay * toi;
+        if (share > 0)
+            shorten(body, share);
+        else
+            data_.trajectories.hold(at(body));
+        const Motion& motion = data_.clusters.motion()[at(body)];
+        data_.clusters.set_script(body, {share * motion.velocity, share * motion.momentum});
+        if (again)
+            known->share = 0;
+        else
+            delayed.push_back({body, share});
+    }
+
+    /// The first part of a body's way.
+    void shorten(std::int32_t body, double share) {
+        const Pose &start = data_.trajectories.start_pose(at(body)), &end = data_.trajectories.end_pose(at(body));
+        const Vec3 turn = share * data_.trajectories.turn(at(body));
+        const Quat rotation = turn == Vec3{} ? start.rotation : normalized(rotation_from_vector(turn) * start.rotation);
+        const Vec3 com = start.com + share * (end.com - start.com);
+        data_.trajectories.set_end(at(body), make_pose(data_.model.shape_of(at(body)), com, rotation), turn);
     }
 
     StepData& data_;

@@ -15,11 +15,18 @@
 
 namespace flotilla {
 
+/// A scripted body that did not make its whole step.
+struct DelayedScript {
+    std::int32_t body;
+    double share; ///< of the step that it made, in [0, 1)
+    friend bool operator<(const DelayedScript& p, const DelayedScript& q) { return p.body < q.body; }
+};
+
 struct FailsafeStats {
     StageCounters counters;
     std::int64_t merges = 0;
     std::int64_t rung_changes = 0;
-    std::vector<std::int32_t> delayed_scripts; ///< scripted bodies put back to x^n, ascending
+    std::vector<DelayedScript> delayed_scripts; ///< ascending
     std::int32_t trigger_a = -1, trigger_b = -1;
 };
 

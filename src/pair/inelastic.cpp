@@ -51,7 +51,7 @@ Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t 
             out.resolved = true;
             return out;
         }
-        if (!out.found) out.first_a = hit.a, out.first_b = hit.b;
+        if (!out.found) out.first_a = hit.a, out.first_b = hit.b, out.toi = hit.hit.toi;
         out.found = true;
         if (i == iterations) return out;
         SweptContact contact = swept_contact(data, hit);

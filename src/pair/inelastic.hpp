@@ -10,6 +10,7 @@ struct Resolution {
     bool found = false;                      ///< there was a hit
     bool resolved = false;                   ///< there is none left: every pair of members is proved
     std::int32_t first_a = -1, first_b = -1; ///< bodies of the first hit
+    double toi = 1;                          ///< of it, [0, 1]
 };
 
 /// Handles hits in consecutive order, at most `iterations` of them, each with the impulse that brings the bodies to their rest

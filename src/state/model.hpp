@@ -61,7 +61,7 @@ struct Motion {
         momentum; ///< angular, about the centre of mass, kg m^2/s; angular velocity for static and scripted bodies (rad/s)
 };
 
-/// A pair that started closer than its rest distance keeps its start distance (DESIGN section 3).
+/// A pair that started closer than its rest distance keeps its start distance, and its separation goes by that.
 struct RestDistance {
     std::int32_t a, b; ///< a < b
     double distance;   ///< m

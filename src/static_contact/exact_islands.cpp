@@ -9,8 +9,11 @@ namespace {
 using Island = ContactScratch::Island;
 using Exact = ContactScratch::ExactSolve;
 
-/// What a step can wait for: the solve takes some milliseconds with so many contacts, and grows faster than their number.
-constexpr std::int32_t kMostContacts = 256;
+/// Contacts with which the solve takes a few milliseconds at most, as the sweeps of a step do; and up to which an island is worth a
+/// tenth of a second that rests, where the next step begins with what this one found: walls and houses of cards.
+constexpr std::int32_t kFewContacts = 256, kMostContacts = 1536;
+constexpr std::int32_t kMostBodies =
+    64; ///< of an island with more than few contacts: factorisations grow with their cube
 /// Problems that have a solution take ten to forty; the others end with what was found.
 constexpr int kMostFactorisations = 40;
 
@@ -103,7 +106,9 @@ void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact
 bool may_solve_exactly(const Island& island, const ContactSolveOptions& options, const ContactScratch& s) {
     if (!options.exact || options.tangents == Tangents::random) return false;
     const std::span<const ContactBlock> blocks = blocks_of(island, s);
-    return blocks.back().end - blocks.front().first <= kMostContacts;
+    const std::int32_t contacts = blocks.back().end - blocks.front().first;
+    if (contacts <= kFewContacts) return true;
+    return island.rests && island.end_body - island.first_body <= kMostBodies && contacts <= kMostContacts;
 }
 
 void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {

@@ -11,7 +11,7 @@ namespace flotilla {
 /// sliding do not creep, and stacks do not sway at the speed of the tolerance.
 inline constexpr double kExactShare = 0x1p-20;
 
-/// Whether the island may be solved so: friction by the cone, and few enough contacts.
+/// Whether the island may be solved so: friction by the cone, and few enough contacts and bodies. Set `rests` before.
 [[nodiscard]] bool may_solve_exactly(const ContactScratch::Island& island, const ContactSolveOptions& options,
                                      const ContactScratch& scratch);
 

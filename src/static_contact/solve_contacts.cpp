@@ -77,6 +77,8 @@ constexpr double kRounding = 0x1p-40; ///< of energies, far more than that of th
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
     ContactSolveOptions options = of_all;
     options.tolerance = island.tolerance;
+    island.energy_before = kinetic_energy(island, bodies, s);
+    island.rests = rests(island, options, s);
     if (may_solve_exactly(island, options, s)) {
         options.iterations = std::min(options.iterations, kSweepsBeforeExact);
         options.tolerance *= kExactShare;
@@ -88,8 +90,6 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
                island.energy_pgs - island.energy_before >
                    work_of_targets(island, s) + kRounding * (island.energy_pgs + island.energy_before);
     };
-    island.energy_before = kinetic_energy(island, bodies, s);
-    island.rests = rests(island, options, s);
     bool gained = sweep_and_measure({options.warm_start, options.momentum});
     if (!gained || !prescribed_at_rest(island, s)) return;
     island.cold = options.warm_start;

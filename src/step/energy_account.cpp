@@ -10,6 +10,9 @@ namespace {
 constexpr std::size_t kGrain = 64; // bodies of a task
 /// Of the energies that a balance subtracts: the rounding of a few operations each, and of the energy of a turn (rotation_step.hpp).
 constexpr double kRounding = 0x1p-44;
+/// Of a body's weight times its rest distance: what resting bodies may rise in a step without account. A million steps of it lift a body
+/// by a thousandth of its rest distance.
+constexpr double kCreep = 0x1p-30;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -65,6 +68,7 @@ EnergyAccount::Balance EnergyAccount::balance(const Model& model, std::size_t i,
     out.momentum = body.mass * motion.velocity;
     out.lift = lift;
     out.most_lift = weight * body_lengths(model, i).rest;
+    out.rounding += kCreep * out.most_lift;
     out.grounded = grounded_[i] != 0;
     return out;
 }
@@ -89,7 +93,7 @@ EnergyAccount::Verdict EnergyAccount::judge(const Balance& island, EnergyCorrect
     return v;
 }
 
-std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, const Trajectories& trajectories,
+std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::span<const Vec3> way,
                                                        std::span<const double> lift) {
     const std::size_t n = model.size();
     overdrawn_.clear();
@@ -99,15 +103,16 @@ std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, const
         if (!model.bodies[i].movable()) continue;
         Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
         const double mass = model.bodies[i].mass, weight = mass * length(model.gravity);
-        island.gain -= mass * dot(model.gravity, trajectories.end_pose(i).com - com_[i]);
+        island.gain -= mass * dot(model.gravity, way[i]);
         island.kinetic += kinetic_[i];
-        island.most_lift += std::max(weight * body_lengths(model, i).rest - lift[i], 0.0);
+        const double most = weight * body_lengths(model, i).rest;
+        island.most_lift += std::max(most - lift[i], 0.0) + kCreep * most;
         island.grounded = island.grounded || scripted_[i] != 0;
         any = any || island.gain > island.kinetic + island.most_lift;
     }
     if (!any) return overdrawn_;
     for (std::size_t i = 0; i < n; ++i) {
-        if (!model.bodies[i].movable() || trajectories.still(i)) continue;
+        if (!model.bodies[i].movable() || way[i] == Vec3{}) continue;
         const Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
         if (!island.grounded && island.gain > island.kinetic + island.most_lift)
             overdrawn_.push_back(static_cast<std::int32_t>(i));

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "parallel/team.hpp"
-#include "state/trajectories.hpp"
+#include "state/model.hpp"
 
 namespace flotilla {
 
@@ -33,9 +33,9 @@ class EnergyAccount {
     /// Work of scripted bodies on a body, J. Counts where it is positive for the island.
     void add_work(std::int32_t body, double work) { work_[static_cast<std::size_t>(body)] += work; }
 
-    /// Bodies of islands whose end poses alone cost more than they have, with all their velocities given up: they must not end there.
-    /// Empty in any scene whose contacts are solved.
-    [[nodiscard]] std::span<const std::int32_t> overdrawn(const Model& model, const Trajectories& trajectories,
+    /// Bodies of islands that cannot afford the ways that their centres of mass would make in the step, m, with all their velocities
+    /// given up. Islands that touch a scripted body, whose work pays for that, are left out.
+    [[nodiscard]] std::span<const std::int32_t> overdrawn(const Model& model, std::span<const Vec3> way,
                                                           std::span<const double> lift);
     /// Cuts the velocities `motion` at the poses `end`; `lift` is what is written down for every body, J.
     EnergyCorrections settle(Team& team, const Model& model, std::span<const Pose> end, std::span<Motion> motion,

@@ -268,7 +268,8 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
             equation_16(set.rest[i], c.distance - arcs.closer, s.time_step, c.tolerance) + arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost there.
         const double together = std::clamp(-0.5 * s.time_step * arcs.apart, 0.0, set.rest[i] / s.time_step);
-        c.target = options.final_stage ? std::min(0.0, full) : full + together;
+        const bool stays_level = !options.level.empty() && (options.level[at(c.a)] != 0 || options.level[at(c.b)] != 0);
+        c.target = options.final_stage || stays_level ? std::min(0.0, full) : full + together;
         if (options.keep_approach && set.processed[i] == 0)
             c.target = std::min(c.target, -kept_approach(model, c, options.start, poses, scratch.bodies));
         c.point += arcs.shift;

@@ -64,6 +64,8 @@ struct StaticStageOptions {
     std::int64_t step = 0;
     std::span<const Motion> last_motion; ///< at x^n: which contacts stick
     std::span<const Pose> start;         ///< x^n; read with keep_approach
+    std::span<const std::uint8_t>
+        level; ///< by body: contacts do not raise it to its rest distance; may be empty: of none
     Team* team = nullptr;
 };
 

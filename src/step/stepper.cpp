@@ -144,10 +144,7 @@ StepReport Stepper::step() {
             report.collisions = c.impulses;
             if (c.limit) report.warnings |= kCollisionLimit;
             collided.assign(clusters_.motion().begin(), clusters_.motion().end());
-            energy_.start(team_, model_, state_.pose, state_.motion);
-            for (std::size_t i = 0; i < model_.size(); ++i)
-                energy_.add_work(static_cast<std::int32_t>(i), clusters_.work(static_cast<std::int32_t>(i)));
-            join_contacts();
+            open_account();
         }
         { // 2) v^{n+1/2} = v^ + dt/2 a
             const PhaseWatch watch(report, Phase::half_velocity, team_);
@@ -157,6 +154,12 @@ StepReport Stepper::step() {
         { // 3) static contact on v^{n+1/2}, contacts at x^n
             const PhaseWatch watch(report, Phase::half_static_contact, team_);
             static_contact(half, state_.pose, false, report);
+            if (mark_level(half)) {
+                half = collided;
+                accelerate(model_, 0.5 * dt, half);
+                static_contact(half, state_.pose, false, report);
+                level_.clear();
+            }
         }
         { // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4
             const PhaseWatch watch(report, Phase::position, team_);
@@ -294,7 +297,7 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
     const StaticStageStats stats = solve_static_contact(
         model_, contacts_, poses, motion, warm, final_stage ? state_.warm_half : state_.warm_final,
-        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, state_.motion, state_.pose, &team_},
+        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, state_.motion, state_.pose, level_, &team_},
         static_);
     if (!waiting_.empty()) {
         const auto middle = static_cast<std::ptrdiff_t>(warm.size());
@@ -401,12 +404,34 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         });
 }
 
+/// The step's account of energy, after stage 1.
+void Stepper::open_account() {
+    energy_.start(team_, model_, state_.pose, state_.motion);
+    for (std::size_t i = 0; i < model_.size(); ++i)
+        energy_.add_work(static_cast<std::int32_t>(i), clusters_.work(static_cast<std::int32_t>(i)));
+    join_contacts();
+    join_pushed();
+}
+
+/// Marks the bodies of islands that stage 3 would raise by more than they have. Bodies pressed together closer than their rest distance
+/// then stay as near as they are, until they can afford to part. Whether there are any.
+bool Stepper::mark_level(std::span<const Motion> half) {
+    way_.resize(model_.size());
+    for (std::size_t i = 0; i < model_.size(); ++i) way_[i] = model_.settings.time_step * half[i].velocity;
+    const std::span<const std::int32_t> bodies = energy_.overdrawn(model_, way_, state_.lift);
+    if (bodies.empty()) return false;
+    level_.assign(model_.size(), 0);
+    for (const std::int32_t body : bodies) level_[static_cast<std::size_t>(body)] = 1;
+    return true;
+}
+
 /// Islands that stages 3 and 5 raised by more than all their energy stay where they were, and the failsafe goes on around them. Each
 /// round holds a body more at least.
 void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
     while (true) {
         join_pushed();
-        const std::span<const std::int32_t> bodies = energy_.overdrawn(model_, trajectories_, state_.lift);
+        for (std::size_t i = 0; i < model_.size(); ++i) way_[i] = trajectories_.end_pose(i).com - state_.pose[i].com;
+        const std::span<const std::int32_t> bodies = energy_.overdrawn(model_, way_, state_.lift);
         if (bodies.empty()) return;
         for (const std::int32_t body : bodies) {
             const std::int32_t id = clusters_.of(static_cast<std::size_t>(body));
@@ -462,8 +487,8 @@ void Stepper::record_activity() {
 }
 
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
-    for (std::int32_t body : failsafe.delayed_scripts)
-        state_.script_delay[static_cast<std::size_t>(body)] += model_.settings.time_step;
+    for (const DelayedScript& d : failsafe.delayed_scripts)
+        state_.script_delay[static_cast<std::size_t>(d.body)] += (1 - d.share) * model_.settings.time_step;
     for (std::size_t i = 0; i < model_.size(); ++i) turns_[i] = trajectories_.turn(i);
     record_activity();
     state_.motion.assign(motion.begin(), motion.end());

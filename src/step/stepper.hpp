@@ -56,6 +56,8 @@ class Stepper {
     void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                          StepReport& report);
+    void open_account();
+    bool mark_level(std::span<const Motion> half);
     void hold_overdrawn(StepData& d, FailsafeStats& failsafe);
     void join_pushed();
     void join_contacts();
@@ -82,6 +84,8 @@ class Stepper {
     StepBuffers buffers_;
     StaticStageScratch static_;
     EnergyAccount energy_;
+    std::vector<Vec3> way_;           ///< m, of centres of mass in the step
+    std::vector<std::uint8_t> level_; ///< see mark_level(); empty but in stage 3
     ContactSearchScratch search_;
     ContactSet contacts_;
     SleepScratch sleep_;
