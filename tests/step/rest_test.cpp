@@ -46,6 +46,7 @@ SceneDescription stack_of_twenty(double tolerance, ContactSolver solver) {
     scene.settings.sleeping = false;
     scene.settings.static_tolerance = tolerance;
     scene.settings.contact_solver = solver;
+    if (solver == ContactSolver::pgs) scene.settings.tangents = Tangents::random;
     return scene;
 }
 
@@ -150,11 +151,11 @@ TEST(Rest, PilesOfTheRandomPyramidTakeFewSweeps) {
     EXPECT_LT(piles.energy, 1e-3);
 }
 
-// A boat of one pile slides down at 0.12 m/s until 8.6 s: Coulomb's friction holds less than the pyramid's.
+// A boat may slide down slowly for 14 s: Coulomb's friction holds less than the pyramid's. Then nothing moves at all.
 TEST(Rest, PilesTakeFewSweeps) {
-    const PileTotals piles = watch_piles(Settings{}.tangents, 288);
-    EXPECT_LT(piles.sweeps, 20);
-    EXPECT_LT(piles.energy, 1e-3);
+    const PileTotals piles = watch_piles(Settings{}.tangents, 384);
+    EXPECT_LT(piles.sweeps, 10);
+    EXPECT_LT(piles.energy, 1e-6);
 }
 
 /// A thin roof with a right angle hangs over the upper edge of a fixed blade. Every contact is a corner of the blade between two
