@@ -85,6 +85,15 @@ bool examine(const StepData& data, Worker& worker, PairRecord& record) {
     return false;
 }
 
+/// Applies what the manifold changes.
+void push_all(const StepData& data, Worker& worker, const CandidatePair& pair) {
+    const Stopwatch watch(worker.counters.response_ms);
+    for (const PairManifold::Change& c : worker.changes)
+        apply_impulse(data, worker, pair.a, pair.b, c.point, c.impulse);
+    data.clusters.evolve(pair.a, data.dt, data.trajectories);
+    data.clusters.evolve(pair.b, data.dt, data.trajectories);
+}
+
 /// Resolves the hits of one pair in consecutive order, then its fast end proximities.
 void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
     PairRecord& record = *listed.record;
@@ -101,20 +110,18 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
             record.processed = true;
             point = swept_contact(data, {hit, pair.a, pair.b}).point;
             worker.hits.push_back(*point);
-            find_simultaneous_hits(data, {hit, pair.a, pair.b}, *point, record.lengths.rest, worker.hits);
+            find_simultaneous_hits(data, worker, {hit, pair.a, pair.b}, *point, record.lengths.rest, worker.hits);
         } else {
             point = end_proximity(data, worker, record);
             if (!point) return;
             worker.hits.push_back(*point);
-            find_simultaneous_hits(data, {{.toi = 1}, pair.a, pair.b}, *point, record.lengths.proximity, worker.hits);
+            find_simultaneous_hits(data, worker, {{.toi = 1}, pair.a, pair.b}, *point, record.lengths.proximity,
+                                   worker.hits);
         }
         const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
         if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.changes)) {
             record.active = true;
-            for (const PairManifold::Change& c : worker.changes)
-                apply_impulse(data, worker, pair.a, pair.b, c.point, c.impulse);
-            data.clusters.evolve(pair.a, data.dt, data.trajectories);
-            data.clusters.evolve(pair.b, data.dt, data.trajectories);
+            push_all(data, worker, pair);
             continue;
         }
         const auto impulse = elastic_impulse(data, pair, *point);

@@ -57,21 +57,40 @@ bool touches(const BodyMotion& body, const Vec3& x, double t, double reach) {
     return found;
 }
 
-bool meets_plane(const Box& box, const Vec3& normal, double offset, double reach) {
-    const Vec3 center = 0.5 * (box.lower + box.upper), half = 0.5 * (box.upper - box.lower);
-    return std::abs(dot(normal, center) - offset) <= dot(abs(normal), half) + reach;
+/// The vertices of a body that stands on a plane, within `reach` of it: x . normal = offset, the body on the side of `normal`. None where
+/// it does not stand on the plane but reaches through it, which most bodies that hit each other do.
+void find_feet(const BodyMotion& body, double t, const Vec3& normal, double offset, double reach,
+               std::vector<Vec3>& feet) {
+    feet.clear();
+    bool through = false;
+    descend(
+        body, t,
+        [&](const Box& box) {
+            const double center = dot(normal, 0.5 * (box.lower + box.upper)) - offset;
+            const double half = dot(abs(normal), 0.5 * (box.upper - box.lower));
+            through = through || center + half < -reach;
+            return !through && center - half <= reach;
+        },
+        [&](std::int32_t triangle) {
+            for (const std::int32_t v : body.shape->mesh.triangles[at(triangle)]) {
+                const Vec3 x = vertex_at(body, v, t);
+                const double height = dot(normal, x) - offset;
+                through = through || height < -reach;
+                if (height <= reach) feet.push_back(x);
+            }
+        });
+    if (through) feet.clear();
 }
 
 } // namespace
 
-void find_simultaneous_hits(const StepData& data, const ClusterHit& hit, const ContactPoint& first, double reach,
-                            std::vector<ContactPoint>& out) {
+void find_simultaneous_hits(const StepData& data, Worker& worker, const ClusterHit& hit, const ContactPoint& first,
+                            double reach, std::vector<ContactPoint>& out) {
     const double t = hit.hit.toi;
     const BodyMotion a = data.trajectories.motion(at(hit.a)), b = data.trajectories.motion(at(hit.b));
     const Vec3 com_a = a.pose(t).com, com_b = b.pose(t).com, point = com_b + first.arm_b;
     const Impulsive body_a = data.clusters.impulsive(data.clusters.of(at(hit.a)));
     const Impulsive body_b = data.clusters.impulsive(data.clusters.of(at(hit.b)));
-    const double offset = dot(first.normal, point);
     const std::size_t before = out.size();
     const auto add = [&](const Vec3& x) {
         ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
@@ -81,18 +100,13 @@ void find_simultaneous_hits(const StepData& data, const ClusterHit& hit, const C
             if (length_sq(out[i].arm_b - p.arm_b) <= reach * reach) return;
         out.push_back(p);
     };
-    const auto vertices_of = [&](const BodyMotion& body, const BodyMotion& other) {
-        descend(
-            body, t, [&](const Box& box) { return meets_plane(box, first.normal, offset, reach); },
-            [&](std::int32_t triangle) {
-                for (const std::int32_t v : body.shape->mesh.triangles[at(triangle)]) {
-                    const Vec3 x = vertex_at(body, v, t);
-                    if (std::abs(dot(first.normal, x) - offset) <= reach && touches(other, x, t, reach)) add(x);
-                }
-            });
+    const auto add_feet = [&](const BodyMotion& body, const BodyMotion& other, const Vec3& normal) {
+        find_feet(body, t, normal, dot(normal, point), reach, worker.feet);
+        for (const Vec3& x : worker.feet)
+            if (touches(other, x, t, reach)) add(x);
     };
-    if (body_a.inverse_mass > 0) vertices_of(a, b);
-    if (body_b.inverse_mass > 0) vertices_of(b, a);
+    if (body_a.inverse_mass > 0) add_feet(a, b, -first.normal);
+    if (body_b.inverse_mass > 0) add_feet(b, a, first.normal);
 }
 
 } // namespace flotilla

@@ -7,9 +7,9 @@
 namespace flotilla {
 namespace {
 
-constexpr int kSweeps = 200;
+constexpr int kSweeps = 30;
 /// Of the fastest approach: where the sweeps stop.
-constexpr double kTolerance = 1e-9;
+constexpr double kTolerance = 1e-4;
 
 } // namespace
 
