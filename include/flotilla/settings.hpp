@@ -19,9 +19,9 @@ enum class CcdMethod : std::uint8_t {
     cubic, ///< stage 1 by the paper's cubic with a tolerance (section 3.1), a baseline; stage 5 stays conservative
 };
 enum class Tangents : std::uint8_t {
-    random,  ///< the paper's pyramid, turned by a generator keyed by (seed, features), where bodies slide by the step too
+    random, ///< the paper's pyramid, turned by a generator keyed by (seed, features), where bodies slide by the step too
     aligned, ///< Coulomb's cone, first tangent along the slip velocity
-    cone,    ///< Coulomb's cone: friction of mu times the normal force in every direction, whether bodies slide or stick
+    cone, ///< Coulomb's cone: friction of mu times the normal force in every direction, whether bodies slide or stick
 };
 enum class ContactSolver : std::uint8_t {
     pgs,   ///< projected Gauss-Seidel, and shock propagation where that ends unsolved (paper, section 4.3.2)
@@ -63,7 +63,7 @@ struct Settings {
     Trajectory trajectory = Trajectory::linear;
     CcdMethod ccd = CcdMethod::conservative;
     ContactSolver contact_solver = ContactSolver::exact; ///< not the paper's, which is pgs
-    Tangents tangents = Tangents::cone; ///< not the paper's, which are random
+    Tangents tangents = Tangents::cone;                  ///< not the paper's, which are random
     Rigidification rigidification = Rigidification::kinematic;
     UnsatisfiableScript unsatisfiable_script = UnsatisfiableScript::hold;
     InitialOverlap initial_overlap = InitialOverlap::error;

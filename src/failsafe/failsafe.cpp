@@ -149,8 +149,7 @@ class Failsafe {
     void shorten(std::int32_t body, double share) {
         const Pose &start = data_.trajectories.start_pose(at(body)), &end = data_.trajectories.end_pose(at(body));
         const Vec3 turn = share * data_.trajectories.turn(at(body));
-        const Quat rotation =
-            turn == Vec3{} ? start.rotation : normalized(rotation_from_vector(turn) * start.rotation);
+        const Quat rotation = turn == Vec3{} ? start.rotation : normalized(rotation_from_vector(turn) * start.rotation);
         const Vec3 com = start.com + share * (end.com - start.com);
         data_.trajectories.set_end(at(body), make_pose(data_.model.shape_of(at(body)), com, rotation), turn);
     }

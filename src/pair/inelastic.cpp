@@ -58,9 +58,8 @@ Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t 
         const PairLengths lengths = pair_lengths(data.model, data.state, hit.a, hit.b);
         const std::int32_t ca = data.clusters.of(static_cast<std::size_t>(hit.a));
         const std::int32_t cb = data.clusters.of(static_cast<std::size_t>(hit.b));
-        const auto impulse =
-            displacing_impulse(data.clusters.impulsive(ca), data.clusters.impulsive(cb), data.dt,
-                               inelastic_target(data, contact, lengths, i, iterations), contact.point);
+        const auto impulse = displacing_impulse(data.clusters.impulsive(ca), data.clusters.impulsive(cb), data.dt,
+                                                inelastic_target(data, contact, lengths, i, iterations), contact.point);
         if (!impulse) return out;
         push(data, worker, ca, cb, contact.point, *impulse);
     }

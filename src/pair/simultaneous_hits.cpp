@@ -44,7 +44,10 @@ bool touches(const BodyMotion& body, const Vec3& x, double t, double reach) {
     bool found = false;
     const Vec3 room{reach, reach, reach};
     descend(
-        body, t, [&](const Box& box) { return !found && boxes_overlap(box, {x - room, x + room}, 0); },
+        body, t,
+        [&](const Box& box) {
+            return !found && boxes_overlap(box, {x - room, x + room}, 0);
+        },
         [&](std::int32_t triangle) {
             if (found) return;
             const Triangle& f = body.shape->mesh.triangles[at(triangle)];
@@ -56,7 +59,8 @@ bool touches(const BodyMotion& body, const Vec3& x, double t, double reach) {
 
 /// The vertices of a body that stands on a plane, within `reach` of it: x . normal = offset, the body on the side of `normal`. None where
 /// it does not stand on the plane but reaches through it, which most bodies that hit each other do.
-void find_feet(const BodyMotion& body, double t, const Vec3& normal, double offset, double reach, std::vector<Vec3>& feet) {
+void find_feet(const BodyMotion& body, double t, const Vec3& normal, double offset, double reach,
+               std::vector<Vec3>& feet) {
     feet.clear();
     bool through = false;
     descend(

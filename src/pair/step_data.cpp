@@ -411,7 +411,8 @@ void apply_impulse(const StepData& data, Worker& worker, std::int32_t a, std::in
     ++worker.counters.impulses;
     if (worker.pushed.empty() || worker.pushed.back() != CandidatePair{a, b}) worker.pushed.push_back({a, b});
     if (data.clusters[a].infinite()) data.clusters.add_work(b, dot(impulse, data.clusters.velocity_at(a, point.arm_a)));
-    if (data.clusters[b].infinite()) data.clusters.add_work(a, -dot(impulse, data.clusters.velocity_at(b, point.arm_b)));
+    if (data.clusters[b].infinite())
+        data.clusters.add_work(a, -dot(impulse, data.clusters.velocity_at(b, point.arm_b)));
     data.clusters.apply(a, point.arm_a, -impulse);
     data.clusters.apply(b, point.arm_b, impulse);
 }

@@ -34,7 +34,7 @@ struct alignas(64) Worker {
     std::vector<ContactPoint> hits; ///< at one time
     std::vector<Vec3> feet;
     StageCounters counters;
-    std::vector<std::int64_t> work; ///< operations run, by round of a sweep
+    std::vector<std::int64_t> work;    ///< operations run, by round of a sweep
     std::vector<CandidatePair> pushed; ///< clusters that had an impulse in the step; equal ones may come again
 };
 using Workers = std::vector<std::unique_ptr<Worker>>;

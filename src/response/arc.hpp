@@ -45,15 +45,17 @@ struct TurningPoint {
 
 /// Where the arcs of two bodies bring a contact point nearest.
 struct ArcContact {
-    double closer = 0;   ///< m, how much nearer the points are then, apart from what the centres of mass do
-    double approach = 0; ///< m/s, along the normal, at which the arcs still bring them together at the end of the step; <= 0
-    Vec3 shift;          ///< m, to where the contact then is, seen from the centre of mass of the body whose arc it is
-    double apart = 0;    ///< m/s^2, acceleration of the points away from each other
+    double closer = 0; ///< m, how much nearer the points are then, apart from what the centres of mass do
+    double approach =
+        0;      ///< m/s, along the normal, at which the arcs still bring them together at the end of the step; <= 0
+    Vec3 shift; ///< m, to where the contact then is, seen from the centre of mass of the body whose arc it is
+    double apart = 0; ///< m/s^2, acceleration of the points away from each other
 };
 
 /// For a contact of a and b with the normal n from a to b.
 [[nodiscard]] inline ArcContact meet_on_arcs(const TurningPoint& a, const TurningPoint& b, const Vec3& n, double dt) {
-    const double apart_a = -dot(n, arc_acceleration(a.omega, a.arm)), apart_b = dot(n, arc_acceleration(b.omega, b.arm));
+    const double apart_a = -dot(n, arc_acceleration(a.omega, a.arm)),
+                 apart_b = dot(n, arc_acceleration(b.omega, b.arm));
     ArcContact out;
     out.apart = apart_a + apart_b;
     const auto approach = [&](const Vec3& way_a, const Vec3& way_b) {

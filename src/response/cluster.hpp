@@ -52,7 +52,9 @@ class Clusters {
     void add_work(std::int32_t id, double work) { work_[static_cast<std::size_t>(id)] += work; }
     [[nodiscard]] double work(std::int32_t id) const { return work_[static_cast<std::size_t>(id)]; }
     /// m/s, of a point of a cluster of infinite mass.
-    [[nodiscard]] Vec3 velocity_at(std::int32_t id, const Vec3& arm) const { return point_velocity(impulsive(id), arm); }
+    [[nodiscard]] Vec3 velocity_at(std::int32_t id, const Vec3& arm) const {
+        return point_velocity(impulsive(id), arm);
+    }
 
     /// Prescribes the motion of a scripted body: velocity and, in place of the momentum, angular velocity.
     void set_script(std::int32_t id, const Motion& motion);

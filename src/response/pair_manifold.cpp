@@ -34,7 +34,8 @@ PairManifold::Velocities PairManifold::applied() {
     return v;
 }
 
-PairManifold::Hit PairManifold::make_hit(const ContactPoint& point, double restitution, const Velocities& applied) const {
+PairManifold::Hit PairManifold::make_hit(const ContactPoint& point, double restitution,
+                                         const Velocities& applied) const {
     Hit hit;
     hit.point = point;
     set_masses(hit);
@@ -58,8 +59,8 @@ void PairManifold::push(const Hit& hit, const Vec3& impulse, Velocities& v) cons
 }
 
 Vec3 PairManifold::relative(const Hit& hit, const Velocities& v) {
-    return hit.point.relative_velocity + ((v.linear_b + cross(v.angular_b, hit.point.arm_b)) -
-                                          (v.linear_a + cross(v.angular_a, hit.point.arm_a)));
+    return hit.point.relative_velocity +
+           ((v.linear_b + cross(v.angular_b, hit.point.arm_b)) - (v.linear_a + cross(v.angular_a, hit.point.arm_a)));
 }
 
 /// Returns the largest change of a normal velocity.

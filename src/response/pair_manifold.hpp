@@ -32,10 +32,10 @@ class PairManifold {
 
   private:
     struct Hit {
-        ContactPoint point{}; ///< relative velocity: before all impulses
-        double target = 0;  ///< m/s, normal velocity wanted
-        Vec3 impulse{};       ///< N s, on b, applied
-        Vec3 next{};          ///< the same, as solved
+        ContactPoint point{};                     ///< relative velocity: before all impulses
+        double target = 0;                        ///< m/s, normal velocity wanted
+        Vec3 impulse{};                           ///< N s, on b, applied
+        Vec3 next{};                              ///< the same, as solved
         double mass_normal = 0, mass_tangent = 0; ///< 1/kg, of the point: along the normal, and no less than any other
     };
     /// What impulses change.

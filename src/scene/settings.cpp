@@ -128,12 +128,7 @@ const std::vector<SettingRow>& table() {
          {},
          "limit of sweeps of projected Gauss-Seidel",
          "lower: faster, resting piles creep; about 100 warm sweeps equal 1000 cold ones"},
-        {"static_tolerance",
-         &Settings::static_tolerance,
-         "m/s",
-         0,
-         1e3,
-         -1,
+        {"static_tolerance", &Settings::static_tolerance, "m/s", 0, 1e3, -1,
          "largest constraint violation at which the sweeps stop; -1: |gravity| time_step / 2048, and for small bodies "
          "rest_distance / time_step / 1024",
          "lower: slower, less creep; the residual reached is reported in any case"},
@@ -186,7 +181,8 @@ const std::vector<SettingRow>& table() {
          0,
          0,
          {},
-         "static contact: projected Gauss-Seidel, or the same with small islands that it leaves unsolved solved exactly",
+         "static contact: projected Gauss-Seidel, or the same with small islands that it leaves unsolved solved "
+         "exactly",
          "pgs: stacks of uneven masses, chains and thin bodies end above the tolerance"},
         {"tangents",
          choice<&Settings::tangents>(kTangents),
@@ -194,7 +190,8 @@ const std::vector<SettingRow>& table() {
          0,
          0,
          {},
-         "friction: Coulomb's cone, the same with the first tangent along the slip (aligned), or the paper's pyramid of random "
+         "friction: Coulomb's cone, the same with the first tangent along the slip (aligned), or the paper's pyramid "
+         "of random "
          "direction",
          "random: sliding friction too large by 27 % in the mean and by up to 41 %"},
         {"rigidification",

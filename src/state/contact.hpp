@@ -19,7 +19,7 @@ struct Contact {
     double friction = 0;           ///< coefficient of the pair, >= 0
     std::uint64_t feature_key = 0; ///< feature pair, unique within the body pair
     double tolerance = std::numeric_limits<double>::infinity(); ///< m/s, to which its island is to be solved at least
-    bool sticks = false;           ///< hardly slid in the last step: random tangents stay what they were
+    bool sticks = false; ///< hardly slid in the last step: random tangents stay what they were
 };
 
 /// What a contact did in the last solve, as data that outlives frames and tangents.

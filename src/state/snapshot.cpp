@@ -99,7 +99,8 @@ void add(Hasher& h, const Body& body) {
 template <typename S, typename Visit>
 void visit(S& state, Visit&& part) {
     part(state.step), part(state.time), part(state.pose), part(state.motion), part(state.sleep);
-    part(state.script_delay), part(state.lift), part(state.rest_distances), part(state.warm_half), part(state.warm_final);
+    part(state.script_delay), part(state.lift), part(state.rest_distances), part(state.warm_half),
+        part(state.warm_final);
 }
 
 } // namespace

@@ -189,8 +189,8 @@ void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodie
         s.num_awake[p] = 0;
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
             const std::size_t c = index(s.order[index(i)]);
-            s.parked[index(i)] = is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies,
-                                           options.tolerance, s);
+            s.parked[index(i)] =
+                is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies, options.tolerance, s);
             s.num_awake[p] += s.parked[index(i)] ? 0 : 1;
         }
     });

@@ -12,7 +12,8 @@ using Exact = ContactScratch::ExactSolve;
 /// Contacts with which the solve takes a few milliseconds at most, as the sweeps of a step do; and up to which an island is worth a
 /// tenth of a second that rests, where the next step begins with what this one found: walls and houses of cards.
 constexpr std::int32_t kFewContacts = 256, kMostContacts = 1536;
-constexpr std::int32_t kMostBodies = 64; ///< of an island with more than few contacts: factorisations grow with their cube
+constexpr std::int32_t kMostBodies =
+    64; ///< of an island with more than few contacts: factorisations grow with their cube
 /// Problems that have a solution take ten to forty; the others end with what was found.
 constexpr int kMostFactorisations = 40;
 
@@ -86,8 +87,8 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
 void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
     gather(island, bodies, s, e);
     e.swept = e.impulses;
-    const ConeSolveStats stats =
-        solve_cone_program(e.bodies, e.contacts, {kExactShare * island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
+    const ConeSolveStats stats = solve_cone_program(
+        e.bodies, e.contacts, {kExactShare * island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
     if (!(stats.residual < island.residual)) return;
     scatter(island, bodies, s, e);

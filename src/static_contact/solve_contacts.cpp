@@ -86,8 +86,9 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.energy_pgs = kinetic_energy(island, bodies, s);
-        return !island.solved && island.energy_pgs - island.energy_before > work_of_targets(island, s) +
-                                                                               kRounding * (island.energy_pgs + island.energy_before);
+        return !island.solved &&
+               island.energy_pgs - island.energy_before >
+                   work_of_targets(island, s) + kRounding * (island.energy_pgs + island.energy_before);
     };
     bool gained = sweep_and_measure({options.warm_start, options.momentum});
     if (!gained || !prescribed_at_rest(island, s)) return;

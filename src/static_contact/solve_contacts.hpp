@@ -34,11 +34,11 @@ struct ContactBodies {
 };
 
 struct ContactSolveOptions {
-    int iterations = 1000;   ///< sweeps per island, >= 0 (figure 20)
+    int iterations = 1000; ///< sweeps per island, >= 0 (figure 20)
     /// m/s, L-infinity violation at which an island stops (but see rest_speed); the least of this and of its contacts' tolerances.
     double tolerance = 1e-6;
-    bool warm_start = true;  ///< start from the impulses handed in
-    bool momentum = true;    ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
+    bool warm_start = true; ///< start from the impulses handed in
+    bool momentum = true;   ///< carry sweeps on (sweep_island.hpp): several times fewer of them in a pile
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
     /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
     /// At rest an island with more than two pairs a body, which may be jammed, is not given up while the number of violated pairs falls,
@@ -94,8 +94,8 @@ struct ContactScratch {
         std::int64_t visits = 0;
         int part_rounds = 0;
         int factorisations = 0; ///< of the exact solve
-        bool rests = false;  ///< as ContactSolveOptions::rest_speed says
-        bool solved = false; ///< the tolerance holds, apart from what loaded contacts of a resting pile are let off
+        bool rests = false;     ///< as ContactSolveOptions::rest_speed says
+        bool solved = false;    ///< the tolerance holds, apart from what loaded contacts of a resting pile are let off
         bool shocked = false;
         bool cold = false; ///< the warm start was taken back
     };
@@ -172,8 +172,8 @@ struct ContactScratch {
         std::vector<Vec3> impulses, swept; ///< N s, contact frames; those of the sweeps
         ConeScratch scratch;
     };
-    std::vector<ExactSolve> exact;        ///< by thread
-    std::vector<std::int32_t> exact_body; ///< per body in contact: its number in its island's problem
+    std::vector<ExactSolve> exact;                         ///< by thread
+    std::vector<std::int32_t> exact_body;                  ///< per body in contact: its number in its island's problem
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     LargeVector<ContactBlock> shock_blocks;                ///< of one level
     LargeVector<ContactRow> shock_rows;

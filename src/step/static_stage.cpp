@@ -253,8 +253,8 @@ double kept_approach(const Model& model, const Contact& c, std::span<const Pose>
 }
 
 /// The contacts that the stage acts on, with its targets.
-void select_contacts(const Model& model, const ContactSet& set, std::span<const Pose> poses, std::span<const Motion> motion,
-                     const StaticStageOptions& options, StaticStageScratch& scratch) {
+void select_contacts(const Model& model, const ContactSet& set, std::span<const Pose> poses,
+                     std::span<const Motion> motion, const StaticStageOptions& options, StaticStageScratch& scratch) {
     constexpr double kMostSlip = 0.1; // of what gravity adds in a step
     const Settings& s = model.settings;
     const double most_slip = kMostSlip * length(model.gravity) * s.time_step;

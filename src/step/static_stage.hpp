@@ -60,11 +60,12 @@ struct StaticStageOptions {
     bool final_stage = false; ///< stage 7: target min(0, (d_rest - d)/dt)
     /// Pairs that stage 1 did not process keep the approach that their motion in the step gave them, for the bounce of the next step.
     bool keep_approach = false;
-    double warm_factor = 1;      ///< of impulses taken over from the other stage
+    double warm_factor = 1; ///< of impulses taken over from the other stage
     std::int64_t step = 0;
     std::span<const Motion> last_motion; ///< at x^n: which contacts stick
     std::span<const Pose> start;         ///< x^n; read with keep_approach
-    std::span<const std::uint8_t> level; ///< by body: contacts do not raise it to its rest distance; may be empty: of none
+    std::span<const std::uint8_t>
+        level; ///< by body: contacts do not raise it to its rest distance; may be empty: of none
     Team* team = nullptr;
 };
 

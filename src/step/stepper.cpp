@@ -297,7 +297,8 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
     const StaticStageStats stats = solve_static_contact(
         model_, contacts_, poses, motion, warm, final_stage ? state_.warm_half : state_.warm_final,
-        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, state_.motion, state_.pose, level_, &team_}, static_);
+        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, state_.motion, state_.pose, level_, &team_},
+        static_);
     if (!waiting_.empty()) {
         const auto middle = static_cast<std::ptrdiff_t>(warm.size());
         warm.insert(warm.end(), waiting_.begin(), waiting_.end());
@@ -349,8 +350,7 @@ void Stepper::turn_momenta(std::span<const Motion> collided, std::span<Motion> m
         const Quat& start = state_.pose[i].rotation;
         const WorldInertia inertia{turned(shape.inertia, start), turned(shape.inverse_inertia, start)};
         const Quat alone = normalized(rotate_for(inertia, collided[i].momentum, dt).rotation * start);
-        motion[i].momentum =
-            rotate(trajectories_.end_pose(i).rotation, rotate(conjugate(alone), collided[i].momentum));
+        motion[i].momentum = rotate(trajectories_.end_pose(i).rotation, rotate(conjugate(alone), collided[i].momentum));
     });
 }
 

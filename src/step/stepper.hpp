@@ -93,7 +93,7 @@ class Stepper {
     std::vector<WarmImpulse> waiting_; ///< of contacts between sleeping bodies
     std::vector<Vec3> turns_;
     std::vector<std::uint8_t> failsafe_bodies_;
-    std::vector<std::uint8_t> disturbed_; ///< bodies that may not fall asleep
+    std::vector<std::uint8_t> disturbed_;      ///< bodies that may not fall asleep
     std::vector<std::uint64_t> first_version_; ///< of the bodies' end states in this step
     std::vector<BodyActivity> activity_;
 };

@@ -67,11 +67,13 @@ TEST(SceneJson, OmittedBodyFieldsTakeTheSettingsValues) {
 TEST(SceneJson, FileWinsOverPresetAndOverridesOverBoth) {
     SceneFileOptions options{"accurate", {}};
     SceneDescription s = parse_scene(kScene, "test", ".", options);
-    EXPECT_EQ(s.settings.tangents, Tangents::aligned);
+    EXPECT_EQ(s.settings.static_tolerance, 1e-6) << "of the preset";
+    EXPECT_EQ(s.settings.tangents, Tangents::cone);
     EXPECT_EQ(s.settings.friction, 0.4);
-    options.overrides = {{"friction", "0.7"}, {"tangents", "random"}};
+    options.overrides = {{"friction", "0.7"}, {"tangents", "random"}, {"static_tolerance", "0.25"}};
     s = parse_scene(kScene, "test", ".", options);
     EXPECT_EQ(s.settings.tangents, Tangents::random);
+    EXPECT_EQ(s.settings.static_tolerance, 0.25);
     EXPECT_EQ(s.bodies[1].friction, 0.7) << "bodies without a value take the overridden one";
     EXPECT_EQ(s.bodies[0].friction, 0.3);
 }

@@ -115,13 +115,13 @@ TEST(ValidateSettings, ReportsAllProblemsAtOnce) {
     const std::vector<std::string> problems = validate_settings(settings);
     ASSERT_EQ(problems.size(), 5U);
     EXPECT_EQ(problems[0], "time_step: must be in 1e-09 .. 10 s, got nan");
-    EXPECT_EQ(problems[2], "tangents: must be one of random, aligned");
+    EXPECT_EQ(problems[2], "tangents: must be one of random, aligned, cone");
     EXPECT_EQ(problems[3], "proximity_distance: must exceed rest_distance (0.01 m), got 0.01");
     EXPECT_EQ(problems[4], "separation: must be below rest_distance (0.01 m), got 0.02");
 }
 
 TEST(Presets, AreValidAndBalancedIsTheDefault) {
-    EXPECT_EQ(preset_names(), (std::vector<std::string_view>{"preview", "balanced", "accurate", "reference"}));
+    EXPECT_EQ(preset_names(), (std::vector<std::string_view>{"paper", "preview", "balanced", "accurate", "reference"}));
     for (const std::string_view name : preset_names()) EXPECT_TRUE(validate_settings(preset(name)).empty()) << name;
     EXPECT_EQ(preset("balanced"), Settings{});
 }
@@ -129,11 +129,23 @@ TEST(Presets, AreValidAndBalancedIsTheDefault) {
 TEST(Presets, AccurateIsWhatTheContractSays) {
     for (const char* name : {"accurate", "reference"}) {
         const Settings s = preset(name);
-        EXPECT_EQ(s.tangents, Tangents::aligned);
+        EXPECT_EQ(s.tangents, Settings{}.tangents) << "Coulomb's cone, which is the default";
+        EXPECT_NE(s.tangents, Tangents::random);
+        EXPECT_EQ(s.contact_solver, ContactSolver::exact);
         EXPECT_EQ(s.trajectory, Trajectory::rigid);
         EXPECT_FALSE(s.sleeping);
         EXPECT_LE(s.static_tolerance, 1e-6);
     }
+}
+
+// Figure 20 has no setting for the solver of section 4.3.2 and its tangents: there is only one.
+TEST(Presets, PaperIsFigureTwentyAsPrinted) {
+    const Settings s = preset("paper");
+    EXPECT_EQ(s.tangents, Tangents::random);
+    EXPECT_EQ(s.contact_solver, ContactSolver::pgs);
+    EXPECT_EQ(s.static_tolerance, 1e-6);
+    EXPECT_EQ(s.static_iterations, 1000);
+    EXPECT_FALSE(s.warm_start);
 }
 
 TEST(Presets, UnknownNamesAreRefused) {
@@ -142,8 +154,8 @@ TEST(Presets, UnknownNamesAreRefused) {
         FAIL() << "accepted";
     } catch (const InputError& error) {
         EXPECT_STREQ(error.what(),
-                     "unknown preset \"acurate\"; did you mean \"accurate\"? (presets: preview, balanced, accurate, "
-                     "reference)");
+                     "unknown preset \"acurate\"; did you mean \"accurate\"? (presets: paper, preview, balanced, "
+                     "accurate, reference)");
     }
 }
 

@@ -42,6 +42,9 @@ TEST(ProjectedGaussSeidel, AColumnInNaturalOrderNeedsTheKnownNumberOfSweeps) {
 // Sweeps to the tolerance, measured with a margin of a tenth. The natural map of the exact law (not of the pyramid) is
 // relative to the problem's own size; for comparison, block Gauss-Seidel with an exact solve of every local cone needs
 // 51, 368 and 4624 sweeps to 1e-12 on Box_Stacks, Spheres and Capsules: solving normal and tangents in turn loses nothing.
+// The disc's step of a sliding contact is one along the gradient, no longer than the larger tangential W allows. Where that is 40 to
+// 70 times the smaller one (the Rovers' feet and FrictionContact3D_RR_1c; bodies of ordinary shapes have at most about 4) it takes up
+// to twice the sweeps of an exact solve of the local disc: 12, 44 and 42 instead of 9, 22 and 18.
 struct Case {
     const char* file;
     double tolerance;        // m/s
@@ -73,11 +76,11 @@ INSTANTIATE_TEST_SUITE_P(Siconos, FrictionProblems,
                                          Case{"BoxesStack1-i100000-32.fc", 4e-3, 1000, 1000, 2e-4}, // rank 78 of 156
                                          Case{"Capsules-i125-1213.fc", 1e-6, 2750, 3410, 1e-8},
                                          Case{"FrictionContact3D_1c.fc", 1e-10, 8, 8, 1e-12},
-                                         Case{"FrictionContact3D_RR_1c.fc", 1e-10, 10, 10, 1e-12},
+                                         Case{"FrictionContact3D_RR_1c.fc", 1e-10, 13, 10, 1e-12},
                                          Case{"LMGC_100_PR_PerioBox-i00361-60-03000.fc", 1e-10, 3210, 1430, 1e-15},
                                          Case{"NESpheres_10_1.fc", 1e-10, 30, 29, 1e-11},
-                                         Case{"Rover1039.fc", 1e-10, 25, 25, 1e-12},
-                                         Case{"Rover4144.fc", 1e-10, 20, 20, 1e-12},
+                                         Case{"Rover1039.fc", 1e-10, 49, 25, 1e-12},
+                                         Case{"Rover4144.fc", 1e-10, 47, 20, 2e-12},
                                          Case{"Spheres-i099-356-679.fc", 1e-10, 391, 391, 1e-11}),
                          [](const auto& param_info) {
                              std::string name = param_info.param.file;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "static_contact/assemble.hpp"
 #include "static_contact/contact_systems.hpp"
 #include "static_contact/packet_shares.hpp"
 #include "static_contact/tangents.hpp"
@@ -163,7 +164,7 @@ TEST(Friction, OfTheRandomPyramidIsTooLargeByFourOverPi) {
     const int steps = 20000;
     for (int i = 0; i < steps; ++i) {
         w.velocity[1] = {5, 0, -1};
-        w.solve({.warm_start = false, .step = static_cast<std::uint64_t>(i)});
+        w.solve({.warm_start = false, .tangents = Tangents::random, .step = static_cast<std::uint64_t>(i)});
         const double friction = (5 - w.velocity[1].x) / 0.1; // of mu lambda_n
         sum += friction;
         least = std::min(least, friction);
@@ -182,7 +183,7 @@ TEST(Friction, AContactThatSticksKeepsItsTangents) {
         w.add_contact(0, 1, {}, kUp, 0.1);
         w.contacts.back().sticks = sticks;
         w.velocity[1] = {5, 0, -1};
-        w.solve({.warm_start = false, .step = step});
+        w.solve({.warm_start = false, .tangents = Tangents::random, .step = step});
         return w.velocity[1];
     };
     for (std::uint64_t step = 1; step < 20; ++step) {
@@ -397,11 +398,17 @@ TEST(SolveContacts, AParkedContactIsNotSwept) {
         w.velocity.back() = {0, 0, -0.4};
         w.add_contact(0, body, {}, kUp, 0, i < 4 ? 0.0 : -1.0);
     }
-    const ContactSolveStats stats = w.solve({.iterations = 10});
+    constexpr double kTolerance = 1e-3, kMargin = kParkedMargin * kTolerance; // m/s
+    const ContactSolveStats stats = w.solve({.iterations = 10, .tolerance = kTolerance});
     EXPECT_EQ(stats.visits, 4 * stats.iterations);
     for (std::size_t i = 1; i <= 8; ++i) EXPECT_EQ(w.velocity[i].z, i <= 4 ? 0 : -0.4);
-    w.velocity[8].z = -0.999; // near enough: no longer parked
-    EXPECT_EQ(w.solve({.iterations = 1}).visits, 5);
+    w.velocity[8].z = -1 + 1.01 * kMargin;
+    EXPECT_EQ(w.solve({.iterations = 1, .tolerance = kTolerance}).visits, 4);
+    w.velocity[8].z = -1 + 0.99 * kMargin; // near enough: no longer parked
+    EXPECT_EQ(w.solve({.iterations = 1, .tolerance = kTolerance}).visits, 5);
+    w.velocity[8].z = -1 + 0.99 * kMargin;
+    w.contacts[7].tolerance = 0.5 * kTolerance; // a contact's own tolerance counts where it is less
+    EXPECT_EQ(w.solve({.iterations = 1, .tolerance = kTolerance}).visits, 4);
 }
 
 TEST(SolveContacts, ParkedContactsAreObeyed) {

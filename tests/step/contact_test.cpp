@@ -6,7 +6,7 @@
 namespace flotilla::scenario {
 namespace {
 
-/// Aligned tangents and a tight tolerance.
+/// Coulomb's cone and a tight tolerance.
 Settings accurate_friction() {
     Settings s = preset("accurate");
     s.trajectory = Trajectory::linear;
@@ -154,6 +154,7 @@ TEST(Contact, ASlidingBlockDrawsNewTangentsInEveryStep) {
     constexpr int kSteps = 800;
     SceneDescription scene = empty_scene();
     scene.settings.time_step = kStep;
+    scene.settings.tangents = Tangents::random;
     const auto block = add_shape(scene, make_box(1, 1, 0.4), 5);
     const auto plane = add_shape(scene, make_plate(200, 200));
     const double rest = std::sqrt(1 + 1 + 0.16) / 330;

@@ -37,10 +37,13 @@ TEST(Cubic, WhatItOverlooksIsFoundInTheSameStep) {
     add_body(scene, ground, BodyType::fixed, {});
     AuditedRun run(scene);
     EXPECT_EQ(run.step().collisions, 0);
-    EXPECT_GT(run.stepper().state().pose[0].com.z, 1.5);
-    for (int n = 0; n < 6; ++n) run.step();
+    // Stage 5 stops it at the rest distance above the other plate, so boxes show already that nothing passed.
+    const double rest = std::sqrt(8.0) / 330;
+    for (int n = 0; n < 6; ++n) {
+        EXPECT_NEAR(run.stepper().state().pose[0].com.z, 2 + rest, 1e-4) << "step " << n;
+        run.step();
+    }
     EXPECT_EQ(run.findings, 0u);
-    EXPECT_GE(run.audited_pairs, 1);
 
     scene.settings.ccd = CcdMethod::conservative;
     AuditedRun proved(scene);

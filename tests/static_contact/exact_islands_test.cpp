@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// Small islands that sweeps leave unsolved are solved exactly, and only those.
+#include "static_contact/exact_islands.hpp"
+
+#include <gtest/gtest.h>
+
+#include "static_contact/contact_systems.hpp"
+
+namespace flotilla {
+namespace {
+
+ContactSolveOptions exact_at(double tolerance) {
+    return {.iterations = 20, .tolerance = tolerance, .exact = true, .shock = false};
+}
+
+/// n unit masses and a thousand on top of them.
+ContactWorld make_loaded_column(int n) {
+    ContactWorld w = make_column(n + 1, 0.4);
+    w.inv_mass.back() = 1e-3;
+    return w;
+}
+
+/// The largest violation of the law (without friction) by the velocities.
+double violation(const ContactWorld& w) {
+    double worst = 0;
+    for (std::size_t k = 0; k < w.contacts.size(); ++k) {
+        const Contact& c = w.contacts[k];
+        const double u = dot(c.normal, w.velocity_at(c.b, c.point) - w.velocity_at(c.a, c.point)) - c.target;
+        worst = std::max(worst, w.impulses[k].z > 0 ? std::abs(u) : -u);
+    }
+    return worst;
+}
+
+TEST(ExactIslands, AHeavyBodyOnLightOnesIsCarried) {
+    constexpr int kLight = 8;
+    constexpr double kTolerance = 1e-4;
+    ContactWorld w = make_loaded_column(kLight), swept = w;
+    ContactSolveOptions options = exact_at(kTolerance);
+    const ContactSolveStats stats = w.solve(options);
+    options.exact = false;
+    const ContactSolveStats without = swept.solve(options);
+    EXPECT_EQ(without.unsolved_islands, 1);
+    EXPECT_EQ(without.exact_islands, 0);
+    EXPECT_GT(violation(swept), 100 * kTolerance);
+    EXPECT_EQ(stats.exact_islands, 1);
+    EXPECT_EQ(stats.unsolved_islands, 0);
+    EXPECT_LE(stats.residual, kExactShare * kTolerance);
+    EXPECT_LE(violation(w), 2 * kExactShare * kTolerance);
+    for (int k = 0; k <= kLight; ++k)
+        EXPECT_NEAR(w.impulses[static_cast<std::size_t>(k)].z / ((1000 + kLight - k) * 0.4), 1, 1e-6);
+    EXPECT_EQ(w.scratch.unsolved, std::vector<std::uint8_t>(w.position.size()));
+    std::vector<std::uint8_t> all(w.position.size(), 1);
+    all[0] = 0; // the ground
+    EXPECT_EQ(swept.scratch.unsolved, all);
+}
+
+TEST(ExactIslands, WithFrictionVelocitiesAreThoseOfTheImpulses) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        ContactWorld w = make_random(seed, 12, 12, 0.1, seed % 2 == 0);
+        const std::vector<Vec3> before = w.velocity, turning = w.angular_velocity;
+        const double energy = w.kinetic_energy();
+        const ContactSolveStats stats = w.solve(exact_at(1e-6));
+        EXPECT_GE(stats.exact_islands, 1) << seed;
+        EXPECT_EQ(stats.unsolved_islands, 0) << seed << ' ' << stats.residual;
+        EXPECT_LE(w.kinetic_energy(), energy);
+        std::vector<Vec3> velocity = before, angular = turning;
+        for (std::size_t k = 0; k < w.contacts.size(); ++k) {
+            const Contact& c = w.contacts[k];
+            for (const auto& [body, l] : {std::pair{c.a, -w.impulses[k]}, {c.b, w.impulses[k]}}) {
+                const auto i = static_cast<std::size_t>(body);
+                if (w.inv_mass[i] == 0) continue;
+                velocity[i] += w.inv_mass[i] * l;
+                angular[i] += w.inv_inertia[i] * cross(c.point - w.position[i], l);
+            }
+        }
+        for (std::size_t i = 0; i < velocity.size(); ++i) {
+            EXPECT_LT(length(w.velocity[i] - velocity[i]), 1e-12 * (1 + length(velocity[i])));
+            EXPECT_LT(length(w.angular_velocity[i] - angular[i]), 1e-12 * (1 + length(angular[i])));
+        }
+    }
+}
+
+TEST(ExactIslands, WhatSweepsSolveIsLeftToThem) {
+    ContactWorld w;
+    w.add_body(0);
+    w.add_body(1);
+    w.velocity[1] = {0.1, 0, -1};
+    w.add_contact(0, 1, {}, kUp, 0.5);
+    const ContactSolveStats stats = w.solve(exact_at(1e-6));
+    EXPECT_EQ(stats.exact_islands, 0);
+    EXPECT_EQ(stats.unsolved_islands, 0);
+}
+
+TEST(ExactIslands, ThePyramidIsLeftToTheSweeps) {
+    ContactWorld w = make_loaded_column(8), swept = w;
+    ContactSolveOptions options = exact_at(1e-4);
+    options.tangents = Tangents::random;
+    EXPECT_EQ(w.solve(options).exact_islands, 0);
+    options.exact = false;
+    EXPECT_EQ(swept.solve(options).unsolved_islands, 1);
+    EXPECT_EQ(w.velocity, swept.velocity);
+    EXPECT_EQ(w.impulses, swept.impulses);
+}
+
+TEST(ExactIslands, IslandsWithMoreContactsAreLeftToTheSweeps) {
+    for (const int contacts : {256, 257}) {
+        ContactWorld w = make_column(contacts, 1), swept = w; // falls, so it does not rest
+        ContactSolveOptions options = exact_at(1e-4);
+        const ContactSolveStats stats = w.solve(options);
+        EXPECT_EQ(stats.exact_islands, contacts <= 256 ? 1 : 0);
+        EXPECT_EQ(stats.unsolved_islands, contacts <= 256 ? 0 : 1);
+        options.exact = false;
+        (void)swept.solve(options);
+        EXPECT_EQ(w.velocity == swept.velocity, contacts > 256);
+    }
+}
+
+TEST(ExactIslands, AnIslandIsSolvedToTheLeastToleranceOfItsContacts) {
+    ContactWorld w = make_loaded_column(8), first = w;
+    w.contacts[3].tolerance = 1e-8;
+    EXPECT_LE(w.solve(exact_at(1e-2)).residual, kExactShare * 1e-8 + 1e-12);
+    EXPECT_DOUBLE_EQ(w.scratch.islands[0].tolerance, 1e-8);
+    (void)first.solve(exact_at(1e-2));
+    EXPECT_DOUBLE_EQ(first.scratch.islands[0].tolerance, 1e-2);
+}
+
+TEST(ExactIslands, ThreadsAndOtherIslandsChangeNoBit) {
+    const ContactWorld start = make_random(4, 48, 6, 0.4, true);
+    ContactWorld alone = start;
+    const ContactSolveStats expected = alone.solve(exact_at(1e-9));
+    EXPECT_GE(expected.exact_islands, 3);
+    for (const int threads : {2, 3}) {
+        Team team({threads});
+        ContactWorld w = start;
+        ContactSolveOptions options = exact_at(1e-9);
+        options.team = &team;
+        EXPECT_EQ(w.solve(options).exact_islands, expected.exact_islands);
+        EXPECT_EQ(w.velocity, alone.velocity);
+        EXPECT_EQ(w.impulses, alone.impulses);
+    }
+}
+
+} // namespace
+} // namespace flotilla
