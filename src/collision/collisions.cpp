@@ -115,8 +115,7 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
             point = end_proximity(data, worker, record);
             if (!point) return;
             worker.hits.push_back(*point);
-            find_simultaneous_hits(data, worker, {{.toi = 1}, pair.a, pair.b}, *point, record.lengths.proximity,
-                                   worker.hits);
+            find_simultaneous_hits(data, worker, {PairHit{}, pair.a, pair.b}, *point, record.lengths.rest, worker.hits);
         }
         const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
         if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.changes)) {
