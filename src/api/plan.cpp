@@ -100,7 +100,7 @@ class Planner {
         for (const Body& b : model_.bodies) friction.add(b.friction), restitution.add(b.restitution);
         if (friction.empty()) return;
         add("friction", friction.high == 0 ? "none: contacts push and do not hold"
-                                           : friction.text("") + "(geometric mean of a pair); tangents " +
+                                           : friction.text("") + "(geometric mean of a pair); friction " +
                                                  setting_value(model_.settings, "tangents"));
         add("restitution",
             restitution.high == 0 ? "none: collisions are inelastic" : restitution.text("") + "(the larger of a pair)");
@@ -119,7 +119,7 @@ class Planner {
     }
     void rest() {
         add("rest", model_.settings.sleeping
-                        ? "islands that rest for half a second sleep until something moves near them"
+                        ? "islands that rest for twelve steps sleep until something moves near them"
                         : "no body sleeps: every contact is solved in every step");
     }
     void frames() {

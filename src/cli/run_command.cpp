@@ -99,6 +99,10 @@ void print_summary(const RunTotals& s) {
                 static_cast<long>(s.last.contacts));
     std::printf("failsafe: %ld merges, %ld rung changes, %ld bodies held (all steps together)\n",
                 static_cast<long>(s.merges), static_cast<long>(s.rung_changes), static_cast<long>(s.held));
+    std::printf("contact solves above tolerance: in %ld of %ld steps, %.3g m/s in the last\n",
+                static_cast<long>(s.above_tolerance), static_cast<long>(s.steps), s.last.residual);
+    std::printf("energy taken by the last resort: %.3g J from %ld islands (all steps together); lift: %.3g J\n",
+                s.energy_removed, static_cast<long>(s.energy_corrections), s.last.lift);
     std::printf("smallest distance at the end of a step: ");
     if (std::isfinite(s.min_distance))
         std::printf("%.6g m\n", s.min_distance);
@@ -128,6 +132,8 @@ int run_run(const RunArguments& arguments) {
     SceneFileOptions options = arguments.options.resolve();
     if (arguments.dt > 0) options.overrides.emplace_back("time_step", exact_text(arguments.dt));
     const SceneDescription scene = read_scene(arguments.scene, options);
+    for (const std::string& text : arguments.options.overridden_by_scene(scene.settings))
+        std::cerr << "flotilla: " << arguments.scene << ": " << text << '\n';
     StopRequest stop(parse_time_limit(arguments.time_limit), !arguments.output.empty());
     RunOptions run;
     run.output = arguments.output;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "cli/scene_options.hpp"
 
+#include <algorithm>
+
 #include <CLI/CLI.hpp>
 
 #include <flotilla/error.hpp>
@@ -19,8 +21,24 @@ SceneFileOptions SceneArguments::resolve() const {
     return options;
 }
 
+std::vector<std::string> SceneArguments::overridden_by_scene(const Settings& settings) const {
+    const Settings asked = flotilla::preset(preset);
+    std::vector<std::string> lines;
+    for (const SettingInfo& info : list_settings()) {
+        const std::string wanted = setting_value(asked, info.key), used = setting_value(settings, info.key);
+        const bool by_preset = wanted != setting_value(Settings{}, info.key);
+        const bool by_option = std::any_of(set.begin(), set.end(), [&](const std::string& text) {
+            return text.compare(0, info.key.size() + 1, std::string(info.key) + "=") == 0;
+        });
+        if (by_preset && !by_option && used != wanted)
+            lines.push_back("the scene sets " + std::string(info.key) + " to " + used + ", the preset " + preset +
+                            " asks for " + wanted);
+    }
+    return lines;
+}
+
 void add_scene_options(CLI::App& command, SceneArguments& arguments) {
-    command.add_option("--preset", arguments.preset, "Settings to start from: preview, balanced, accurate, reference")
+    command.add_option("--preset", arguments.preset, "Settings to start from: paper, preview, balanced, accurate, reference")
         ->capture_default_str();
     // One value per --set, or it would swallow what follows it.
     command

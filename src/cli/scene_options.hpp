@@ -19,6 +19,8 @@ struct SceneArguments {
 
     /// Throws InputError where a --set has no '=' or its key or value is wrong.
     [[nodiscard]] SceneFileOptions resolve() const;
+    /// What the preset asks for and the scene's own settings replaced, a line each.
+    [[nodiscard]] std::vector<std::string> overridden_by_scene(const Settings& settings) const;
 };
 
 void add_scene_options(CLI::App& command, SceneArguments& arguments);

@@ -42,7 +42,7 @@ struct ContactSolveOptions {
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
     /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
     /// At rest an island with more than two pairs a body, which may be jammed, is not given up while the number of violated pairs falls,
-    /// but as soon as that and the residual stand for two looks.
+    /// but as soon as that and the residual stand for two looks. 0 switches off all of this, and what loaded contacts are let off.
     int patience = 0;
     /// m/s. An island rests that came with no more energy than its mass at this speed: what it has is what gravity added. Then what is
     /// not solved yet is swept alone where it is a small part of a large island; jams are given up early, contacts in a jam that carry

@@ -295,7 +295,8 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     solve.iterations = s.static_iterations;
     solve.tolerance = std::numeric_limits<double>::infinity(); // that of the contacts
     solve.warm_start = s.warm_start;
-    solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
+    // Who gives a tolerance means it: then nothing but the limit of sweeps ends a solve above it.
+    if (s.static_tolerance < 0) solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
     constexpr double kRestSpeed = 2; // in what gravity adds in a step
     solve.rest_speed = kRestSpeed * length(model.gravity) * s.time_step;
     solve.exact = s.contact_solver == ContactSolver::exact;
