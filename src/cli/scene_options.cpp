@@ -38,7 +38,9 @@ std::vector<std::string> SceneArguments::overridden_by_scene(const Settings& set
 }
 
 void add_scene_options(CLI::App& command, SceneArguments& arguments) {
-    command.add_option("--preset", arguments.preset, "Settings to start from: paper, preview, balanced, accurate, reference")
+    command
+        .add_option("--preset", arguments.preset,
+                    "Settings to start from: paper, preview, balanced, accurate, reference")
         ->capture_default_str();
     // One value per --set, or it would swallow what follows it.
     command

@@ -71,7 +71,8 @@ constexpr std::array kWarnings{
                 "raise collision_iterations"},
     WarningText{kDynamicLimit, "dynamic contact: the limit of iterations was reached and the failsafe had to finish",
                 "raise dynamic_iterations"},
-    WarningText{kStaticLimit, "static contact: a solve ended above its tolerance", "raise static_iterations, or static_tolerance"},
+    WarningText{kStaticLimit, "static contact: a solve ended above its tolerance",
+                "raise static_iterations, or static_tolerance"},
     WarningText{kScriptDelayed, "a scripted body was held for the step, because bodies were in its way",
                 "see unsatisfiable_script"},
     WarningText{kReboundLost, "a held body lost a rebound", "raise dynamic_iterations"},
@@ -115,9 +116,9 @@ Table summary_table(const io::RunReader& run, const StepColumns& steps) {
         table.rows.push_back(
             {"energy, start to end", short_number(energy.front()) + " J to " + short_number(energy.back()) + " J"});
     const double removed = total(steps.column("energy_removed"));
-    table.rows.push_back({"energy taken by the last resort",
-                          short_number(removed) + " J from " +
-                              count_text(total(steps.column("energy_corrections"))) + " islands"});
+    table.rows.push_back(
+        {"energy taken by the last resort",
+         short_number(removed) + " J from " + count_text(total(steps.column("energy_corrections"))) + " islands"});
     if (!steps.last_state_hash.empty()) table.rows.push_back({"state hash after the last step", steps.last_state_hash});
     return table;
 }

@@ -45,11 +45,10 @@ struct TurningPoint {
 
 /// Where the arcs of two bodies bring a contact point nearest.
 struct ArcContact {
-    double closer = 0; ///< m, how much nearer the points are then, apart from what the centres of mass do
-    double approach =
-        0;      ///< m/s, along the normal, at which the arcs still bring them together at the end of the step; <= 0
-    Vec3 shift; ///< m, to where the contact then is, seen from the centre of mass of the body whose arc it is
-    double apart = 0; ///< m/s^2, acceleration of the points away from each other
+    double closer = 0;   ///< m, how much nearer the points are then, apart from what the centres of mass do
+    double approach = 0; ///< m/s, along the normal, with which they still come nearer at the end of the step; <= 0
+    Vec3 shift;          ///< m, to where the contact then is, seen from the centre of mass of the body whose arc it is
+    double apart = 0;    ///< m/s^2, acceleration of the points away from each other
 };
 
 /// For a contact of a and b with the normal n from a to b.

@@ -63,7 +63,7 @@ Vec3 PairManifold::relative(const Hit& hit, const Velocities& v) {
            ((v.linear_b + cross(v.angular_b, hit.point.arm_b)) - (v.linear_a + cross(v.angular_a, hit.point.arm_a)));
 }
 
-/// Returns the largest change of a normal velocity.
+/// Returns the largest change of a velocity.
 double PairManifold::sweep(Velocities& v) {
     double worst = 0;
     for (Hit& hit : hits_) {
@@ -82,6 +82,7 @@ double PairManifold::sweep(Velocities& v) {
         const Vec3 change = wanted - (hit.next - normal * n);
         push(hit, change, v);
         hit.next += change;
+        worst = std::max(worst, length(change) * hit.mass_tangent);
     }
     return worst;
 }

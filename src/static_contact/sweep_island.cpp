@@ -150,7 +150,8 @@ class IslandSweeps {
           violated_(std::span(s.violated)
                         .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
           groups_(groups_of(island, s)),
-          jams_(options.patience > 0 && island.rests && index(island.end - island.first) > kPairsOfJam * bodies_.size()),
+          jams_(options.patience > 0 && island.rests &&
+                index(island.end - island.first) > kPairsOfJam * bodies_.size()),
           load_share_(jams_ ? options.tolerance / (kLoadPerTolerance * options.rest_speed) : 0),
           may_use_parts_(island.rests && is_large(island, s)),
           seen_(threads > 1 ? std::span(s.seen) : std::span(&alone_, 1)),

@@ -151,10 +151,11 @@ TEST(Rest, PilesOfTheRandomPyramidTakeFewSweeps) {
     EXPECT_LT(piles.energy, 1e-3);
 }
 
-// A boat may slide down slowly for 14 s: Coulomb's friction holds less than the pyramid's. Then nothing moves at all.
+// A boat may slide down slowly for 14 s: Coulomb's friction holds less than the pyramid's. Then nothing moves at all. What may be solved
+// exactly afterwards is swept 40 times a step at most, and as often where the sweeps alone do not get to a millionth of the tolerance.
 TEST(Rest, PilesTakeFewSweeps) {
     const PileTotals piles = watch_piles(Settings{}.tangents, 384);
-    EXPECT_LT(piles.sweeps, 10);
+    EXPECT_LT(piles.sweeps, 20);
     EXPECT_LT(piles.energy, 1e-6);
 }
 
