@@ -88,7 +88,8 @@ void find_simultaneous_hits(const StepData& data, Worker& worker, const ClusterH
                             double reach, std::vector<ContactPoint>& out) {
     const double t = hit.hit.toi;
     const BodyMotion a = data.trajectories.motion(at(hit.a)), b = data.trajectories.motion(at(hit.b));
-    const Vec3 com_a = a.pose(t).com, com_b = b.pose(t).com, point = com_b + first.arm_b;
+    const Vec3 com_a = a.pose(t).com, com_b = b.pose(t).com, point_a = com_a + first.arm_a, point = com_b + first.arm_b;
+    const double gap = length(point - point_a);
     const Impulsive body_a = data.clusters.impulsive(data.clusters.of(at(hit.a)));
     const Impulsive body_b = data.clusters.impulsive(data.clusters.of(at(hit.b)));
     const std::size_t before = out.size();
@@ -100,13 +101,13 @@ void find_simultaneous_hits(const StepData& data, Worker& worker, const ClusterH
             if (length_sq(out[i].arm_b - p.arm_b) <= reach * reach) return;
         out.push_back(p);
     };
-    const auto add_feet = [&](const BodyMotion& body, const BodyMotion& other, const Vec3& normal) {
-        find_feet(body, t, normal, dot(normal, point), reach, worker.feet);
+    const auto add_feet = [&](const BodyMotion& body, const BodyMotion& other, const Vec3& normal, const Vec3& foot) {
+        find_feet(body, t, normal, dot(normal, foot), reach, worker.feet);
         for (const Vec3& x : worker.feet)
-            if (touches(other, x, t, reach)) add(x);
+            if (touches(other, x, t, gap + reach)) add(x);
     };
-    if (body_a.inverse_mass > 0) add_feet(a, b, -first.normal);
-    if (body_b.inverse_mass > 0) add_feet(b, a, first.normal);
+    if (body_a.inverse_mass > 0) add_feet(a, b, -first.normal, point_a);
+    if (body_b.inverse_mass > 0) add_feet(b, a, first.normal, point);
 }
 
 } // namespace flotilla

@@ -9,13 +9,13 @@ namespace {
 using Island = ContactScratch::Island;
 using Exact = ContactScratch::ExactSolve;
 
-/// Contacts with which the solve takes a few milliseconds at most, as the sweeps of a step do; and up to which an island is worth a
-/// tenth of a second that rests, where the next step begins with what this one found: walls and houses of cards.
-constexpr std::int32_t kFewContacts = 256, kMostContacts = 1536;
+/// Contacts up to which an island is worth a tenth of a second that rests, where the next step begins with what this one found: walls
+/// and houses of cards.
+constexpr std::int32_t kMostContacts = 1536;
 constexpr std::int32_t kMostBodies =
     64; ///< of an island with more than few contacts: factorisations grow with their cube
 /// Problems that have a solution take ten to forty; the others end with what was found.
-constexpr int kMostFactorisations = 40;
+constexpr int kMostFactorisations = 40, kMostToTolerance = 80;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -87,8 +87,10 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
 void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
     gather(island, bodies, s, e);
     e.swept = e.impulses;
-    const ConeSolveStats stats = solve_cone_program(
+    ConeSolveStats stats = solve_cone_program(
         e.bodies, e.contacts, {kExactShare * island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
+    if (!stats.solved && stats.residual > island.tolerance) // hard: what is asked for at least is worth more
+        stats = solve_cone_program(e.bodies, e.contacts, {island.tolerance, kMostToTolerance}, e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
     if (!(stats.residual < island.residual)) return;
     scatter(island, bodies, s, e);
@@ -103,10 +105,14 @@ void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact
 
 } // namespace
 
+std::int32_t contacts_of(const Island& island, const ContactScratch& s) {
+    const std::span<const ContactBlock> blocks = blocks_of(island, s);
+    return blocks.back().end - blocks.front().first;
+}
+
 bool may_solve_exactly(const Island& island, const ContactSolveOptions& options, const ContactScratch& s) {
     if (!options.exact || options.tangents == Tangents::random) return false;
-    const std::span<const ContactBlock> blocks = blocks_of(island, s);
-    const std::int32_t contacts = blocks.back().end - blocks.front().first;
+    const std::int32_t contacts = contacts_of(island, s);
     if (contacts <= kFewContacts) return true;
     return island.rests && island.end_body - island.first_body <= kMostBodies && contacts <= kMostContacts;
 }

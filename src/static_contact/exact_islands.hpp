@@ -11,9 +11,15 @@ namespace flotilla {
 /// sliding do not creep, and stacks do not sway at the speed of the tolerance.
 inline constexpr double kExactShare = 0x1p-20;
 
+/// Contacts up to which an island is solved so after a few sweeps: it takes a few milliseconds at most, as the sweeps would. Larger ones
+/// are where more sweeps leave them above their tolerance.
+inline constexpr std::int32_t kFewContacts = 256;
+
 /// Whether the island may be solved so: friction by the cone, and few enough contacts and bodies. Set `rests` before.
 [[nodiscard]] bool may_solve_exactly(const ContactScratch::Island& island, const ContactSolveOptions& options,
                                      const ContactScratch& scratch);
+
+[[nodiscard]] std::int32_t contacts_of(const ContactScratch::Island& island, const ContactScratch& scratch);
 
 /// Solves those of the islands that are unsolved and may be, side by side. Their rows hold the impulses of the sweeps, and then the
 /// exact ones; velocities follow.

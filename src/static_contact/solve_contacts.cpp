@@ -66,7 +66,7 @@ bool rests(const Island& island, const ContactSolveOptions& options, const Conta
 }
 
 /// An exact solve starts from what so many sweeps find, and is not needed where that is all.
-constexpr int kSweepsBeforeExact = 20;
+constexpr int kSweepsBeforeExact = 20, kSweepsOfMany = 60;
 
 constexpr double kRounding = 0x1p-40; ///< of energies, far more than that of their sums
 
@@ -80,8 +80,9 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     island.energy_before = kinetic_energy(island, bodies, s);
     island.rests = rests(island, options, s);
     if (may_solve_exactly(island, options, s)) {
-        options.iterations = std::min(options.iterations, kSweepsBeforeExact);
-        options.tolerance *= kExactShare;
+        const bool few = contacts_of(island, s) <= kFewContacts;
+        options.iterations = std::min(options.iterations, few ? kSweepsBeforeExact : kSweepsOfMany);
+        if (few) options.tolerance *= kExactShare;
     }
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);

