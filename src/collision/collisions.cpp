@@ -34,6 +34,14 @@ bool may_approach(const Impulsive& a, const Impulsive& b, double radius_a, doubl
            speed * (1 - 0x1p-20); // far more than the rounding of either side
 }
 
+/// m/s: what approaches slower is left to static contact. Without gravity that is what brings the bodies no nearer in a step than static
+/// contact leaves undone (Settings::static_tolerance), or bodies that slide in a joint would hit each other at the speed of rounding.
+double least_approach(const StepData& data, const PairRecord& record) {
+    constexpr double kOfRest = 1.0 / 1024;
+    if (data.model.settings.approach_threshold >= 0) return data.approach;
+    return std::max(data.approach, kOfRest * record.lengths.rest / data.dt);
+}
+
 /// The nearest contact point at the end of the step that approaches too fast to be left to static contact, with rigid
 /// velocities and arms at the end (section 3.2). Closer than the rest distance that is faster than the threshold. Farther away,
 /// up to the proximity distance, it is also fast enough to come below the rest distance within one more step: stage 7 would cut
@@ -51,6 +59,7 @@ std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, 
     record.processed = find_proximities(a, b, record.lengths.proximity, data.angle_cos, list, worker.proximity).near ||
                        record.processed;
     worker.points.clear();
+    const double least = least_approach(data, record);
     const auto contact = [&](const ProximityPoint& p) {
         const Vec3 arm_a = p.a - a.at1.pose->com, arm_b = p.b - b.at1.pose->com;
         const Vec3 relative = point_velocity(body_b, arm_b) - point_velocity(body_a, arm_a);
@@ -59,7 +68,7 @@ std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, 
     for (const ProximityPoint& p : worker.proximity.found) {
         const ContactPoint c = contact(p);
         const double approach = -dot(c.relative_velocity, p.normal);
-        if (!(approach > data.approach)) continue;
+        if (!(approach > least)) continue;
         const double apart = dot(p.normal, arc_acceleration(body_b.angular_velocity, c.arm_b) -
                                                arc_acceleration(body_a.angular_velocity, c.arm_a));
         const double gap = p.distance - record.lengths.rest;
