@@ -94,6 +94,16 @@ bool examine(const StepData& data, Worker& worker, PairRecord& record) {
     return false;
 }
 
+/// The contact of a swept hit with rigid velocities where these approach as well. Effective ones, of straight paths, are what makes sure
+/// that it does (section 3.2), but a rebound at their speed takes energy where they are slower than the bodies, and gives none where
+/// they are faster, for that is cut: 27 cubes in a box lose 6 % in 4 s at 1/240 s.
+ContactPoint rebounding(const StepData& data, const CandidatePair& pair, ContactPoint point) {
+    const Vec3 rigid = point_velocity(data.clusters.impulsive(pair.b), point.arm_b) -
+                       point_velocity(data.clusters.impulsive(pair.a), point.arm_a);
+    if (dot(rigid, point.normal) < 0) point.relative_velocity = rigid;
+    return point;
+}
+
 /// Applies what the manifold changes.
 void push_all(const StepData& data, Worker& worker, const CandidatePair& pair) {
     const Stopwatch watch(worker.counters.response_ms);
@@ -117,7 +127,7 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
         worker.hits.clear();
         if (hit.hit) {
             record.processed = true;
-            point = swept_contact(data, {hit, pair.a, pair.b}).point;
+            point = rebounding(data, pair, swept_contact(data, {hit, pair.a, pair.b}).point);
             worker.hits.push_back(*point);
             find_simultaneous_hits(data, worker, {hit, pair.a, pair.b}, *point, record.lengths.rest, worker.hits);
         } else {

@@ -127,7 +127,7 @@ void cradle(const Run& run, double e) {
         add_runs("Impact", "CrateLandsFlatWithRestitution" + std::to_string(e) + "Percent", runs(), true,
                  [=](const Run& r) { lands_flat(r, 0.01 * e); });
     for (const int e : {100, 50})
-        add_runs("Impact", "CradleWithRestitution" + std::to_string(e) + "Percent", runs(), kNotReached,
+        add_runs("Impact", "CradleWithRestitution" + std::to_string(e) + "Percent", runs(), true,
                  [=](const Run& r) { cradle(r, 0.01 * e); });
     return true;
 }();
