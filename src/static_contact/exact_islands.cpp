@@ -87,8 +87,8 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
 void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
     gather(island, bodies, s, e);
     e.swept = e.impulses;
-    ConeSolveStats stats = solve_cone_program(
-        e.bodies, e.contacts, {kExactShare * island.tolerance, kMostFactorisations}, e.impulses, e.scratch);
+    ConeSolveStats stats =
+        solve_cone_program(e.bodies, e.contacts, {island.exact_tolerance, kMostFactorisations}, e.impulses, e.scratch);
     if (!stats.solved && stats.residual > island.tolerance) // hard: what is asked for at least is worth more
         stats = solve_cone_program(e.bodies, e.contacts, {island.tolerance, kMostToTolerance}, e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;

@@ -2,6 +2,7 @@
 #include "static_contact/solve_contacts.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/assert.hpp"
 #include "static_contact/assemble.hpp"
@@ -58,11 +59,12 @@ double work_of_targets(const Island& island, ContactScratch& s) {
     return sum;
 }
 
-bool rests(const Island& island, const ContactSolveOptions& options, const ContactScratch& s) {
+// m/s, at which the island's mass has its energy before the solve.
+double mean_speed(const Island& island, const ContactScratch& s) {
     double mass = 0;
     for (std::int32_t k = island.first_body; k < island.end_body; ++k)
         mass += s.weight[static_cast<std::size_t>(s.island_bodies[static_cast<std::size_t>(k)])].linear;
-    return options.rest_speed > 0 && island.energy_before <= 0.5 * mass * options.rest_speed * options.rest_speed;
+    return std::sqrt(2 * island.energy_before / mass);
 }
 
 /// An exact solve starts from what so many sweeps find, and is not needed where that is all.
@@ -78,11 +80,14 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     ContactSolveOptions options = of_all;
     options.tolerance = island.tolerance;
     island.energy_before = kinetic_energy(island, bodies, s);
-    island.rests = rests(island, options, s);
+    const double speed = mean_speed(island, s);
+    island.rests = options.rest_speed > 0 && speed <= options.rest_speed;
     if (may_solve_exactly(island, options, s)) {
+        island.exact_tolerance = kExactShare * island.tolerance;
         const bool few = contacts_of(island, s) <= kFewContacts;
         options.iterations = std::min(options.iterations, few ? kSweepsBeforeExact : kSweepsOfMany);
-        if (few) options.tolerance *= kExactShare;
+        if (few)
+            island.exact_tolerance = options.tolerance = std::max(kExactShare * island.tolerance, kOfSpeed * speed);
     }
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);

@@ -90,6 +90,7 @@ struct ContactScratch {
         int iterations = 0;
         double residual = 0;                      ///< m/s
         double tolerance = 0;                     ///< m/s
+        double exact_tolerance = 0;               ///< m/s, asked of an exact solve
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
         std::int64_t visits = 0;
         int part_rounds = 0;
