@@ -21,6 +21,13 @@ double kinetic_energy(const Model& model, std::size_t i, const Pose& pose, const
                   dot(m.momentum, angular_velocity(model.shape_of(i), pose.rotation, m.momentum)));
 }
 
+/// J: a body's weight times its rest distance, of the smaller of its two diameters, that of the bounding sphere and that about the centre
+/// of mass.
+double most_lift_of(const Model& model, std::size_t i) {
+    const double share = std::min(1.0, 2 * model.shape_of(i).radius / model.bodies[i].size);
+    return model.bodies[i].mass * length(model.gravity) * share * body_lengths(model, i).rest;
+}
+
 } // namespace
 
 void EnergyAccount::start(Team& team, const Model& model, std::span<const Pose> pose, std::span<const Motion> motion) {
@@ -67,7 +74,7 @@ EnergyAccount::Balance EnergyAccount::balance(const Model& model, std::size_t i,
     out.mass = body.mass;
     out.momentum = body.mass * motion.velocity;
     out.lift = lift;
-    out.most_lift = weight * body_lengths(model, i).rest;
+    out.most_lift = most_lift_of(model, i);
     out.rounding += kCreep * out.most_lift;
     out.grounded = grounded_[i] != 0;
     return out;
@@ -102,10 +109,10 @@ std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::
     for (std::size_t i = 0; i < n; ++i) {
         if (!model.bodies[i].movable()) continue;
         Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
-        const double mass = model.bodies[i].mass, weight = mass * length(model.gravity);
+        const double mass = model.bodies[i].mass;
         island.gain -= mass * dot(model.gravity, way[i]);
         island.kinetic += kinetic_[i];
-        const double most = weight * body_lengths(model, i).rest;
+        const double most = most_lift_of(model, i);
         island.most_lift += std::max(most - lift[i], 0.0) + kCreep * most;
         island.grounded = island.grounded || scripted_[i] != 0;
         any = any || island.gain > island.kinetic + island.most_lift;
