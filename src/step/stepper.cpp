@@ -440,8 +440,15 @@ void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
         const FailsafeStats more = run_failsafe(d);
         failsafe.merges += more.merges;
         failsafe.rung_changes += more.rung_changes;
-        failsafe.delayed_scripts.insert(failsafe.delayed_scripts.end(), more.delayed_scripts.begin(),
-                                        more.delayed_scripts.end());
+        for (const DelayedScript& script : more.delayed_scripts) { // of a way that an earlier round may have shortened
+            auto& all = failsafe.delayed_scripts;
+            const auto known =
+                std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.body == script.body; });
+            if (known == all.end())
+                all.push_back(script);
+            else
+                known->share *= script.share;
+        }
     }
 }
 
