@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pair/simultaneous_hits.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "geometry/closest.hpp"
@@ -57,29 +58,57 @@ bool touches(const BodyMotion& body, const Vec3& x, double t, double reach) {
     return found;
 }
 
-/// The vertices of a body that stands on a plane, within `reach` of it: x . normal = offset, the body on the side of `normal`. None where
-/// it does not stand on the plane but reaches through it, which most bodies that hit each other do.
-void find_feet(const BodyMotion& body, double t, const Vec3& normal, double offset, double reach,
+/// x . normal = offset; what stands on the plane is on the side of `normal`.
+struct Plane {
+    Vec3 normal;
+    double offset;
+};
+
+double height(const Plane& plane, const Vec3& x) { return dot(plane.normal, x) - plane.offset; }
+
+/// The vertices of a body that stands on the plane which are within `reach` of it and inside `region`, each once. None where the body does
+/// not stand on the plane but reaches through it, as most bodies that hit each other do: of two nodes the lower one first, as a few of
+/// them tell.
+void find_feet(const BodyMotion& body, double t, const Plane& plane, double reach, const Box& region,
                std::vector<Vec3>& feet) {
+    struct Open {
+        std::int32_t node;
+        double lowest, highest; ///< of its box, over the plane
+        bool inside;            ///< of the region, in part
+    };
+    const auto open = [&](std::int32_t i) {
+        const Box box = node_at(body, at(i), t);
+        const double center = height(plane, 0.5 * (box.lower + box.upper));
+        const double half = dot(abs(plane.normal), 0.5 * (box.upper - box.lower));
+        return Open{i, center - half, center + half, boxes_overlap(box, region, 0)};
+    };
     feet.clear();
-    bool through = false;
-    descend(
-        body, t,
-        [&](const Box& box) {
-            const double center = dot(normal, 0.5 * (box.lower + box.upper)) - offset;
-            const double half = dot(abs(normal), 0.5 * (box.upper - box.lower));
-            through = through || center + half < -reach;
-            return !through && center - half <= reach;
-        },
-        [&](std::int32_t triangle) {
+    const Bvh& bvh = body.shape->bvh;
+    std::array<Open, kMaxBvhDepth + 2> stack;
+    std::size_t size = 0;
+    const auto push = [&](const Open& n) {
+        if (n.lowest < -reach || (n.inside && n.lowest <= reach)) stack[size++] = n;
+    };
+    push(open(0));
+    while (size > 0) {
+        const Open top = stack[--size];
+        if (top.highest < -reach) return feet.clear();
+        const BvhNode node = bvh.nodes[at(top.node)];
+        if (node.count == 0) {
+            const Open left = open(top.node + 1), right = open(node.first);
+            const bool right_first = right.lowest < left.lowest;
+            push(right_first ? left : right);
+            push(right_first ? right : left);
+            continue;
+        }
+        for (const std::int32_t triangle : bvh.leaf_triangles(node))
             for (const std::int32_t v : body.shape->mesh.triangles[at(triangle)]) {
                 const Vec3 x = vertex_at(body, v, t);
-                const double height = dot(normal, x) - offset;
-                through = through || height < -reach;
-                if (height <= reach) feet.push_back(x);
+                const double h = height(plane, x);
+                if (h < -reach) return feet.clear();
+                if (h <= reach && std::find(feet.begin(), feet.end(), x) == feet.end()) feet.push_back(x);
             }
-        });
-    if (through) feet.clear();
+    }
 }
 
 } // namespace
@@ -93,21 +122,24 @@ void find_simultaneous_hits(const StepData& data, Worker& worker, const ClusterH
     const Impulsive body_a = data.clusters.impulsive(data.clusters.of(at(hit.a)));
     const Impulsive body_b = data.clusters.impulsive(data.clusters.of(at(hit.b)));
     const std::size_t before = out.size();
-    const auto add = [&](const Vec3& x) {
-        ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
-        p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
-        if (!(dot(p.relative_velocity, p.normal) < 0) || length_sq(x - point) <= 4 * reach * reach) return;
-        for (std::size_t i = before; i < out.size(); ++i) // a corner of several triangles
-            if (length_sq(out[i].arm_b - p.arm_b) <= reach * reach) return;
-        out.push_back(p);
+    const auto known = [&](const Vec3& x) {
+        return std::any_of(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
+                           [&](const ContactPoint& p) { return length_sq(p.arm_b - (x - com_b)) <= reach * reach; });
     };
-    const auto add_feet = [&](const BodyMotion& body, const BodyMotion& other, const Vec3& normal, const Vec3& foot) {
-        find_feet(body, t, normal, dot(normal, foot), reach, worker.feet);
-        for (const Vec3& x : worker.feet)
-            if (touches(other, x, t, gap + reach)) add(x);
+    const auto add_feet = [&](const BodyMotion& body, const BodyMotion& other, const Plane& plane) {
+        const double room = gap + reach;
+        const Box box = node_at(other, 0, t);
+        const Box region{box.lower - Vec3{room, room, room}, box.upper + Vec3{room, room, room}};
+        find_feet(body, t, plane, reach, region, worker.feet);
+        for (const Vec3& x : worker.feet) {
+            ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
+            p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
+            if (!(dot(p.relative_velocity, p.normal) < 0) || length_sq(x - point) <= 4 * reach * reach) continue;
+            if (!known(x) && touches(other, x, t, room)) out.push_back(p);
+        }
     };
-    if (body_a.inverse_mass > 0) add_feet(a, b, -first.normal, point_a);
-    if (body_b.inverse_mass > 0) add_feet(b, a, first.normal, point);
+    if (body_a.inverse_mass > 0) add_feet(a, b, {-first.normal, -dot(first.normal, point_a)});
+    if (body_b.inverse_mass > 0) add_feet(b, a, {first.normal, dot(first.normal, point)});
 }
 
 } // namespace flotilla
