@@ -20,7 +20,7 @@ enum class CcdMethod : std::uint8_t {
 };
 enum class Tangents : std::uint8_t {
     random, ///< the paper's pyramid, turned by a generator keyed by (seed, features), where bodies slide by the step too
-    aligned, ///< Coulomb's cone, first tangent along the slip velocity
+    aligned, ///< as cone, whose steps are the same for all tangents
     cone, ///< Coulomb's cone: friction of mu times the normal force in every direction, whether bodies slide or stick
 };
 enum class ContactSolver : std::uint8_t {

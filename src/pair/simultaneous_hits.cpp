@@ -21,41 +21,32 @@ Box node_at(const BodyMotion& body, std::size_t node, double t) {
     return {b0.lower + t * (b1.lower - b0.lower), b0.upper + t * (b1.upper - b0.upper)};
 }
 
-/// Calls leaf(triangle) for the triangles of nodes that near(box) lets pass.
-template <class Near, class Leaf>
-void descend(const BodyMotion& body, double t, Near&& near, Leaf&& leaf) {
+/// Whether the body is within `reach` (m) of x at time t.
+bool touches(const BodyMotion& body, const Vec3& x, double t, double reach) {
     const Bvh& bvh = body.shape->bvh;
+    const Vec3 room{reach, reach, reach};
+    const Box around{x - room, x + room};
+    const auto corner = [&](std::int32_t v) { return vertex_at(body, v, t); };
+    const auto near = [&](std::int32_t triangle) {
+        const Triangle& f = body.shape->mesh.triangles[at(triangle)];
+        return closest_vertex_triangle(x, corner(f[0]), corner(f[1]), corner(f[2])).distance_sq <= reach * reach;
+    };
     std::array<std::int32_t, kMaxBvhDepth + 2> stack;
     std::size_t size = 0;
     stack[size++] = 0;
     while (size > 0) {
         const std::int32_t i = stack[--size];
-        if (!near(node_at(body, at(i), t))) continue;
+        if (!boxes_overlap(node_at(body, at(i), t), around, 0)) continue;
         const BvhNode node = bvh.nodes[at(i)];
         if (node.count > 0) {
-            for (const std::int32_t triangle : bvh.leaf_triangles(node)) leaf(triangle);
+            const auto triangles = bvh.leaf_triangles(node);
+            if (std::any_of(triangles.begin(), triangles.end(), near)) return true;
         } else {
             stack[size++] = node.first;
             stack[size++] = i + 1;
         }
     }
-}
-
-bool touches(const BodyMotion& body, const Vec3& x, double t, double reach) {
-    bool found = false;
-    const Vec3 room{reach, reach, reach};
-    descend(
-        body, t,
-        [&](const Box& box) {
-            return !found && boxes_overlap(box, {x - room, x + room}, 0);
-        },
-        [&](std::int32_t triangle) {
-            if (found) return;
-            const Triangle& f = body.shape->mesh.triangles[at(triangle)];
-            const auto corner = [&](int k) { return vertex_at(body, f[static_cast<std::size_t>(k)], t); };
-            found = closest_vertex_triangle(x, corner(0), corner(1), corner(2)).distance_sq <= reach * reach;
-        });
-    return found;
+    return false;
 }
 
 /// x . normal = offset; what stands on the plane is on the side of `normal`.
@@ -64,50 +55,16 @@ struct Plane {
     double offset;
 };
 
-double height(const Plane& plane, const Vec3& x) { return dot(plane.normal, x) - plane.offset; }
-
-/// The vertices of a body that stands on the plane which are within `reach` of it and inside `region`, each once. None where the body does
-/// not stand on the plane but reaches through it, as most bodies that hit each other do: of two nodes the lower one first, as a few of
-/// them tell.
-void find_feet(const BodyMotion& body, double t, const Plane& plane, double reach, const Box& region,
-               std::vector<Vec3>& feet) {
-    struct Open {
-        std::int32_t node;
-        double lowest, highest; ///< of its box, over the plane
-        bool inside;            ///< of the region, in part
-    };
-    const auto open = [&](std::int32_t i) {
-        const Box box = node_at(body, at(i), t);
-        const double center = height(plane, 0.5 * (box.lower + box.upper));
-        const double half = dot(abs(plane.normal), 0.5 * (box.upper - box.lower));
-        return Open{i, center - half, center + half, boxes_overlap(box, region, 0)};
-    };
+/// The vertices of a body that stands on the plane which are within `reach` of it. None where the body does not stand on the plane but
+/// reaches through it, as most bodies that hit each other do. All vertices are looked at: an impulse has moved all of them before.
+void find_feet(const BodyMotion& body, double t, const Plane& plane, double reach, std::vector<Vec3>& feet) {
     feet.clear();
-    const Bvh& bvh = body.shape->bvh;
-    std::array<Open, kMaxBvhDepth + 2> stack;
-    std::size_t size = 0;
-    const auto push = [&](const Open& n) {
-        if (n.lowest < -reach || (n.inside && n.lowest <= reach)) stack[size++] = n;
-    };
-    push(open(0));
-    while (size > 0) {
-        const Open top = stack[--size];
-        if (top.highest < -reach) return feet.clear();
-        const BvhNode node = bvh.nodes[at(top.node)];
-        if (node.count == 0) {
-            const Open left = open(top.node + 1), right = open(node.first);
-            const bool right_first = right.lowest < left.lowest;
-            push(right_first ? left : right);
-            push(right_first ? right : left);
-            continue;
-        }
-        for (const std::int32_t triangle : bvh.leaf_triangles(node))
-            for (const std::int32_t v : body.shape->mesh.triangles[at(triangle)]) {
-                const Vec3 x = vertex_at(body, v, t);
-                const double h = height(plane, x);
-                if (h < -reach) return feet.clear();
-                if (h <= reach && std::find(feet.begin(), feet.end(), x) == feet.end()) feet.push_back(x);
-            }
+    for (std::size_t v = 0; v < body.at0.x.size(); ++v) {
+        const Vec3 x = body.at0.x[v] + t * (body.at1.x[v] - body.at0.x[v]);
+        const double height = dot(plane.normal, x) - plane.offset;
+        if (height > reach || body.shape->topology.vertex_owner[v] < 0) continue;
+        if (height < -reach) return feet.clear();
+        feet.push_back(x);
     }
 }
 
@@ -128,9 +85,7 @@ void find_simultaneous_hits(const StepData& data, Worker& worker, const ClusterH
     };
     const auto add_feet = [&](const BodyMotion& body, const BodyMotion& other, const Plane& plane) {
         const double room = gap + reach;
-        const Box box = node_at(other, 0, t);
-        const Box region{box.lower - Vec3{room, room, room}, box.upper + Vec3{room, room, room}};
-        find_feet(body, t, plane, reach, region, worker.feet);
+        find_feet(body, t, plane, reach, worker.feet);
         for (const Vec3& x : worker.feet) {
             ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
             p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);

@@ -190,9 +190,7 @@ const std::vector<SettingRow>& table() {
          0,
          0,
          {},
-         "friction: Coulomb's cone, the same with the first tangent along the slip (aligned), or the paper's pyramid "
-         "of random "
-         "direction",
+         "friction: Coulomb's cone (aligned: the same, an older name), or the paper's pyramid of random direction",
          "random: sliding friction too large by 27 % in the mean and by up to 41 %"},
         {"rigidification",
          choice<&Settings::rigidification>(kRigidifications),

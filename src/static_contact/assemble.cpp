@@ -253,39 +253,30 @@ ContactBlock make_block(const BodyPair& pair, const ContactBodies& bodies, const
     return block;
 }
 
-// Slip and friction below these are rounding, not a direction: m/s, and a share of the warm impulse.
-constexpr double kLeastSlip = 1e-12;
-constexpr double kLeastFriction = 1e-12;
 /// The step of tangents that outlive it.
 constexpr std::uint64_t kNoStep = ~std::uint64_t{0};
 
-// Along the slip with nothing applied; where there is none, against the friction of the warm impulse.
-TangentPair choose_tangents(const Contact& c, const Vec3& relative_velocity, const Vec3& impulse,
-                            const ContactSolveOptions& options) {
-    if (options.tangents == Tangents::aligned) {
-        const auto tangential_sq = [&](const Vec3& v) { return length_sq(v - dot(v, c.normal) * c.normal); };
-        if (tangential_sq(relative_velocity) > kLeastSlip * kLeastSlip)
-            return tangents_along(c.normal, relative_velocity);
-        if (tangential_sq(impulse) > kLeastFriction * kLeastFriction * length_sq(impulse))
-            return tangents_along(c.normal, impulse);
-    }
-    if (options.tangents != Tangents::random) return any_tangents(c.normal);
+TangentPair choose_tangents(const Contact& c, const ContactSolveOptions& options) {
+    if (cone_of(options) == Cone::disc) return any_tangents(c.normal);
     return keyed_tangents(c, options.seed, c.sticks ? kNoStep : options.step);
 }
 
-ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBodies& bodies, const ContactScratch& s,
-                    const Vec3& warm_impulse, const ContactSolveOptions& options) {
+ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBodies& bodies, const Vec3& warm_impulse,
+                    const ContactSolveOptions& options) {
     ContactRow row;
     row.normal = c.normal;
     row.arm_a = c.point - bodies.position[index(c.a)];
     row.arm_b = row.arm_a + block.offset;
-    const Vec3 velocity = relative_velocity(row, s.velocity[index(block.a)], s.velocity[index(block.b)]);
-    const TangentPair t = choose_tangents(c, velocity, warm_impulse, options);
+    const TangentPair t = choose_tangents(c, options);
     row.tangent_1 = t.t1;
     row.tangent_2 = t.t2;
     row.local.target = c.target;
     row.local.friction = c.friction;
     set_effective_mass(block, row);
+    if (cone_of(options) == Cone::disc) {
+        turn_tangents(principal_turn(row.local), row);
+        set_effective_mass(block, row);
+    }
     const Vec3 warm = to_contact(row, warm_impulse);
     row.local.impulse = cut_to_cone(cone_of(options), warm, c.friction);
     return row;
@@ -312,7 +303,7 @@ void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies,
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
             const std::size_t c = index(s.order[index(i)]), row = index(s.parked[index(i)] ? parked++ : awake++);
             const Vec3 warm = options.warm_start ? impulses[c] : Vec3{};
-            s.rows[row] = make_row(contacts[c], block, bodies, s, warm, options);
+            s.rows[row] = make_row(contacts[c], block, bodies, warm, options);
             s.source[row] = count_of(c);
         }
         block.end = parked;

@@ -37,6 +37,23 @@ void set_effective_mass(const ContactBlock& block, ContactRow& row) {
                   dot(a.t1, a.inv_t2) + dot(b.t1, b.inv_t2)};
 }
 
+TangentTurn principal_turn(const LocalContact& c) {
+    const double w12 = c.coupling.z;
+    if (w12 == 0) return {};
+    const double tau = (c.mass_diagonal.z - c.mass_diagonal.y) / (2 * w12);
+    const double t =
+        std::copysign(1.0, tau) / (std::abs(tau) + std::sqrt(1 + tau * tau)); // the smaller of the two turns
+    const double cosine = 1 / std::sqrt(1 + t * t);
+    return {cosine, -t * cosine};
+}
+
+void turn_tangents(const TangentTurn& turn, ContactRow& row) {
+    const auto [c, s] = turn;
+    const Vec3 t1 = row.tangent_1, t2 = row.tangent_2;
+    row.tangent_1 = c * t1 + s * t2;
+    row.tangent_2 = c * t2 - s * t1;
+}
+
 Vec3 cut_to_cone(Cone cone, const Vec3& impulse, double friction) {
     const double n = std::max(0.0, impulse.x);
     const double bound = friction * n;

@@ -11,7 +11,7 @@ namespace flotilla {
 /// Shape of the friction bound.
 enum class Cone : std::uint8_t {
     pyramid, ///< |lambda_1| <= mu lambda_n, |lambda_2| <= mu lambda_n (eqs 18-20)
-    disc,    ///< |(lambda_1, lambda_2)| <= mu lambda_n
+    disc,    ///< |(lambda_1, lambda_2)| <= mu lambda_n; tangents are turned so that W_12 = 0
     frozen,  ///< pyramid with a given bound instead of mu lambda_n: shock propagation
 };
 
@@ -78,6 +78,15 @@ inline Vec3 relative_velocity(const ContactRow& r, const BodyVelocity& a, const 
 }
 
 /// Sets W of the row's frame for the masses of the block.
+/// A turn of both tangents about the normal.
+struct TangentTurn {
+    double cosine = 1, sine = 0;
+};
+/// That to the principal axes of W_tt: W_12 = 0 then, and one step of the disc is the same whatever the tangents were. By less than an
+/// eighth of a turn (Jacobi's rotation).
+TangentTurn principal_turn(const LocalContact& contact);
+/// Sets the tangents only: set_effective_mass() belongs after it.
+void turn_tangents(const TangentTurn& turn, ContactRow& row);
 void set_effective_mass(const ContactBlock& block, ContactRow& row);
 
 /// The impulse nearest to a given one (contact coordinates) that the bounds allow: what a warm start may begin with.

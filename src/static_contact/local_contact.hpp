@@ -60,30 +60,26 @@ inline P normal_change(const LocalPack<P>& c, P u_n) {
     return max(c.impulse.x - (u_n - c.target) * c.inv_mass_diagonal.x, P::all(0)) - c.impulse.x;
 }
 
-/// The tangential impulse (W_tt + s I)^-1 rhs, for s >= 0.
+/// `l` where it lies in the disc, else the nearest point of it.
 template <class P>
-inline PackVec2<P> solve_tangent(const LocalPack<P>& c, P s, const PackVec2<P>& rhs) {
-    const P w11 = c.mass_diagonal.y + s, w22 = c.mass_diagonal.z + s, w12 = c.coupling.z;
-    const P scale = P::all(1) / (w11 * w22 - w12 * w12);
-    return {scale * (w22 * rhs.x - w12 * rhs.y), scale * (w11 * rhs.y - w12 * rhs.x)};
+inline PackVec2<P> project_on_disc(const PackVec2<P>& l, P bound) {
+    const P size = sqrt(length_sq(l));
+    const P shrink = select(bound < size, bound / size, P::all(1));
+    return {shrink * l.x, shrink * l.y};
 }
 
-/// The tangential impulse of the disc |lambda| <= bound for slip velocity u at the present impulse. Where the impulse that stops the
-/// slip, W^-1 (W lambda_old - u), lies in the disc it is taken: the minimiser of 1/2 lambda W lambda + b lambda, b = u - W lambda_old.
-/// Else a step down that function's gradient by no more than its curvature allows, projected on the disc. Its fixed points are those
-/// of Coulomb's law, friction opposite to the slip; neither form of step adds energy.
+/// The tangential impulse of the disc |lambda| <= bound for slip velocity u at the present impulse, W_tt being diagonal. Where the
+/// impulse that stops the slip, lambda_old - W^-1 u, lies in the disc it is taken: the minimiser of 1/2 lambda W lambda + b lambda,
+/// b = u - W lambda_old. Else a step down that function's gradient by no more than its curvature allows, projected on the disc. Its
+/// fixed points are those of Coulomb's law, friction opposite to the slip; neither form of step adds energy.
 template <class P>
 inline PackVec2<P> disc_impulse(const LocalPack<P>& c, const PackVec2<P>& u, P bound) {
-    const P w11 = c.mass_diagonal.y, w22 = c.mass_diagonal.z, w12 = c.coupling.z;
-    const PackVec2<P> rhs{(w11 * c.impulse.y + w12 * c.impulse.z) - u.x, (w12 * c.impulse.y + w22 * c.impulse.z) - u.y};
-    const PackVec2<P> stick = solve_tangent(c, P::all(0), rhs);
+    const PackVec2<P> stick{c.impulse.y - u.x * c.inv_mass_diagonal.y, c.impulse.z - u.y * c.inv_mass_diagonal.z};
     const auto inside = length_sq(stick) <= bound * bound;
     if (mask_bits(mask_not(inside)) == 0) return stick;
-    const P curvature = max(w11, w22) + abs(w12); // no less than the larger eigenvalue
-    const PackVec2<P> slip{c.impulse.y - u.x / curvature, c.impulse.z - u.y / curvature};
-    const P size = sqrt(length_sq(slip));
-    const P shrink = select(bound < size, bound / size, P::all(1));
-    return {select(inside, stick.x, shrink * slip.x), select(inside, stick.y, shrink * slip.y)};
+    const P step = min(c.inv_mass_diagonal.y, c.inv_mass_diagonal.z); // the inverse of the larger eigenvalue
+    const PackVec2<P> slip = project_on_disc({c.impulse.y - u.x * step, c.impulse.z - u.y * step}, bound);
+    return {select(inside, stick.x, slip.x), select(inside, stick.y, slip.y)};
 }
 
 /// What the normal row's violation is let off: a share of what the normal impulse changes, lambda_n W_nn, and at most so much, m/s.
@@ -128,10 +124,8 @@ template <Cone kCone, class P>
     PackVec2<P> l, scale{c.mass_diagonal.y, c.mass_diagonal.z};
     if constexpr (kCone == Cone::disc) {
         scale.x = scale.y = max(c.mass_diagonal.y, c.mass_diagonal.z);
-        l = {c.impulse.y - u.y / scale.x, c.impulse.z - u.z / scale.y};
-        const P size = sqrt(length_sq(l));
-        const P shrink = select(bound < size, bound / size, P::all(1));
-        l = {shrink * l.x, shrink * l.y};
+        const P step = min(c.inv_mass_diagonal.y, c.inv_mass_diagonal.z);
+        l = project_on_disc({c.impulse.y - u.y * step, c.impulse.z - u.z * step}, bound);
     } else {
         l = {clamp(c.impulse.y - u.y * c.inv_mass_diagonal.y, bound),
              clamp(c.impulse.z - u.z * c.inv_mass_diagonal.z, bound)};

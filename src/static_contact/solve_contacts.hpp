@@ -55,8 +55,8 @@ struct ContactSolveOptions {
     /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
     int shock_iterations = 100;
-    /// cone: friction bounded by a disc, so that it is mu lambda_n in every direction. aligned: the same, with the first tangent along
-    /// the slip at the start. random: the paper's pyramid with keyed tangents.
+    /// cone, aligned: friction bounded by a disc, so that it is mu lambda_n in every direction. random: the paper's pyramid with keyed
+    /// tangents.
     Tangents tangents = Tangents::cone;
     std::uint64_t seed = 0, step = 0; ///< key of the random tangents; step: of contacts that slide
     Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any

@@ -32,9 +32,4 @@ TangentPair keyed_tangents(const Contact& contact, std::uint64_t seed, std::uint
     return {t1, cross(contact.normal, t1)};
 }
 
-TangentPair tangents_along(const Vec3& normal, const Vec3& direction) {
-    const Vec3 t1 = normalized(direction - dot(direction, normal) * normal);
-    return {t1, cross(normal, t1)};
-}
-
 } // namespace flotilla

@@ -21,7 +21,4 @@ TangentPair keyed_tangents(const Contact& contact, std::uint64_t seed, std::uint
 /// Some tangents, a pure function of the unit normal, for friction that is the same in every direction.
 TangentPair any_tangents(const Vec3& normal);
 
-/// t1 along the part of `direction` that is orthogonal to the unit normal. Precondition: that part is not zero.
-TangentPair tangents_along(const Vec3& normal, const Vec3& direction);
-
 } // namespace flotilla

@@ -27,6 +27,7 @@ struct OneContact {
                 for (std::size_t k = 0; k < 3; ++k) w.m[3 * i + j] += f.m[3 * i + k] * f.m[3 * j + k];
         problem.row[0].push_back({0, w});
         problem.set_diagonal(0, w);
+        problem.turn_tangents();
         contact().friction = 0.1 + 0.9 * std::uniform_real_distribution<double>{}(rng);
     }
     LocalContact& contact() { return problem.contacts[0]; }

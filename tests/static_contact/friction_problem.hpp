@@ -43,6 +43,22 @@ struct FrictionProblem {
         c.coupling = {mean(1, 3), mean(2, 6), mean(5, 7)};
     }
 
+    /// Turns the tangents of all contacts to where Cone::disc needs them.
+    void turn_tangents() {
+        std::vector<Mat3> turn;
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+            const TangentTurn t = principal_turn(contacts[i]);
+            turn.push_back({{1, 0, 0, 0, t.cosine, t.sine, 0, -t.sine, t.cosine}});
+            contacts[i].impulse = turn[i] * contacts[i].impulse;
+            q[i] = turn[i] * q[i];
+        }
+        for (std::size_t i = 0; i < contacts.size(); ++i)
+            for (Block& b : row[i]) {
+                b.w = turn[i] * b.w * transpose(turn[b.column]);
+                if (b.column == i) set_diagonal(i, b.w);
+            }
+    }
+
     Vec3 velocity(std::size_t i) const {
         Vec3 u = q[i];
         for (const Block& b : row[i]) u += b.w * contacts[b.column].impulse;

@@ -60,6 +60,7 @@ TEST_P(FrictionProblems, ConvergeWithDiscAndPyramid) {
     const std::filesystem::path path = std::filesystem::path(FLOTILLA_TEST_DATA) / "friction" / c.file;
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path << ": external test data is absent";
     FrictionProblem disc = read_friction_problem(path), pyramid = disc;
+    disc.turn_tangents();
     const int n_disc = disc.solve<Cone::disc>(c.tolerance, c.disc_sweeps);
     const int n_pyramid = pyramid.solve<Cone::pyramid>(c.tolerance, c.pyramid_sweeps);
     std::printf(

@@ -69,18 +69,16 @@ TEST(Rest, ABlockOnASlopeKeepsItsCorners) {
 }
 
 // What sweeps leave of the approach at a contact moves all blocks above it: the top is as fast as tens of tolerances.
+// How it sways, rounding decides: the fastest block was seen at 0.003 to 0.013 of what gravity adds in a step, whatever the tolerance.
 TEST(Rest, AStackOfTwentyBlocksStandsStillAfterSweeps) {
-    struct Bounds {
-        double setting, tolerance, fastest, drift; // the last two in tolerances, and in a second
-    };
-    for (const auto& [setting, tolerance, fastest, drift] :
-         {Bounds{Settings{}.static_tolerance, 2e-4, 30, 5}, {2e-5, 2e-5, 100, 10}}) {
+    constexpr double kSecond = 1;
+    for (const double setting : {Settings{}.static_tolerance, 2e-5}) {
+        const double tolerance = setting < 0 ? 2e-4 : setting; // m/s
         std::printf("stack of 20, tolerance %g m/s: ", tolerance);
         const Rest rest = watch(stack_of_twenty(setting, ContactSolver::pgs));
         EXPECT_GE(rest.contacts, 4 * 20);
-        EXPECT_LT(rest.fastest, fastest * tolerance);
-        constexpr double kSecond = 1;
-        EXPECT_LT(rest.drift, drift * tolerance * kSecond);
+        EXPECT_LT(rest.fastest, 0.02 * kGravity * Settings{}.time_step);
+        EXPECT_LT(rest.drift, 20 * tolerance * kSecond); // a tolerance for each block
         EXPECT_LT(rest.from_start, 20 * tolerance * kSecond);
     }
 }
