@@ -87,12 +87,14 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
 void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
     gather(island, bodies, s, e);
     e.swept = e.impulses;
-    ConeSolveStats stats =
-        solve_cone_program(e.bodies, e.contacts, {island.exact_tolerance, kMostFactorisations}, e.impulses, e.scratch);
-    if (!stats.solved && stats.residual > island.tolerance) // hard: what is asked for at least is worth more
-        stats = solve_cone_program(e.bodies, e.contacts, {island.tolerance, kMostToTolerance}, e.impulses, e.scratch);
+    const ConeSolveStats stats = solve_cone_program(e.bodies, e.contacts,
+                                                    {.tolerance = island.exact_tolerance,
+                                                     .max_iterations = kMostToTolerance,
+                                                     .enough = island.tolerance,
+                                                     .most_beyond = kMostFactorisations},
+                                                    e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
-    if (!(stats.residual < island.residual)) return;
+    if (!stats.solved && !(stats.residual < island.residual)) return;
     scatter(island, bodies, s, e);
     if (!stats.solved && objective(island, s, e) > 0) {
         e.impulses = e.swept;
