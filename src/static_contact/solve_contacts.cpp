@@ -86,7 +86,7 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
         island.exact_tolerance = kExactShare * island.tolerance;
         const bool few = contacts_of(island, s) <= kFewContacts;
         options.iterations = std::min(options.iterations, few ? kSweepsBeforeExact : kSweepsOfMany);
-        if (few)
+        if (few || (island.rests && is_slender(island)))
             island.exact_tolerance = options.tolerance = std::max(kExactShare * island.tolerance, kOfSpeed * speed);
     }
     const auto sweep_and_measure = [&](const SweepStart& start) {

@@ -132,6 +132,16 @@ TEST(ExactIslands, IslandsWithMoreContactsAreLeftToTheSweeps) {
     }
 }
 
+TEST(ExactIslands, AColumnAtRestIsSolvedHoweverManyContactsItHas) {
+    ContactWorld w = make_column(300, 0.4);
+    ContactSolveOptions options = exact_at(10); // the sweeps are content with anything
+    options.rest_speed = 10;
+    const ContactSolveStats stats = w.solve(options);
+    EXPECT_EQ(stats.exact_islands, 1);
+    EXPECT_EQ(stats.unsolved_islands, 0);
+    EXPECT_LE(violation(w), 2 * kExactShare * 10);
+}
+
 TEST(ExactIslands, AnIslandIsSolvedToTheLeastToleranceOfItsContacts) {
     ContactWorld w = make_loaded_column(8), first = w;
     w.contacts[3].tolerance = 1e-8;
