@@ -27,7 +27,6 @@ void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s
     e.bodies.clear();
     e.contacts.clear();
     e.impulses.clear();
-    e.warm.clear();
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
         const std::int32_t body = s.island_bodies[index(k)];
         const std::size_t id = index(s.bodies[index(body)]);
@@ -44,7 +43,6 @@ void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s
             e.contacts.push_back({number(block.a), number(block.b), row.normal, row.tangent_1, row.tangent_2, row.arm_a,
                                   row.arm_b, row.local.friction, free});
             e.impulses.push_back(row.local.impulse);
-            e.warm.push_back(s.warm[index(r)]);
         }
 }
 
@@ -94,8 +92,7 @@ void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact
                            {.tolerance = island.exact_tolerance,
                             .max_iterations = kMostToTolerance,
                             .enough = island.tolerance,
-                            .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations,
-                            .other = e.warm},
+                            .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations},
                            e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
     if (!stats.solved && !(stats.residual < island.residual)) return;
@@ -125,16 +122,6 @@ bool may_solve_exactly(const Island& island, const ContactSolveOptions& options,
 }
 
 bool is_slender(const Island& island) { return island.end - island.first <= island.end_body - island.first_body + 1; }
-
-void keep_warm_impulses(const ContactSolveOptions& options, ContactScratch& s) {
-    for (const Island& island : s.islands) {
-        if (island.solved || !may_solve_exactly(island, options, s)) continue;
-        s.warm.resize(s.rows.size());
-        const std::span<const ContactBlock> blocks = blocks_of(island, s);
-        for (std::int32_t r = blocks.front().first; r < blocks.back().end; ++r)
-            s.warm[index(r)] = s.rows[index(r)].local.impulse;
-    }
-}
 
 void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();

@@ -28,10 +28,6 @@ inline constexpr std::int32_t kFewContacts = 256;
 
 [[nodiscard]] std::int32_t contacts_of(const ContactScratch::Island& island, const ContactScratch& scratch);
 
-/// Keeps the impulses that the sweeps of these islands began with; the rows have them still. Where masses differ by many powers of ten a
-/// few sweeps are farther from the solution than that of the step before.
-void keep_warm_impulses(const ContactSolveOptions& options, ContactScratch& scratch);
-
 /// Solves those of the islands that are unsolved and may be, side by side. Their rows hold the impulses of the sweeps, and then the
 /// exact ones; velocities follow.
 void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& scratch);

@@ -474,11 +474,8 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
     if (finite_input()) {
         s_.system.analyse(p_);
         consider();
-        for (const std::span<const Vec3> estimate : {options_.other, std::span<const Vec3>(impulses)}) {
-            if (estimate.empty()) continue;
-            std::copy(estimate.begin(), estimate.end(), s_.r.begin());
-            consider();
-        }
+        std::copy(impulses.begin(), impulses.end(), s_.r.begin());
+        consider();
         s_.r = s_.best;
         newton(kFirstNewtonSteps);
         speed_ = largest_velocity();

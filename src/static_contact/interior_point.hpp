@@ -20,7 +20,6 @@ struct ConeSolveOptions {
     /// seldom gain.
     double enough = 0;
     int most_beyond = 100;
-    std::span<const Vec3> other{}; ///< N s: a second estimate, or none; the better one counts
 };
 
 struct ConeSolveStats {

@@ -201,7 +201,6 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     const int num_colors = assemble(contacts, bodies, options, impulses, scratch);
     list_island_bodies(bodies, scratch);
     solve_islands(bodies, options, scratch);
-    keep_warm_impulses(options, scratch);
     unpack_impulses(scratch, options.team);
     solve_exactly(bodies, options, scratch);
     store_impulses(scratch, options.team, impulses);

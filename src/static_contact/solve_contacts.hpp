@@ -170,11 +170,10 @@ struct ContactScratch {
     struct ExactSolve {
         std::vector<ConeBody> bodies;
         std::vector<ConeContact> contacts;
-        std::vector<Vec3> impulses, swept, warm; ///< N s, contact frames; those of the sweeps, and those before
+        std::vector<Vec3> impulses, swept; ///< N s, contact frames; those of the sweeps
         ConeScratch scratch;
     };
     std::vector<ExactSolve> exact;                         ///< by thread
-    LargeVector<Vec3> warm;                                ///< N s, per row: impulses before the sweeps
     std::vector<std::int32_t> exact_body;                  ///< per body in contact: its number in its island's problem
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     LargeVector<ContactBlock> shock_blocks;                ///< of one level
