@@ -13,7 +13,7 @@ using Exact = ContactScratch::ExactSolve;
 /// and houses of cards.
 constexpr std::int32_t kMostContacts = 1536;
 constexpr std::int32_t kMostBodies =
-    64; ///< of an island with more than few contacts: factorisations grow with their cube
+    64; ///< of an island with more than few contacts: factorisations grow with their cube, but in slender ones
 /// Problems that have a solution take ten to forty; the others end with what was found.
 constexpr int kMostFactorisations = 40, kMostToTolerance = 80;
 
@@ -87,12 +87,15 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
 void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
     gather(island, bodies, s, e);
     e.swept = e.impulses;
-    ConeSolveStats stats =
-        solve_cone_program(e.bodies, e.contacts, {island.exact_tolerance, kMostFactorisations}, e.impulses, e.scratch);
-    if (!stats.solved && stats.residual > island.tolerance) // hard: what is asked for at least is worth more
-        stats = solve_cone_program(e.bodies, e.contacts, {island.tolerance, kMostToTolerance}, e.impulses, e.scratch);
+    const ConeSolveStats stats =
+        solve_cone_program(e.bodies, e.contacts,
+                           {.tolerance = island.exact_tolerance,
+                            .max_iterations = kMostToTolerance,
+                            .enough = island.tolerance,
+                            .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations},
+                           e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
-    if (!(stats.residual < island.residual)) return;
+    if (!stats.solved && !(stats.residual < island.residual)) return;
     scatter(island, bodies, s, e);
     if (!stats.solved && objective(island, s, e) > 0) {
         e.impulses = e.swept;
@@ -114,8 +117,11 @@ bool may_solve_exactly(const Island& island, const ContactSolveOptions& options,
     if (!options.exact || options.tangents == Tangents::random) return false;
     const std::int32_t contacts = contacts_of(island, s);
     if (contacts <= kFewContacts) return true;
-    return island.rests && island.end_body - island.first_body <= kMostBodies && contacts <= kMostContacts;
+    const bool cheap = island.end_body - island.first_body <= kMostBodies || is_slender(island);
+    return island.rests && cheap && contacts <= kMostContacts;
 }
+
+bool is_slender(const Island& island) { return island.end - island.first <= island.end_body - island.first_body + 1; }
 
 void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();

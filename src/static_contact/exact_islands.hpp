@@ -15,12 +15,16 @@ inline constexpr double kExactShare = 0x1p-20;
 inline constexpr double kOfSpeed = 0x1p-36;
 
 /// Contacts up to which an island is solved so after a few sweeps: it takes a few milliseconds at most, as the sweeps would. Larger ones
-/// are where more sweeps leave them above their tolerance.
+/// are where more sweeps leave them above their tolerance, but for slender ones at rest.
 inline constexpr std::int32_t kFewContacts = 256;
 
 /// Whether the island may be solved so: friction by the cone, and few enough contacts and bodies. Set `rests` before.
 [[nodiscard]] bool may_solve_exactly(const ContactScratch::Island& island, const ContactSolveOptions& options,
                                      const ContactScratch& scratch);
+
+/// A column, a chain, an arch: hardly more pairs than bodies. What the contacts leave undone adds up along it, so that a column of fifty
+/// leans and sways by a hundred times the tolerance; and its factorisation costs no more than its bodies one by one.
+[[nodiscard]] bool is_slender(const ContactScratch::Island& island);
 
 [[nodiscard]] std::int32_t contacts_of(const ContactScratch::Island& island, const ContactScratch& scratch);
 

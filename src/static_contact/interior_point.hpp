@@ -16,6 +16,10 @@ namespace flotilla {
 struct ConeSolveOptions {
     double tolerance = 0;     ///< m/s: residual asked for
     int max_iterations = 100; ///< factorisations in all
+    /// m/s: a residual that is not worth more than `most_beyond` factorisations in all, nor other methods than the first where they
+    /// seldom gain.
+    double enough = 0;
+    int most_beyond = 100;
 };
 
 struct ConeSolveStats {

@@ -85,10 +85,9 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     if (may_solve_exactly(island, options, s)) {
         island.exact_tolerance = kExactShare * island.tolerance;
         const bool few = contacts_of(island, s) <= kFewContacts;
-        if (island
-                .rests) // one that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand of them
-            options.iterations = std::min(options.iterations, few ? kSweepsBeforeExact : kSweepsOfMany);
-        if (island.rests && few)
+        // One that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand of them.
+        if (island.rests) options.iterations = std::min(options.iterations, few ? kSweepsBeforeExact : kSweepsOfMany);
+        if (island.rests && (few || is_slender(island)))
             island.exact_tolerance = options.tolerance = std::max(kExactShare * island.tolerance, kOfSpeed * speed);
     }
     const auto sweep_and_measure = [&](const SweepStart& start) {

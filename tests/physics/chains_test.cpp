@@ -29,21 +29,32 @@ SceneDescription chain(const Settings& settings, int links, const Link& link, do
 
 // A chain that is let go level has no tension at first: its last link falls freely, and faster once the rest pulls it round. It is
 // looked at before it has fallen by 0.4 of the chain's length.
+//
+// Where vertices move along chords, a hole of radius r that turns by phi in a step is r phi^2 / 8 narrower in the middle of the step. A
+// taut link that turns otherwise has no room there with less play than that, whatever impulses it gets: then clusters, which move as
+// one, are due. With ten micrometres of play and 6.5 rad/s at 1/100 s it is 0.12 mm.
 void swings(const Run& run, int links, double time, const Link& link = {}, double play = 2.5) {
-    Motion motion(chain(run.settings(), links, link, play * rest_gap(link.mesh()), false));
+    const Settings settings = run.settings();
+    const double room = play * rest_gap(link.mesh());
+    Motion motion(chain(settings, links, link, room, false));
     const std::size_t last = static_cast<std::size_t>(links) - 1;
     const double until = std::min(time, std::sqrt(2 * 0.4 * (links - 1) * link.inner() / kGravity));
-    double fallen = 0, due = 0, stood_still = 0;
+    double fallen = 0, due = 0, stood_still = 0, turn = 0; // radians a step, the largest so far
+    std::int64_t avoidable = 0;                            // merges while the chords had room
     motion.run(time, [&](const StepReport& r) {
+        for (std::size_t i = 1; i <= last; ++i) turn = std::max(turn, length(motion.world().turn(i)));
+        const bool chords_have_room =
+            settings.trajectory == Trajectory::rigid || 0.5 * link.inner() * turn * turn / 8 < room;
+        if (chords_have_room) avoidable += r.merges;
         if (r.held > 0) stood_still += run.dt();
         if (r.time > until) return;
         fallen = -motion.body(last).center_of_mass.z;
         due = 0.5 * kGravity * r.time * r.time;
     });
-    motion.print("the last of %d links fell %.3g m, freely %.3g; bodies held for %.2g s", links, fallen, due,
-                 stood_still);
+    motion.print("the last of %d links fell %.3g m, freely %.3g; turns of up to %.2g a step; bodies held for %.2g s",
+                 links, fallen, due, turn, stood_still);
     EXPECT_EQ(motion.outcome().held, 0);
-    EXPECT_EQ(motion.outcome().merges, 0);
+    EXPECT_EQ(avoidable, 0);
     EXPECT_GT(fallen, 0.9 * due);
     expect_no_rise(motion);
 }
@@ -76,25 +87,56 @@ void mail_moves(const Run& run, int rows, int columns, double size, int steps) {
     expect_no_rise(motion);
 }
 
-void hangs_at_rest(const Run& run, const SceneDescription& scene, double time) {
+/// A chain of `links` free links, `pitch` m from one contact to the next, with the moment of inertia `inertia` m^2 per kg about a diameter.
+struct Hanging {
+    int links;
+    double pitch, inertia;
+    /// rad/s, no less than any frequency of its small swings. Links that lean by theta_i have the potential energy of at most
+    /// links m g pitch / 2 sum theta_i^2, the tension at the top being links m g, and the kinetic energy of at least
+    /// m inertia / 2 sum (d theta_i/dt)^2.
+    [[nodiscard]] double fastest_swing() const { return std::sqrt(links * kGravity * pitch / inertia); }
+};
+
+// Contacts without friction, and those at one point, take nothing from a chain that swings: what it kept of its fall it keeps. But it
+// swings, and does not jitter. Of small swings with the frequencies w_i the accelerations are bounded, in the norm of kinetic energy, by
+// the largest w_i times the largest velocities: |dv/dt| <= w sqrt(2 E), and their energy E is at most twice the largest kinetic energy, its
+// mean being half of E. Velocities that contacts throw to and fro from step to step are beyond that by a factor of 1 / (w dt).
+void hangs(const Run& run, const SceneDescription& scene, double time, const Hanging& chain) {
     Motion motion(scene);
-    double before = 0, jump = 0; // of the kinetic energy in the last second, step by step
+    const std::size_t n = motion.world().size();
+    std::vector<Vec3> before(n);
+    double fastest_change = 0, kinetic = 0; // sqrt(J) a second and J, in the last second
     motion.run(time, [&](const StepReport& r) {
-        if (r.time > time - 1) jump = std::max(jump, std::abs(r.kinetic_energy - before));
-        before = r.kinetic_energy;
+        double change = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            const Vec3 v = motion.body(i).velocity;
+            change += motion.mass(i) * length_sq(v - before[i]);
+            before[i] = v;
+        }
+        if (r.time <= time - 1) return;
+        fastest_change = std::max(fastest_change, std::sqrt(change) / run.dt());
+        kinetic = std::max(kinetic, r.kinetic_energy);
     });
     const double carried = -motion.force_on(0).z / (motion.total_mass() * kGravity);
-    motion.print("%s: jumps of %.3g J a step in the last second, the fixed link carries %.5f of the weight",
-                 run.preset.c_str(), jump, carried);
-    expect_rest(motion);
+    const double due = 2 * chain.fastest_swing() * std::sqrt(kinetic);
+    motion.print(
+        "%s: swings with up to %.3g J, accelerations are %.3g of the most due, the fixed link carries %.5f of the "
+        "weight",
+        run.preset.c_str(), kinetic, fastest_change / due, carried);
+    if (motion.outcome().fastest_sizes >= 1e-4) {
+        EXPECT_LE(fastest_change, due);
+    }
     expect_weight_on(motion, 0);
     EXPECT_EQ(motion.outcome().held, 0);
+    EXPECT_EQ(motion.outcome().merges, 0);
     expect_no_rise(motion);
 }
 
 void torus_links_hang(const Run& run, int links) {
     const Link link;
-    hangs_at_rest(run, chain(run.settings(), links, link, 2.5 * rest_gap(link.mesh()), true), 5);
+    const double inertia = 0.5 * link.ring * link.ring + 0.625 * link.tube * link.tube; // of a torus
+    hangs(run, chain(run.settings(), links, link, 2.5 * rest_gap(link.mesh()), true), 5,
+          {links - 1, link.inner(), inertia});
 }
 
 /// Rings without thickness, 1 m across.
@@ -107,7 +149,7 @@ void flat_links_hang(const Run& run, int links) {
         add_body(scene, i == 0 ? fixed : free, i == 0 ? BodyType::fixed : BodyType::dynamic,
                  {0, 0, -i * (0.8 - 2.5 * rest_gap(mesh))}, 0.3, 0)
             .rotation = down * rotation_from_vector({i % 2 * kPi / 2, 0, 0});
-    hangs_at_rest(run, scene, 5);
+    hangs(run, scene, 5, {links - 1, 0.8, (0.4 * 0.4 + 0.5 * 0.5) / 4});
 }
 
 // The lowest frequency of a hanging chain of length l is 1.2024 sqrt(g / l), first zero of J0 over 2, with the shape
@@ -166,12 +208,12 @@ void frequency_of_a_chain(const Run& run, int links) {
     add_runs("Chains", "MailOf29Rings", runs({100}), false, [](const Run& r) { mail_moves(r, 4, 3, 6.5e-3, 15); });
     add_runs("Chains", "MailOf62Rings", runs({100}), false, [](const Run& r) { mail_moves(r, 4, 6, 6.5e-3, 30); });
     add_runs("Chains", "MailOf671Rings", runs({100}), false, [](const Run& r) { mail_moves(r, 13, 18, 6.5e-3, 15); });
-    add_runs("Chains", "TenTorusLinksHang", runs({100}), false, [](const Run& r) { torus_links_hang(r, 11); });
-    add_runs("Chains", "ThreeTorusLinksHang", runs({100}), kNotReached, [](const Run& r) { torus_links_hang(r, 4); });
-    add_runs("Chains", "TenFlatLinksHang", runs({100}), kNotReached, [](const Run& r) { flat_links_hang(r, 11); });
+    add_runs("Chains", "TenTorusLinksHang", runs({100}), kNotReached, [](const Run& r) { torus_links_hang(r, 11); });
+    add_runs("Chains", "ThreeTorusLinksHang", runs({100}), true, [](const Run& r) { torus_links_hang(r, 4); });
+    add_runs("Chains", "TenFlatLinksHang", runs({100}), false, [](const Run& r) { flat_links_hang(r, 11); });
     add_runs("Chains", "FrequencyOfAHangingChain", runs(), true, [](const Run& r) { frequency_of_a_chain(r, 12); });
     // Ten micrometres of play, links of 4,096 triangles.
-    add_runs("Chains", "TightChainOf8LinksSwings", runs({100}), kNotReached, [](const Run& r) {
+    add_runs("Chains", "TightChainOf8LinksSwings", runs({100}), false, [](const Run& r) {
         swings(r, 8, 1, {0.28, 0.045, 64, 32}, 0.005);
     });
     return true;

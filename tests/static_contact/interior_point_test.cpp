@@ -429,6 +429,27 @@ TEST(InteriorPoint, SolvesBodiesThatOnlyTurnOrOnlyMove) {
         for (int trial = 0; trial < 10; ++trial) make_soup(4, 12, 0.5, 0, random, freedom).expect_solved(1e-9);
 }
 
+TEST(InteriorPoint, GoesOnBeyondWhatIsEnoughOnlyForAsLongAsAllowed) {
+    Random random{5};
+    StackOptions o;
+    o.masses = {1, 100, 1, 1000};
+    o.drift = {0.3 * kFall, 0.1 * kFall, -0.2 * kFall};
+    Island island = make_stack(o, random);
+    island.impulses.assign(island.contacts.size(), {});
+    ConeScratch scratch;
+    const auto solve = [&](double enough, int most_beyond) {
+        std::vector<Vec3> impulses = island.impulses;
+        return solve_cone_program(island.bodies, island.contacts,
+                                  {.tolerance = 1e-9 * kFall, .enough = enough, .most_beyond = most_beyond}, impulses,
+                                  scratch);
+    };
+    const ConeSolveStats all = solve(0, 0);
+    EXPECT_TRUE(all.solved);
+    EXPECT_GT(all.iterations, 2);
+    EXPECT_EQ(solve(10 * kFall, 2).iterations, 2);
+    EXPECT_EQ(solve(10 * kFall, 100).iterations, all.iterations);
+}
+
 TEST(InteriorPoint, KeepsASolution) {
     Random random{11};
     Island island = make_stack({.masses = {1, 2, 3}, .drift = {0.02, 0, -0.01}}, random);
