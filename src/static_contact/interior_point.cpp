@@ -215,6 +215,7 @@ bool Solver::newton(int max_steps) {
         for (std::size_t i = 0; i < size(); ++i) s_.r[i] += s_.c[i] - s_.b[i] * s_.du[i];
         const double residual = consider();
         if (!std::isfinite(residual)) break;
+        if (options_.polish * residual > best) break;
         without_gain = residual < 0.9 * best ? 0 : without_gain + 1;
         if (without_gain > kNewtonPatience) break;
         best = std::min(best, residual);
@@ -480,7 +481,7 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
         newton(kFirstNewtonSteps);
         speed_ = largest_velocity();
         const double near = std::min(options_.enough, kInteriorFloor * speed_);
-        const auto far = [&] { return !done() && stats_.residual > near; };
+        const auto far = [&] { return options_.polish == 0 && !done() && stats_.residual > near; };
         for (const Start start : {Start::own_scale, Start::bilateral})
             if (far()) interior(start);
         for (int round = 0; round < kRounds && far(); ++round) {

@@ -20,6 +20,8 @@ struct ConeSolveOptions {
     /// seldom gain.
     double enough = 0;
     int most_beyond = 100;
+    /// Newton steps alone, for as long as each divides the residual by so much; 0: all methods.
+    double polish = 0;
 };
 
 struct ConeSolveStats {
