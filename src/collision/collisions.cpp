@@ -45,8 +45,9 @@ double least_approach(const StepData& data, const PairRecord& record) {
 /// The nearest contact point at the end of the step that approaches too fast to be left to static contact, with rigid
 /// velocities and arms at the end (section 3.2). Closer than the rest distance that is faster than the threshold. Farther away,
 /// up to the proximity distance, it is also fast enough to come below the rest distance within one more step: stage 7 would cut
-/// exactly these approaches to (d_rest - d)/dt, and a fast body that happens to end a step there would lose its rebound. A point on its way
-/// down an arc may be as fast as the arc lets it arrive (arc.hpp).
+/// exactly these approaches to (d_rest - d)/dt, and a fast body that happens to end a step there would lose its rebound. Of a point on its
+/// way down an arc (arc.hpp) the speed counts with which it arrives: those ahead of the contact of a wheel come down fast, and a wheel
+/// that sinks by the little that a facet makes it sink would collide with the ground at all of them.
 std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, PairRecord& record) {
     const BodyMotion a = data.trajectories.at_end(at(record.a)), b = data.trajectories.at_end(at(record.b));
     const Impulsive body_a = data.clusters.impulsive(record.a), body_b = data.clusters.impulsive(record.b);
@@ -68,11 +69,11 @@ std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, 
     for (const ProximityPoint& p : worker.proximity.found) {
         const ContactPoint c = contact(p);
         const double approach = -dot(c.relative_velocity, p.normal);
-        if (!(approach > least)) continue;
+        const double gap = p.distance - record.lengths.rest;
+        if (!(approach > std::max(least, gap / data.dt))) continue;
         const double apart = dot(p.normal, arc_acceleration(body_b.angular_velocity, c.arm_b) -
                                                arc_acceleration(body_a.angular_velocity, c.arm_a));
-        const double gap = p.distance - record.lengths.rest;
-        if (approach > std::max(gap / data.dt, approach_stopped_by_arcs(gap, apart))) worker.points.push_back(p);
+        if (approach_on_arrival(approach, gap, apart) > least) worker.points.push_back(p);
     }
     std::stable_sort(worker.points.begin(), worker.points.end(),
                      [](const ProximityPoint& p, const ProximityPoint& q) { return p.distance < q.distance; });

@@ -32,9 +32,11 @@ namespace flotilla {
     return a * cross(w, along) + b * along;
 }
 
-/// The largest approach, m/s, that arcs stop which take points `gap` metres apart away from each other at `acceleration`, m/s^2.
-[[nodiscard]] inline double approach_stopped_by_arcs(double gap, double acceleration) {
-    return gap > 0 && acceleration > 0 ? std::sqrt(2 * acceleration * gap) : 0.0;
+/// The approach, m/s, with which points `gap` metres apart meet that approach each other at `approach` > 0 while their arcs take them
+/// apart at `acceleration`, m/s^2; 0 where the arcs stop them before.
+[[nodiscard]] inline double approach_on_arrival(double approach, double gap, double acceleration) {
+    if (!(gap > 0 && acceleration > 0)) return approach;
+    return std::sqrt(std::max(0.0, approach * approach - 2 * acceleration * gap));
 }
 
 /// A point of a body that turns.

@@ -99,10 +99,14 @@ TEST(MeetOnArcs, OtherUnitsGiveTheSameBits) {
     }
 }
 
-TEST(ApproachStoppedByArcs, IsThatOfAThrow) {
-    EXPECT_DOUBLE_EQ(approach_stopped_by_arcs(0.5, 9), 3);
-    EXPECT_EQ(approach_stopped_by_arcs(-1, 9), 0);
-    EXPECT_EQ(approach_stopped_by_arcs(1, -9), 0);
+TEST(ApproachOnArrival, IsThatOfAThrow) {
+    EXPECT_DOUBLE_EQ(approach_on_arrival(5, 0.5, 9), 4);
+    EXPECT_EQ(approach_on_arrival(2.9, 0.5, 9), 0);
+}
+
+TEST(ApproachOnArrival, IsTheApproachOfPointsThatHaveArrivedOrThatNothingBrakes) {
+    EXPECT_EQ(approach_on_arrival(5, -1, 9), 5);
+    EXPECT_EQ(approach_on_arrival(5, 1, -9), 5);
 }
 
 } // namespace
