@@ -25,12 +25,13 @@ double proximity_angle(const Model& model) { return model.settings.proximity_ang
 
 /// What gravity alone may do to a body from rest in one step. It turns a body most that is held at its radius of gyration k to the
 /// side of the centre of mass, by g dt^2 / (4 k).
-Reach reach_of_gravity(const Model& model, const Body& body) {
-    const double dt = model.settings.time_step, fall = 0.5 * length(model.gravity) * dt * dt;
+Reach reach_of_gravity(const Model& model, std::size_t i) {
+    const double dt = model.settings.time_step;
     double sum = 0;
-    for (const double x : model.shapes[at(body.shape)].inverse_inertia.m) sum += x * x;
-    const double gyration = 1 / std::sqrt(body.mass * std::sqrt(sum)); // the least one, or up to a quarter less
-    return {std::min(fall, body.size), std::min(0.5 * fall / gyration, kMostTurn)};
+    for (const double x : model.shape_of(i).inverse_inertia.m) sum += x * x;
+    const double gyration =
+        1 / std::sqrt(model.bodies[i].mass * std::sqrt(sum)); // the least one, or up to a quarter less
+    return {fall_in_step(model, i), std::min(0.25 * length(model.gravity) * dt * dt / gyration, kMostTurn)};
 }
 
 /// How far two bodies move and turn against each other at most, m and rad a second.
@@ -46,30 +47,34 @@ Reach reach_of(const Model& model, const PairRecord& pair, const Reach& ways) {
     Reach gravity;
     double size = std::numeric_limits<double>::infinity();
     for (const std::int32_t i : {pair.a, pair.b}) {
-        const Body& body = model.bodies[at(i)];
-        if (!body.movable()) continue;
-        const Reach own = reach_of_gravity(model, body);
+        if (!model.bodies[at(i)].movable()) continue;
+        const Reach own = reach_of_gravity(model, at(i));
         gravity = {std::max(gravity.distance, own.distance), std::max(gravity.angle, own.angle)};
-        size = std::min(size, body.size);
+        size = std::min(size, model.bodies[at(i)].size);
     }
     return {std::min({gravity.distance, size, pair.lengths.rest + ways.distance}), std::min(gravity.angle, ways.angle)};
 }
 
-/// The pairs to be searched. Contacts of a pair come one after another.
+/// The pairs to be searched. Those near each other and the contacts are both sorted.
 void list_pairs(const StepData& data, const VelocityArrays& v, const ContactSet& set,
                 std::vector<LookAheadScratch::Pair>& out) {
     const double least_angle = proximity_angle(data.model);
+    const auto pair_of = [&](std::size_t i) { return CandidatePair{set.contacts[i].a, set.contacts[i].b}; };
     out.clear();
-    for (std::size_t i = 0, end = 0; i < set.size(); i = end) {
-        const Contact& c = set.contacts[i];
-        while (end < set.size() && set.contacts[end].a == c.a && set.contacts[end].b == c.b) ++end;
+    std::size_t end = 0;
+    for (const CandidatePair& c : set.near) {
+        std::size_t i = end;
+        while (i < set.size() && pair_of(i) < c) ++i;
+        end = i;
+        while (end < set.size() && pair_of(end) == c) ++end;
+        if (!data.model.bodies[at(c.a)].movable() && !data.model.bodies[at(c.b)].movable()) continue; // fell asleep
         const PairRecord* const pair = data.pairs.find(c.a, c.b);
         if (pair == nullptr) continue;
         const Reach speeds = speeds_of(data.model, v, c.a, c.b);
         const double time = speeds.angle * data.dt > kMostTurn ? kMostTurn / speeds.angle : data.dt;
         const Reach reach = reach_of(data.model, *pair, {time * speeds.distance, time * speeds.angle});
         if (!(reach.distance > pair->lengths.proximity || reach.angle > least_angle)) continue;
-        out.push_back({i, end, std::max(reach.distance, pair->lengths.proximity),
+        out.push_back({pair, i, end, std::max(reach.distance, pair->lengths.proximity),
                        sin_cos(std::max(reach.angle, least_angle)).cos, time});
     }
 }
@@ -77,8 +82,8 @@ void list_pairs(const StepData& data, const VelocityArrays& v, const ContactSet&
 void look(const StepData& data, Worker& worker, StepEnd poses, const VelocityArrays& v, const ContactSet& set,
           const LookAheadScratch::Pair& pair, ContactSet& out) {
     const std::span<const Contact> known = std::span(set.contacts).subspan(pair.begin, pair.end - pair.begin);
-    const Contact& first = known.front();
-    const double rest = set.rest[pair.begin];
+    const PairRecord& record = *pair.record;
+    const double rest = record.lengths.rest, friction = pair_friction(data.model, record.a, record.b);
     const auto body = [&](std::int32_t i) {
         return poses == StepEnd::start ? data.trajectories.at_start(at(i)) : data.trajectories.at_end(at(i));
     };
@@ -86,11 +91,11 @@ void look(const StepData& data, Worker& worker, StepEnd poses, const VelocityArr
         return PointWays{v.position[at(i)], pair.time * v.velocity[at(i)], pair.time * v.angular_velocity[at(i)]};
     };
     worker.points.clear();
-    find_passing_points(body(first.a), body(first.b), {ways(first.a), ways(first.b), (1 - kUndone) * rest},
+    find_passing_points(body(record.a), body(record.b), {ways(record.a), ways(record.b), (1 - kUndone) * rest},
                         pair.distance, pair.angle_cos, worker.proximity, worker.points);
     out.clear();
     for (const ProximityPoint& p : worker.points) {
-        const Contact found = contact_of(first.a, first.b, p, first.friction);
+        const Contact found = contact_of(record.a, record.b, p, friction);
         const auto same = [&](const Contact& c) { return c.feature_key == found.feature_key; };
         if (std::none_of(known.begin(), known.end(), same)) out.add(found, rest, false, true);
     }
@@ -101,7 +106,7 @@ void look(const StepData& data, Worker& worker, StepEnd poses, const VelocityArr
 bool may_look_ahead(const Model& model) {
     for (std::size_t i = 0; i < model.size(); ++i) {
         if (!model.bodies[i].dynamic()) continue;
-        const Reach reach = reach_of_gravity(model, model.bodies[i]);
+        const Reach reach = reach_of_gravity(model, i);
         if (reach.distance > body_lengths(model, i).proximity || reach.angle > proximity_angle(model)) return true;
     }
     return false;
@@ -128,6 +133,7 @@ bool add_contacts_ahead(StepData& data, StepEnd poses, const VelocityArrays& sol
     merged.append(set, done, set.size());
     merged.min_distance = set.min_distance;
     merged.counters = set.counters;
+    merged.near = set.near;
     std::swap(set, merged);
     return true;
 }

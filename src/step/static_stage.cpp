@@ -152,6 +152,8 @@ void ContactSet::append(const ContactSet& part, std::size_t begin, std::size_t e
 void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& out) {
     constexpr std::size_t kGrain = 16;
     const std::vector<ListedPair>& pairs = end_pairs(data);
+    out.near.clear();
+    for (const ListedPair& pair : pairs) out.near.push_back(pair.pair);
     const std::size_t chunks = (pairs.size() + kGrain - 1) / kGrain;
     scratch.parts.resize(std::max(scratch.parts.size(), chunks));
     for (const auto& worker : data.workers) worker->proximity.counters = {}; // stage 1 counts as well

@@ -15,6 +15,7 @@ struct ContactSet {
     std::vector<double> rest;            ///< m, rest distance of each contact's pair
     std::vector<std::uint8_t> processed; ///< stage 1 examined the pair
     std::vector<std::uint8_t> ahead;     ///< found by what the bodies would do (look_ahead.hpp)
+    std::vector<CandidatePair> near;     ///< pairs whose boxes come within the reach of gravity, sorted
     double min_distance = std::numeric_limits<double>::infinity(); ///< m, of all feature pairs within proximity
     PruneCounters counters;                                        ///< of the search
 
