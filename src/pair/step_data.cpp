@@ -14,11 +14,19 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-double largest_reach(const StepData& data, std::size_t body, bool with_proximity) {
+/// What a list of pairs is for.
+enum class ListReach { separation, proximity, fall };
+
+double largest_reach(const StepData& data, std::size_t body, ListReach reach) {
     // A pair's lengths are those of its smaller movable body, so with each body's own length as its reach the sum of both is
     // never less than the pair's.
     const PairLengths own = body_lengths(data.model, body);
-    return with_proximity ? own.proximity : own.separation;
+    switch (reach) {
+    case ListReach::separation: return own.separation;
+    case ListReach::proximity: return own.proximity;
+    case ListReach::fall: break;
+    }
+    return std::max(own.proximity, fall_in_step(data.model, body));
 }
 
 /// What the cubic compares distances with, m.
@@ -169,31 +177,33 @@ double speed_of(const StepData& data, std::size_t body) {
     return length(mover.velocity) + length(mover.angular_velocity) * data.model.shape_of(body).radius;
 }
 
-void set_bounds(StepData& data, std::size_t body, const Box& box, bool with_proximity, bool with_speed) {
+void set_bounds(StepData& data, std::size_t body, const Box& box, ListReach reach, bool with_speed) {
     const bool movable = data.model.bodies[body].movable();
-    data.lists.swept[body] = {box, movable ? largest_reach(data, body, with_proximity) : 0.0, movable};
+    data.lists.swept[body] = {box, movable ? largest_reach(data, body, reach) : 0.0, movable};
     data.lists.bounds[body] = {way_of(data.trajectories.motion(body)), with_speed ? speed_of(data, body) : kUnknown};
 }
 
 /// Candidate pairs of bodies with the given boxes.
 template <class BoxOf>
-const std::vector<CandidatePair>& find_pairs(StepData& data, const char* name, bool with_proximity, bool with_speed,
+const std::vector<CandidatePair>& find_pairs(StepData& data, const char* name, ListReach reach, bool with_speed,
                                              BoxOf&& box_of) {
     const std::size_t n = data.model.size();
     data.lists.swept.resize(n);
     data.lists.bounds.resize(n);
     data.team.for_each(name, n, kBodyGrain,
-                       [&](std::size_t i, int) { set_bounds(data, i, box_of(i), with_proximity, with_speed); });
+                       [&](std::size_t i, int) { set_bounds(data, i, box_of(i), reach, with_speed); });
     return data.broadphase.find(data.team, data.lists.swept);
 }
 
 Box swept_box(const StepData& data, std::size_t body) { return data.trajectories.motion(body).swept(); }
 
+ListReach reach_of(bool with_proximity) { return with_proximity ? ListReach::proximity : ListReach::separation; }
+
 /// The same of swept boxes, where the last list was made of them and only some bodies changed since then.
 const std::vector<CandidatePair>& update_pairs(StepData& data, std::span<const std::int32_t> changed,
                                                bool with_proximity) {
     for (const std::int32_t i : changed)
-        set_bounds(data, at(i), swept_box(data, at(i)), with_proximity, with_proximity);
+        set_bounds(data, at(i), swept_box(data, at(i)), reach_of(with_proximity), with_proximity);
     return data.broadphase.update(data.team, data.lists.swept, changed);
 }
 
@@ -299,7 +309,7 @@ const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximit
     if (known && frozen.changed.size() * kFew <= n)
         frozen.pairs = &update_pairs(data, frozen.changed, with_proximity);
     else
-        frozen.pairs = &find_pairs(data, "swept bounds", with_proximity, with_proximity,
+        frozen.pairs = &find_pairs(data, "swept bounds", reach_of(with_proximity), with_proximity,
                                    [&](std::size_t i) { return swept_box(data, i); });
     return *frozen.pairs;
 }
@@ -321,8 +331,8 @@ const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity) {
 
 const std::vector<ListedPair>& end_pairs(StepData& data) {
     data.lists.frozen.pairs = nullptr;
-    const auto& pairs =
-        find_pairs(data, "end bounds", true, false, [&](std::size_t i) { return data.trajectories.at_end(i).swept(); });
+    const auto& pairs = find_pairs(data, "end bounds", ListReach::fall, false,
+                                   [&](std::size_t i) { return data.trajectories.at_end(i).swept(); });
     return list_pairs(data, pairs, [](const CandidatePair&, PairRecord*) { return true; });
 }
 
@@ -367,7 +377,8 @@ ClusterHit query_clusters(const StepData& data, Worker& worker, std::int32_t a, 
     for (std::int32_t i : data.clusters[a].members) {
         const Box box_i = data.trajectories.motion(at(i)).swept();
         for (std::int32_t j : data.clusters[b].members) {
-            const double reach = largest_reach(data, at(i), false) + largest_reach(data, at(j), false);
+            const double reach =
+                largest_reach(data, at(i), ListReach::separation) + largest_reach(data, at(j), ListReach::separation);
             if (!boxes_overlap(box_i, data.trajectories.motion(at(j)).swept(), reach)) continue; // way a
             const std::int32_t low = std::min(i, j), high = std::max(i, j);
             if (PairRecord* r = data.pairs.find(low, high)) {

@@ -139,7 +139,8 @@ void prove_early(StepData& data, Examine&& examine) {
     l.num_open -= examined;
 }
 
-/// All pairs whose boxes at the end poses come within the proximity distance, sorted; uses the freeze's buffers.
+/// All pairs whose boxes at the end poses come within the proximity distance, or the way that gravity makes in a step, sorted; uses the
+/// freeze's buffers.
 const std::vector<ListedPair>& end_pairs(StepData& data);
 
 /// Keeps what the contact search found of the pair, for the next step.

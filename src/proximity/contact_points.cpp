@@ -86,15 +86,32 @@ bool faces(const Side& s, std::span<const std::int32_t> triangles, double angle_
     });
 }
 
+/// Whether points of the two boxes may come within the rest distance on their ways, by one axis at a time.
+bool may_pass(const PassingBodies& passing, const CoarseBox& box_a, const CoarseBox& box_b) {
+    const Box a = to_box(box_a), b = to_box(box_b);
+    const Vec3 half_a = 0.5 * (a.upper - a.lower), half_b = 0.5 * (b.upper - b.lower);
+    const Vec3 way = passing.b.at(b.lower + half_b) - passing.a.at(a.lower + half_a);
+    const double room =
+        passing.rest + length(passing.a.turn) * length(half_a) + length(passing.b.turn) * length(half_b);
+    const auto meet = [&](double low_a, double high_a, double low_b, double high_b, double x) {
+        return low_b + std::min(x, 0.0) - room <= high_a && low_a <= high_b + std::max(x, 0.0) + room;
+    };
+    return meet(a.lower.x, a.upper.x, b.lower.x, b.upper.x, way.x) &&
+           meet(a.lower.y, a.upper.y, b.lower.y, b.upper.y, way.y) &&
+           meet(a.lower.z, a.upper.z, b.lower.z, b.upper.z, way.z);
+}
+
 class Finder {
   public:
-    Finder(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos, ProximityScratch& scratch)
+    Finder(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos, ProximityScratch& scratch,
+           const PassingBodies* passing = nullptr)
         : a_(a),
           b_(b),
           proximity_(proximity),
           angle_cos_(angle_cos),
           reach_(proximity, std::max(a.max_abs(), b.max_abs())),
-          scratch_(scratch) {}
+          scratch_(scratch),
+          passing_(passing) {}
 
     ProximityResult all(const CoveringList& list) {
         scratch_.found.clear();
@@ -128,7 +145,7 @@ class Finder {
 
     void traverse() {
         const auto meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
-            return coarse_overlap(p.at0, q.at0, reach_);
+            return coarse_overlap(p.at0, q.at0, reach_) && (passing_ == nullptr || may_pass(*passing_, p.at0, q.at0));
         };
         bvh_detail::traverse(
             a_.shape->bvh, b_.shape->bvh, a_.at0.nodes, b_.at0.nodes,
@@ -165,7 +182,12 @@ class Finder {
             return;
         }
         const Vec3 normal = normalized(p.b - p.a);
-        if (normal != Vec3{}) scratch_.found.push_back({f, p.a, p.b, normal, distance});
+        if (normal == Vec3{} || (passing_ != nullptr && !passes(p.a, p.b, normal, distance))) return;
+        scratch_.found.push_back({f, p.a, p.b, normal, distance});
+    }
+
+    [[nodiscard]] bool passes(const Vec3& p, const Vec3& q, const Vec3& normal, double distance) const {
+        return distance + dot(normal, passing_->b.at(q) - passing_->a.at(p)) < passing_->rest;
     }
 
     struct ClosestPoints {
@@ -219,6 +241,7 @@ class Finder {
     double proximity_, angle_cos_;
     CoarseReach reach_;
     ProximityScratch& scratch_;
+    const PassingBodies* passing_; ///< null: whatever is near
     Isa isa_ = best_isa();
     ProximityResult result_;
     bool first_only_ = false;
@@ -262,6 +285,13 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
     for (const ProximityPoint& p : scratch.found)
         if (admissible(a, b, p, angle_cos, scratch)) out.push_back(p);
     return result;
+}
+
+void find_passing_points(const BodyMotion& a, const BodyMotion& b, const PassingBodies& passing, double proximity,
+                         double angle_cos, ProximityScratch& scratch, std::vector<ProximityPoint>& out) {
+    Finder(a, b, proximity, angle_cos, scratch, &passing).all({});
+    for (const ProximityPoint& p : scratch.found)
+        if (admissible(a, b, p, angle_cos, scratch)) out.push_back(p);
 }
 
 } // namespace flotilla

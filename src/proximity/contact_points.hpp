@@ -74,4 +74,21 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
                                     const CoveringList& list, ProximityScratch& scratch,
                                     std::vector<ProximityPoint>& out);
 
+/// Where the points of a rigid body go at constant velocities, linearised: x to x + at(x).
+struct PointWays {
+    Vec3 center, way, turn; ///< m, m, rad
+    [[nodiscard]] Vec3 at(const Vec3& x) const { return way + cross(turn, x - center); }
+};
+
+/// Two bodies that move, and the distance, m, which their contacts are to keep.
+struct PassingBodies {
+    PointWays a, b;
+    double rest = 0;
+};
+
+/// As find_contact_points(), of the feature pairs alone that come nearer than the rest distance, which takes no time where there are
+/// none.
+void find_passing_points(const BodyMotion& a, const BodyMotion& b, const PassingBodies& passing, double proximity,
+                         double angle_cos, ProximityScratch& scratch, std::vector<ProximityPoint>& out);
+
 } // namespace flotilla

@@ -35,14 +35,19 @@ PairLengths lengths_of_size(const Settings& s, double size) {
 } // namespace
 
 PairLengths body_lengths(const Model& model, std::size_t body) {
-    return lengths_of_size(model.settings, model.bodies[body].size);
+    return lengths_of_size(model.settings, model.bodies[body].extent);
+}
+
+double fall_in_step(const Model& model, std::size_t body) {
+    const double dt = model.settings.time_step;
+    return std::min(0.5 * length(model.gravity) * dt * dt, model.bodies[body].size);
 }
 
 PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b) {
     double size = std::numeric_limits<double>::infinity();
     for (std::int32_t i : {a, b}) {
         const Body& body = model.bodies[static_cast<std::size_t>(i)];
-        if (body.dynamic()) size = std::min(size, body.size);
+        if (body.dynamic()) size = std::min(size, body.extent);
     }
     PairLengths lengths = lengths_of_size(model.settings, size);
     const auto less = [](const RestDistance& r, std::pair<std::int32_t, std::int32_t> key) {

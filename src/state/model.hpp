@@ -19,7 +19,9 @@ struct Body {
     BodyType type = BodyType::dynamic;
     double mass = 0, inverse_mass = 0; ///< kg, 1/kg
     double friction = 0, restitution = 0;
-    double size = 0; ///< m, diameter of the bounding sphere about the centre of mass
+    double size = 0; ///< m, diameter of the bounding sphere
+    double extent =
+        0; ///< m, which the lengths of its pairs go by: the size, or ten times the thickness if that is less
     std::vector<Keyframe> keyframes;
     bool asleep = false; ///< stands still in the step under way, like a body of infinite mass
 
@@ -96,12 +98,14 @@ struct State {
 };
 
 /// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its movable
-/// bodies (DESIGN section 3).
+/// bodies (DESIGN section 3), or ten times its thickness where that is less.
 struct PairLengths {
     double rest, proximity, separation; ///< m
 };
 /// The lengths of a pair of which the body is the smaller one.
 [[nodiscard]] PairLengths body_lengths(const Model& model, std::size_t body);
+/// How far gravity alone moves a body from rest in one step, m; no more than its size.
+[[nodiscard]] double fall_in_step(const Model& model, std::size_t body);
 [[nodiscard]] PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b);
 
 /// Angular velocity of a body with angular momentum `momentum` at the given orientation, rad/s.

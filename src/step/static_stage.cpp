@@ -28,14 +28,9 @@ void append_pair(const StepData& data, Worker& worker, const ListedPair& listed,
                             record.lengths.proximity, data.angle_cos, list, worker.proximity, worker.points);
     if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
     record_distance(data, record, result, list);
-    for (const ProximityPoint& p : worker.points) {
-        // The point of the vertex, or of body a's edge (section 4.3.1).
-        const Vec3 point = p.features.kind == FeatureKind::face_vertex ? p.b : p.a;
-        out.contacts.push_back({pair.a, pair.b, point, p.normal, p.distance, 0,
-                                pair_friction(data.model, pair.a, pair.b), feature_key(p.features)});
-        out.rest.push_back(record.lengths.rest);
-        out.processed.push_back(record.processed ? 1 : 0);
-    }
+    for (const ProximityPoint& p : worker.points)
+        out.add(contact_of(pair.a, pair.b, p, pair_friction(data.model, pair.a, pair.b)), record.lengths.rest,
+                record.processed, false);
 }
 
 constexpr std::size_t kContactGrain = 256, kBodyGrain = 64; // items of a task
@@ -108,10 +103,23 @@ void store_warm(Team* team, const StaticStageScratch& scratch, std::vector<WarmI
 
 } // namespace
 
+Contact contact_of(std::int32_t a, std::int32_t b, const ProximityPoint& p, double friction) {
+    const Vec3 point = p.features.kind == FeatureKind::face_vertex ? p.b : p.a;
+    return {a, b, point, p.normal, p.distance, 0, friction, feature_key(p.features)};
+}
+
+void ContactSet::add(const Contact& contact, double rest_distance, bool was_processed, bool is_ahead) {
+    contacts.push_back(contact);
+    rest.push_back(rest_distance);
+    processed.push_back(was_processed ? 1 : 0);
+    ahead.push_back(is_ahead ? 1 : 0);
+}
+
 void ContactSet::clear() {
     contacts.clear();
     rest.clear();
     processed.clear();
+    ahead.clear();
     min_distance = std::numeric_limits<double>::infinity();
 }
 
@@ -119,6 +127,7 @@ void ContactSet::resize(std::size_t size) {
     contacts.resize(size);
     rest.resize(size);
     processed.resize(size);
+    ahead.resize(size);
 }
 
 void ContactSet::put(std::size_t place, const ContactSet& part) {
@@ -126,11 +135,25 @@ void ContactSet::put(std::size_t place, const ContactSet& part) {
     std::copy(part.contacts.begin(), part.contacts.end(), contacts.begin() + to);
     std::copy(part.rest.begin(), part.rest.end(), rest.begin() + to);
     std::copy(part.processed.begin(), part.processed.end(), processed.begin() + to);
+    std::copy(part.ahead.begin(), part.ahead.end(), ahead.begin() + to);
+}
+
+void ContactSet::append(const ContactSet& part, std::size_t begin, std::size_t end) {
+    const auto copy = [&](const auto& from, auto& to) {
+        const auto at_place = [&](std::size_t i) { return from.begin() + static_cast<std::ptrdiff_t>(i); };
+        to.insert(to.end(), at_place(begin), at_place(end));
+    };
+    copy(part.contacts, contacts);
+    copy(part.rest, rest);
+    copy(part.processed, processed);
+    copy(part.ahead, ahead);
 }
 
 void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& out) {
     constexpr std::size_t kGrain = 16;
     const std::vector<ListedPair>& pairs = end_pairs(data);
+    out.near.clear();
+    for (const ListedPair& pair : pairs) out.near.push_back(pair.pair);
     const std::size_t chunks = (pairs.size() + kGrain - 1) / kGrain;
     scratch.parts.resize(std::max(scratch.parts.size(), chunks));
     for (const auto& worker : data.workers) worker->proximity.counters = {}; // stage 1 counts as well

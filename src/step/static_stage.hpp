@@ -11,32 +11,41 @@ namespace flotilla {
 
 /// Contact points at the end poses of all pairs within their proximity distance, sorted by (a, b, feature key).
 struct ContactSet {
-    std::vector<Contact> contacts;                                 ///< targets unset
-    std::vector<double> rest;                                      ///< m, rest distance of each contact's pair
-    std::vector<std::uint8_t> processed;                           ///< stage 1 examined the pair
+    std::vector<Contact> contacts;       ///< targets unset
+    std::vector<double> rest;            ///< m, rest distance of each contact's pair
+    std::vector<std::uint8_t> processed; ///< stage 1 examined the pair
+    std::vector<std::uint8_t> ahead;     ///< found by what the bodies would do (look_ahead.hpp)
+    std::vector<CandidatePair> near;     ///< pairs whose boxes come within the reach of gravity, sorted
     double min_distance = std::numeric_limits<double>::infinity(); ///< m, of all feature pairs within proximity
     PruneCounters counters;                                        ///< of the search
 
     [[nodiscard]] std::size_t size() const { return contacts.size(); }
     void clear();
     void resize(std::size_t size);
+    void add(const Contact& contact, double rest_distance, bool was_processed, bool is_ahead);
     /// Writes the contacts of `part` over those from `place` on.
     void put(std::size_t place, const ContactSet& part);
-    /// Removes the contacts that are not wanted; the smallest distance stays.
+    /// Appends those of `part` from `begin` to `end`.
+    void append(const ContactSet& part, std::size_t begin, std::size_t end);
+    /// Removes the contacts that are not wanted, by their places; the smallest distance stays.
     template <typename Wanted>
     void keep(Wanted&& wanted) {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < contacts.size(); ++i) {
-            if (!wanted(contacts[i])) continue;
+            if (!wanted(i)) continue;
             contacts[kept] = contacts[i];
             rest[kept] = rest[i];
-            processed[kept++] = processed[i];
+            processed[kept] = processed[i];
+            ahead[kept++] = ahead[i];
         }
         contacts.resize(kept);
         rest.resize(kept);
         processed.resize(kept);
+        ahead.resize(kept);
     }
 };
+/// A contact at the point of the vertex, or of body a's edge (section 4.3.1), without a target.
+[[nodiscard]] Contact contact_of(std::int32_t a, std::int32_t b, const ProximityPoint& point, double friction);
 /// What the tasks of a contact search found.
 struct ContactSearchScratch {
     std::vector<ContactSet> parts;

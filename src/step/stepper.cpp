@@ -77,6 +77,7 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
     disturbed_.assign(model_.size(), 0);
     activity_.resize(model_.size());
     StepData d = data();
+    looks_ahead_ = may_look_ahead(model_);
     find_contacts(d, search_, contacts_);
     if (state_.step > 0) return;
     // Pairs that start closer than their rest distance keep their start distance as such (DESIGN section 3).
@@ -153,11 +154,11 @@ StepReport Stepper::step() {
         }
         { // 3) static contact on v^{n+1/2}, contacts at x^n
             const PhaseWatch watch(report, Phase::half_static_contact, team_);
-            static_contact(half, state_.pose, false, report);
+            static_contact(d, half, state_.pose, false, report);
             if (mark_level(half)) {
                 half = collided;
                 accelerate(model_, 0.5 * dt, half);
-                static_contact(half, state_.pose, false, report);
+                static_contact(d, half, state_.pose, false, report);
                 level_.clear();
             }
         }
@@ -199,7 +200,7 @@ StepReport Stepper::step() {
                 find_contacts(d, search_, contacts_);
                 set_counters(contacts_.counters, report);
             }
-            static_contact(next, end, true, report);
+            static_contact(d, next, end, true, report);
             settle_energy(next, end, report);
         }
     }
@@ -248,7 +249,8 @@ void Stepper::put_to_sleep() {
     fall_asleep(model_, rule, touching_, sleep_, state_);
     mark_asleep();
     // Contacts of bodies that sleep now are no longer searched for: those at hand would make the next step depend on more than State.
-    contacts_.keep([&](const Contact& c) {
+    contacts_.keep([&](std::size_t i) {
+        const Contact& c = contacts_.contacts[i];
         return model_.bodies[static_cast<std::size_t>(c.a)].movable() ||
                model_.bodies[static_cast<std::size_t>(c.b)].movable();
     });
@@ -279,9 +281,25 @@ void Stepper::move_scripts() {
     }
 }
 
-void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
+void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                              StepReport& report) {
     const PhaseWatch watch(report, Phase::static_response, team_);
+    if (looks_ahead_) before_solve_.assign(motion.begin(), motion.end());
+    StaticStageStats stats = solve_contacts_at(motion, poses, final_stage, report);
+    report.iterations += stats.solve.iterations;
+    const StepEnd at = final_stage ? StepEnd::end : StepEnd::start;
+    if (looks_ahead_ && add_contacts_ahead(d, at, static_.bodies, ahead_, contacts_)) {
+        std::copy(before_solve_.begin(), before_solve_.end(), motion.begin());
+        stats = solve_contacts_at(motion, poses, final_stage, report);
+        report.iterations += stats.solve.iterations;
+    }
+    report.residual = std::max(report.residual, stats.solve.residual);
+    if (final_stage) report.contacts = stats.contacts;
+    if (stats.solve.unsolved_islands > 0) report.warnings |= kStaticLimit;
+}
+
+StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
+                                            const StepReport& report) {
     // Contacts between sleeping bodies are not solved; their impulses wait for the day they wake.
     const auto waits = [&](const WarmImpulse& w) {
         return !model_.bodies[static_cast<std::size_t>(w.a)].movable() &&
@@ -309,10 +327,7 @@ void Stepper::static_contact(std::span<Motion> motion, std::span<const Pose> pos
                                return std::tuple(p.a, p.b) < std::tuple(q.a, q.b); // a pair waits as a whole
                            });
     }
-    report.iterations += stats.solve.iterations;
-    report.residual = std::max(report.residual, stats.solve.residual);
-    if (final_stage) report.contacts = stats.contacts;
-    if (stats.solve.unsolved_islands > 0) report.warnings |= kStaticLimit;
+    return stats;
 }
 
 void Stepper::record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report) {
@@ -504,6 +519,8 @@ void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, 
     ++state_.step;
     state_.time = static_cast<double>(state_.step) * model_.settings.time_step;
     trajectories_.advance();
+    if (looks_ahead_)
+        contacts_.keep([&](std::size_t i) { return contacts_.ahead[i] == 0; }); // the next step looks for itself
     put_to_sleep();
 }
 

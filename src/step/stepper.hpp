@@ -10,6 +10,7 @@
 #include "islands/sleeping.hpp"
 #include "step/certificate.hpp"
 #include "step/energy_account.hpp"
+#include "step/look_ahead.hpp"
 #include "step/static_stage.hpp"
 
 namespace flotilla {
@@ -51,7 +52,10 @@ class Stepper {
     void put_to_sleep();
     void start_clusters(std::span<const Motion> motion);
     void move_scripts();
-    void static_contact(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage, StepReport& report);
+    void static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
+                        StepReport& report);
+    StaticStageStats solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
+                                       const StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
@@ -88,6 +92,9 @@ class Stepper {
     std::vector<std::uint8_t> level_; ///< see mark_level(); empty but in stage 3
     ContactSearchScratch search_;
     ContactSet contacts_;
+    bool looks_ahead_ = false; ///< may_look_ahead()
+    LookAheadScratch ahead_;
+    std::vector<Motion> before_solve_;
     SleepScratch sleep_;
     std::vector<BodyPair> touching_;
     std::vector<WarmImpulse> waiting_; ///< of contacts between sleeping bodies

@@ -19,7 +19,8 @@ const int kTeams[] = {1, 2, 3, 8};
 Model spheres(std::int32_t num) {
     Model model;
     model.bodies.resize(static_cast<std::size_t>(num));
-    for (std::size_t i = 0; i < model.bodies.size(); ++i) model.bodies[i].size = 1.0 + static_cast<double>(i);
+    for (std::size_t i = 0; i < model.bodies.size(); ++i)
+        model.bodies[i].size = model.bodies[i].extent = 1.0 + static_cast<double>(i);
     return model;
 }
 

@@ -23,7 +23,7 @@ struct Placed {
     Quat rotation{};
 };
 
-std::vector<ProximityPoint> contact_points(const Placed& a, const Placed& b) {
+SceneDescription scene_of(const Placed& a, const Placed& b) {
     SceneDescription scene;
     for (const Placed* p : {&a, &b}) {
         ShapeDescription shape;
@@ -40,15 +40,26 @@ std::vector<ProximityPoint> contact_points(const Placed& a, const Placed& b) {
         scene.shapes.push_back(shape);
         scene.bodies.push_back(body);
     }
-    const Scene checked = build_scene(scene);
-    const Model model = make_model(checked);
-    const State state = initial_state(checked, model);
+    return scene;
+}
+
+/// Both bodies at rest where they are placed.
+struct Pair {
+    Scene scene;
+    Model model;
     Trajectories trajectories;
-    trajectories.start(model, state.pose);
+
+    Pair(const Placed& a, const Placed& b) : scene(build_scene(scene_of(a, b))), model(make_model(scene)) {
+        trajectories.start(model, initial_state(scene, model).pose);
+    }
+};
+
+std::vector<ProximityPoint> contact_points(const Placed& a, const Placed& b) {
+    const Pair pair(a, b);
     ProximityScratch scratch;
     std::vector<ProximityPoint> points;
-    (void)find_contact_points(trajectories.at_start(0), trajectories.at_start(1), kProximity, kAngleCos, {}, scratch,
-                              points);
+    (void)find_contact_points(pair.trajectories.at_start(0), pair.trajectories.at_start(1), kProximity, kAngleCos, {},
+                              scratch, points);
     for (const ProximityPoint& p : points) {
         EXPECT_NEAR(p.distance, length(p.b - p.a), 1e-15);
         EXPECT_NEAR(length(p.normal - normalized(p.b - p.a)), 0, 1e-12);
@@ -109,6 +120,31 @@ TEST(ContactPoints, AnEdgeInANotchHasBothSides) {
     EXPECT_EQ(count_along(points, -1.0 * left), 1);
     EXPECT_EQ(count_along(points, -1.0 * right), 1);
     EXPECT_EQ(points.size(), 2u);
+}
+
+// A cube on its edge, tilted by 20 degrees: two corners are at the ground, two above it.
+TEST(ContactPoints, WhatATiltedBoxPassesIsWhatItsWaysLeadTo) {
+    constexpr double kRest = 0.01, kTilt = 20 * std::numbers::pi / 180;
+    const double center = kRest + 0.5 * (std::cos(kTilt) + std::sin(kTilt));
+    const Placed box{make_box(1, 1, 1), {2, -2, center}, rotation_from_vector({0, kTilt, 0})};
+    const Placed ground{make_plate(10, 10), {}};
+    EXPECT_EQ(contact_points(box, ground).size(), 2u);
+    const Pair pair(box, ground);
+    const auto passing = [&](const Vec3& way, const Vec3& turn) {
+        ProximityScratch scratch;
+        std::vector<ProximityPoint> points;
+        find_passing_points(pair.trajectories.at_start(0), pair.trajectories.at_start(1),
+                            {{{2, -2, center}, way, turn}, {}, (1 - 1e-9) * kRest}, 1, std::cos(1.0), scratch, points);
+        return points;
+    };
+    EXPECT_TRUE(passing({}, {}).empty());
+    EXPECT_TRUE(passing({0, 0, 0.1}, {}).empty());
+    EXPECT_TRUE(passing({5, 0, 0}, {}).empty()) << "slides";
+    EXPECT_EQ(passing({0, 0, -0.1}, {}).size(), 2u) << "the corners that are there";
+    EXPECT_EQ(passing({0, 0, -0.5}, {}).size(), 4u);
+    const auto high = passing({0, 0, 0.05}, {0, -0.9, 0});
+    ASSERT_EQ(high.size(), 2u) << "those that come down as it turns on";
+    for (const ProximityPoint& p : high) EXPECT_NEAR(p.distance, kRest + std::sin(kTilt), 1e-12);
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ostream>
 
+#include "base/rotation.hpp"
 #include "step/scenario.hpp"
 
 namespace flotilla::scenario {
@@ -84,8 +85,21 @@ struct ThreadScene {
     friend void PrintTo(const ThreadScene& s, std::ostream* out) { *out << s.name; }
 };
 
+/// Cubes of 10 mm, which fall by as much in a step: contacts ahead (look_ahead.hpp).
+inline SceneDescription small_cubes(bool) {
+    constexpr double kEdge = 0.01;
+    SceneDescription scene = empty_scene();
+    const auto cube = add_shape(scene, make_box(kEdge, kEdge, kEdge), 1);
+    for (int i = 0; i < 24; ++i)
+        add_body(scene, cube, BodyType::dynamic, {0.004 * (i % 3), 0.007 * (i % 2), kEdge * (1 + 1.8 * i)}, 0.4)
+            .rotation = rotation_from_vector({0.3 * i, 0.5 * (i % 5), 0.1});
+    add_body(scene, add_shape(scene, make_plate(2, 2)), BodyType::fixed, {}, 0.4);
+    return scene;
+}
+
 inline std::vector<ThreadScene> thread_scenes() {
     return {{"OnePile", one_pile, 45, 60},
+            {"SmallCubes", small_cubes, 30, 60},
             {"SmallPiles", small_piles, 40, 100},
             {"ForcedFailsafe", forced_stack, 20, 40},
             {"ChangingIslands", changing_islands, 40, 150}};
