@@ -249,14 +249,9 @@ double tolerance_of(const Model& model, double rest) {
     return gravity > 0 ? std::min(moves, kOfGravity * gravity) : moves;
 }
 
-/// The velocities of stage 7 are those of before the step, but for impacts: what friction did to a body's turning in the step they do not
-/// know yet. Its arcs are those of the turn that it really made, or the points that a wheel reaches because it is being spun up
-/// would carry it ahead of its axle and brake it.
-ArcContact arcs_of(const Contact& c, double time_step, std::span<const Vec3> turns, const VelocityArrays& bodies) {
+ArcContact arcs_of(const Contact& c, double time_step, const VelocityArrays& bodies) {
     const auto point = [&](std::int32_t body) {
-        const bool turned = !turns.empty() && bodies.inverse_mass[at(body)] > 0;
-        return TurningPoint{turned ? turns[at(body)] / time_step : bodies.angular_velocity[at(body)],
-                            c.point - bodies.position[at(body)]};
+        return TurningPoint{bodies.angular_velocity[at(body)], c.point - bodies.position[at(body)]};
     };
     return meet_on_arcs(point(c.a), point(c.b), c.normal, time_step);
 }
@@ -291,7 +286,7 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
     const auto complete = [&](std::size_t i) {
         Contact c = set.contacts[i];
         c.tolerance = tolerance_of(model, set.rest[i]);
-        const ArcContact arcs = arcs_of(c, s.time_step, options.turns, scratch.bodies);
+        const ArcContact arcs = arcs_of(c, s.time_step, scratch.bodies);
         const double full =
             equation_16(set.rest[i], c.distance - arcs.closer, s.time_step, c.tolerance) + arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost there.

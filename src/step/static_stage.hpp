@@ -74,8 +74,7 @@ struct StaticStageOptions {
     std::span<const Motion> last_motion; ///< at x^n: which contacts stick
     std::span<const Pose> start;         ///< x^n; read with keep_approach
     std::span<const std::uint8_t>
-        level;                   ///< by body: contacts do not raise it to its rest distance; may be empty: of none
-    std::span<const Vec3> turns; ///< by body, radians, from x^n to x^{n+1}; empty in stage 3
+        level; ///< by body: contacts do not raise it to its rest distance; may be empty: of none
     Team* team = nullptr;
 };
 

@@ -182,7 +182,6 @@ StepReport Stepper::step() {
             const PhaseWatch watch(report, Phase::certificate, team_);
             certify(d);
             for (std::size_t i = 0; i < end.size(); ++i) end[i] = trajectories_.end_pose(i);
-            for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i] = trajectories_.turn(i);
         }
         { // 6) v^{n+1} = v^ + dt a
             const PhaseWatch watch(report, Phase::velocity, team_);
@@ -316,8 +315,7 @@ StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
     const StaticStageStats stats = solve_static_contact(
         model_, contacts_, poses, motion, warm, final_stage ? state_.warm_half : state_.warm_final,
-        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, state_.motion, state_.pose, level_,
-         final_stage ? std::span<const Vec3>(turns_) : std::span<const Vec3>(), &team_},
+        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, state_.motion, state_.pose, level_, &team_},
         static_);
     if (!waiting_.empty()) {
         const auto middle = static_cast<std::ptrdiff_t>(warm.size());
@@ -513,6 +511,7 @@ void Stepper::record_activity() {
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
     for (const DelayedScript& d : failsafe.delayed_scripts)
         state_.script_delay[static_cast<std::size_t>(d.body)] += (1 - d.share) * model_.settings.time_step;
+    for (std::size_t i = 0; i < model_.size(); ++i) turns_[i] = trajectories_.turn(i);
     record_activity();
     state_.motion.assign(motion.begin(), motion.end());
     state_.pose.assign(end.begin(), end.end());

@@ -138,7 +138,7 @@ void rolls_where_friction_is_enough(const Run& run, const Roller& roller, double
     for (const Roller& roller : {kCylinder, kTube}) {
         add_runs("Rolling", std::string(roller.name) + "RollsWithEnoughFriction", runs(), true,
                  [=](const Run& r) { rolls_where_friction_is_enough(r, roller, 1.05); });
-        add_runs("Rolling", std::string(roller.name) + "SlipsWithTooLittle", runs(), true,
+        add_runs("Rolling", std::string(roller.name) + "SlipsWithTooLittle", runs(), kNotReached,
                  [=](const Run& r) { rolls_where_friction_is_enough(r, roller, 0.7); });
     }
     return true;
