@@ -69,6 +69,8 @@ double mean_speed(const Island& island, const ContactScratch& s) {
 
 /// An exact solve starts from what so many sweeps find, and is not needed where that is all.
 constexpr int kSweepsBeforeExact = 20, kSweepsOfMany = 60;
+/// Bodies whose factorisation, some 72 n^3 operations, costs less than so few sweeps over the eight or so contacts of each.
+constexpr std::int32_t kBodiesFactorisedSoon = 8;
 
 constexpr double kRounding = 0x1p-40; ///< of energies, far more than that of their sums
 
@@ -85,9 +87,10 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     if (may_solve_exactly(island, options, s)) {
         island.exact_tolerance = kExactShare * island.tolerance;
         const bool few = contacts_of(island, s) <= kFewContacts;
-        // One that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand of them.
-        if (island.rests) options.iterations = std::min(options.iterations, few ? kSweepsBeforeExact : kSweepsOfMany);
-        if (island.rests && (few || is_slender(island)))
+        // One of many bodies that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand of them.
+        const bool soon = island.rests || island.end_body - island.first_body <= kBodiesFactorisedSoon;
+        if (soon) options.iterations = std::min(options.iterations, few ? kSweepsBeforeExact : kSweepsOfMany);
+        if (soon && (few || is_slender(island)))
             island.exact_tolerance = options.tolerance = std::max(kExactShare * island.tolerance, kOfSpeed * speed);
     }
     const auto sweep_and_measure = [&](const SweepStart& start) {
