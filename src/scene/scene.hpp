@@ -26,7 +26,8 @@ struct Shape {
     Topology topology;
     Bvh bvh;
     std::optional<MassProperties> mass; ///< empty only for shapes of static and kinematic bodies
-    BoundingSphere sphere;              ///< its diameter is the size in the lengths derived per pair
+    BoundingSphere sphere;              ///< its diameter is the size of the body
+    double extent = 0;                  ///< m, which the lengths of its pairs go by: the size, less for thin solids
     Vec3 center;                        ///< of mass, or of `sphere` where there is no mass: what a body turns about
     double radius = 0;                  ///< m, of the sphere around `center`: |angle| * radius bounds what a turn moves
 };

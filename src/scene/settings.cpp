@@ -68,7 +68,7 @@ const std::vector<SettingRow>& table() {
          "of the generator of friction directions (tangents: random)",
          "none"},
         {"rest_distance", &Settings::rest_distance, "m", kMinLength, kMaxLength, 0,
-         "gap at which contacts rest; 0: body size / 330",
+         "gap at which contacts rest; 0: body size / 330, less for thin solids",
          "smaller: closer contact, less room for the rounding and tolerance of a step"},
         {"proximity_distance", &Settings::proximity_distance, "m", kMinLength, kMaxLength, 0,
          "gap below which contacts are found; 0: twice the rest distance",
@@ -132,6 +132,16 @@ const std::vector<SettingRow>& table() {
          "largest constraint violation at which the sweeps stop; -1: |gravity| time_step / 2048, and for small bodies "
          "rest_distance / time_step / 1024",
          "lower: slower, less creep; the residual reached is reported in any case"},
+        {"tolerance_share",
+         &Settings::tolerance_share,
+         "",
+         0,
+         1e6,
+         {},
+         "where static_tolerance is -1: the tolerance is this share of it; below 1 nothing but static_iterations ends "
+         "a "
+         "solve above it",
+         "lower: slower, less creep"},
         {"warm_start",
          &Settings::warm_start,
          "",
@@ -371,7 +381,7 @@ struct Preset {
 
 void apply_accurate(Settings& s) {
     s.static_iterations = 5000;
-    s.static_tolerance = 1e-6;
+    s.tolerance_share = 0.005;
     s.trajectory = Trajectory::rigid;
     s.sleeping = false;
 }
@@ -390,7 +400,7 @@ constexpr std::array kPresets{
                s.collision_iterations = 30;
                s.dynamic_iterations = 50;
                s.static_iterations = 50;
-               s.static_tolerance = 5e-3;
+               s.tolerance_share = 25;
            }},
     Preset{"balanced", [](Settings&) {}},
     Preset{"accurate", apply_accurate},
@@ -400,7 +410,7 @@ constexpr std::array kPresets{
                s.collision_iterations = 1000;
                s.dynamic_iterations = 1000;
                s.static_iterations = 10000;
-               s.static_tolerance = 1e-9;
+               s.tolerance_share = 5e-6;
            }},
 };
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "state/build_model.hpp"
 
-#include <algorithm>
-
-#include "base/rotation.hpp"
 #include "state/rotation_step.hpp"
 
 namespace flotilla {
@@ -32,30 +29,6 @@ RigidShape make_shape(const Shape& shape) {
     return out;
 }
 
-/// The least one of the mesh along the axes of a rotation, m.
-double least_extent(const TriangleMesh& mesh, const Quat& axes) {
-    Box box;
-    for (const Vec3& v : mesh.vertices) {
-        const Vec3 x = rotate(conjugate(axes), v);
-        box.lower = min(box.lower, x);
-        box.upper = max(box.upper, x);
-    }
-    const Vec3 e = box.upper - box.lower;
-    return std::min({e.x, e.y, e.z});
-}
-
-/// The size of a body, or ten times its thickness if that is less: the size / 330 at which a bar of aspect 1,000 would rest is three
-/// times as far as it is thick. It would stand on forces far beside its long axis, about which it hardly has inertia, and a heap of
-/// such bars has dozens of contacts for each where few can be told apart. What has no thickness but that of rounding keeps its size.
-double extent_of(const Shape& shape) {
-    constexpr double kMostAspect = 10, kRounding = 1e-12;
-    const double size = 2 * shape.sphere.radius;
-    if (!shape.mass) return size;
-    const double thickness =
-        std::min(least_extent(shape.mesh, {}), least_extent(shape.mesh, shape.mass->principal_axes));
-    return thickness > kRounding * size ? std::min(size, kMostAspect * thickness) : size;
-}
-
 Body make_body(const Scene& scene, const BodyDescription& description) {
     const Shape& shape = scene.shapes[static_cast<std::size_t>(description.shape)];
     Body body;
@@ -68,7 +41,7 @@ Body make_body(const Scene& scene, const BodyDescription& description) {
     body.friction = description.friction;
     body.restitution = description.restitution;
     body.size = 2 * shape.sphere.radius;
-    body.extent = extent_of(shape);
+    body.extent = shape.extent;
     body.keyframes = description.keyframes;
     return body;
 }

@@ -98,7 +98,7 @@ struct State {
 };
 
 /// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its movable
-/// bodies (DESIGN section 3), or ten times its thickness where that is less.
+/// bodies (paper, section 4.3.1), less for thin solids (Shape::extent).
 struct PairLengths {
     double rest, proximity, separation; ///< m
 };

@@ -77,7 +77,6 @@ inline Vec3 relative_velocity(const ContactRow& r, const BodyVelocity& a, const 
     return (b.linear + cross(b.angular, r.arm_b)) - (a.linear + cross(a.angular, r.arm_a));
 }
 
-/// Sets W of the row's frame for the masses of the block.
 /// A turn of both tangents about the normal.
 struct TangentTurn {
     double cosine = 1, sine = 0;
@@ -87,6 +86,8 @@ struct TangentTurn {
 TangentTurn principal_turn(const LocalContact& contact);
 /// Sets the tangents only: set_effective_mass() belongs after it.
 void turn_tangents(const TangentTurn& turn, ContactRow& row);
+
+/// Sets W of the row's frame for the masses of the block.
 void set_effective_mass(const ContactBlock& block, ContactRow& row);
 
 /// The impulse nearest to a given one (contact coordinates) that the bounds allow: what a warm start may begin with.

@@ -67,7 +67,7 @@ void list_pairs(const StepData& data, const VelocityArrays& v, const ContactSet&
         while (i < set.size() && pair_of(i) < c) ++i;
         end = i;
         while (end < set.size() && pair_of(end) == c) ++end;
-        if (!data.model.bodies[at(c.a)].movable() && !data.model.bodies[at(c.b)].movable()) continue; // fell asleep
+        if (!data.model.bodies[at(c.a)].movable() && !data.model.bodies[at(c.b)].movable()) continue; // asleep
         const PairRecord* const pair = data.pairs.find(c.a, c.b);
         if (pair == nullptr) continue;
         const Reach speeds = speeds_of(data.model, v, c.a, c.b);
@@ -123,17 +123,20 @@ bool add_contacts_ahead(StepData& data, StepEnd poses, const VelocityArrays& sol
     ContactSet& merged = scratch.merged;
     merged.clear();
     std::size_t done = 0;
+    bool found = false;
     for (std::size_t i = 0; i < scratch.pairs.size(); ++i) {
         if (scratch.found[i].size() == 0) continue;
         merged.append(set, done, scratch.pairs[i].end);
         done = scratch.pairs[i].end;
+        found = true;
         merged.append(scratch.found[i], 0, scratch.found[i].size());
     }
-    if (done == 0) return false;
+    if (!found) return false;
     merged.append(set, done, set.size());
     merged.min_distance = set.min_distance;
     merged.counters = set.counters;
     merged.near = set.near;
+    merged.keeps_near = set.keeps_near;
     std::swap(set, merged);
     return true;
 }

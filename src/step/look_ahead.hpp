@@ -10,7 +10,7 @@
 // turn them in one step. Points that come below their rest distance on their ways become contacts, and the solve is done once more:
 // equation 16 lets each approach by its gap. What the second solve sends elsewhere is left to stage 5 and to the next step; a third one
 // changes nothing that was measured. Bodies that gravity moves by less than their proximity distance in a step are left alone: at 1/24 s
-// those of more than 1.4 m.
+// compact ones of more than 1.4 m.
 #pragma once
 
 #include <vector>

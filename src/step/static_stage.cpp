@@ -153,7 +153,8 @@ void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& ou
     constexpr std::size_t kGrain = 16;
     const std::vector<ListedPair>& pairs = end_pairs(data);
     out.near.clear();
-    for (const ListedPair& pair : pairs) out.near.push_back(pair.pair);
+    if (out.keeps_near)
+        for (const ListedPair& pair : pairs) out.near.push_back(pair.pair);
     const std::size_t chunks = (pairs.size() + kGrain - 1) / kGrain;
     scratch.parts.resize(std::max(scratch.parts.size(), chunks));
     for (const auto& worker : data.workers) worker->proximity.counters = {}; // stage 1 counts as well
@@ -246,7 +247,7 @@ double tolerance_of(const Model& model, double rest) {
     const Settings& s = model.settings;
     if (s.static_tolerance >= 0) return s.static_tolerance;
     const double moves = kOfRest * rest / s.time_step, gravity = length(model.gravity) * s.time_step;
-    return gravity > 0 ? std::min(moves, kOfGravity * gravity) : moves;
+    return s.tolerance_share * (gravity > 0 ? std::min(moves, kOfGravity * gravity) : moves);
 }
 
 ArcContact arcs_of(const Contact& c, double time_step, const VelocityArrays& bodies) {
@@ -319,7 +320,8 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     solve.tolerance = std::numeric_limits<double>::infinity(); // that of the contacts
     solve.warm_start = s.warm_start;
     // Who gives a tolerance means it: then nothing but the limit of sweeps ends a solve above it.
-    if (s.static_tolerance < 0) solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
+    const bool given = s.static_tolerance >= 0 || s.tolerance_share < 1;
+    if (!given) solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
     constexpr double kRestSpeed = 2; // in what gravity adds in a step
     solve.rest_speed = kRestSpeed * length(model.gravity) * s.time_step;
     solve.exact = s.contact_solver == ContactSolver::exact;

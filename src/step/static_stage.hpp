@@ -9,13 +9,15 @@
 
 namespace flotilla {
 
-/// Contact points at the end poses of all pairs within their proximity distance, sorted by (a, b, feature key).
+/// Contact points at the end poses of all pairs within their proximity distance, sorted by (a, b, feature key); those found ahead come
+/// after the others of their pair.
 struct ContactSet {
     std::vector<Contact> contacts;       ///< targets unset
     std::vector<double> rest;            ///< m, rest distance of each contact's pair
     std::vector<std::uint8_t> processed; ///< stage 1 examined the pair
     std::vector<std::uint8_t> ahead;     ///< found by what the bodies would do (look_ahead.hpp)
-    std::vector<CandidatePair> near;     ///< pairs whose boxes come within the reach of gravity, sorted
+    std::vector<CandidatePair> near;     ///< pairs whose boxes come within the reach of gravity, sorted; if kept
+    bool keeps_near = false;             ///< for look_ahead.hpp
     double min_distance = std::numeric_limits<double>::infinity(); ///< m, of all feature pairs within proximity
     PruneCounters counters;                                        ///< of the search
 

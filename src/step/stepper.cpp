@@ -78,6 +78,7 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
     activity_.resize(model_.size());
     StepData d = data();
     looks_ahead_ = may_look_ahead(model_);
+    contacts_.keeps_near = looks_ahead_;
     find_contacts(d, search_, contacts_);
     if (state_.step > 0) return;
     // Pairs that start closer than their rest distance keep their start distance as such (DESIGN section 3).
@@ -90,8 +91,9 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
         else
             list.push_back({c.a, c.b, c.distance});
     }
-    pairs_.clear();
-    if (!state_.rest_distances.empty()) find_contacts(d, search_, contacts_);
+    if (state_.rest_distances.empty()) return;
+    pairs_.clear(); // of other lengths
+    find_contacts(d, search_, contacts_);
 }
 
 QueryCounters Stepper::query_counters() const {
@@ -253,6 +255,10 @@ void Stepper::put_to_sleep() {
         return model_.bodies[static_cast<std::size_t>(c.a)].movable() ||
                model_.bodies[static_cast<std::size_t>(c.b)].movable();
     });
+    std::erase_if(contacts_.near, [&](const CandidatePair& c) {
+        return !model_.bodies[static_cast<std::size_t>(c.a)].movable() &&
+               !model_.bodies[static_cast<std::size_t>(c.b)].movable();
+    });
 }
 
 void Stepper::start_clusters(std::span<const Motion> motion) {
@@ -288,6 +294,7 @@ void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<co
     report.iterations += stats.solve.iterations;
     const StepEnd at = final_stage ? StepEnd::end : StepEnd::start;
     if (looks_ahead_ && add_contacts_ahead(d, at, static_.bodies, ahead_, contacts_)) {
+        if (!final_stage) join_contacts();
         std::copy(before_solve_.begin(), before_solve_.end(), motion.begin());
         stats = solve_contacts_at(motion, poses, final_stage, report);
         report.iterations += stats.solve.iterations;

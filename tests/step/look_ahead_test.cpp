@@ -34,12 +34,15 @@ TEST(LookAhead, IsForBodiesThatGravityMovesByMoreThanTheirProximityDistance) {
     EXPECT_FALSE(looks_ahead(scene));
 }
 
-// The contact search sees two of the corners that it falls on.
+// The contact search sees two of the corners that it falls on. The smallest one falls over, by two radians in a step, and may be held
+// once where a turn would raise it by more than its energy.
 TEST(LookAhead, ATiltedCubeLiesDownAndRests) {
     for (const double edge : {0.03, 0.01, 0.003, 0.001}) {
         const SceneDescription scene = cube_on_ground(edge, 20 * kPi / 180);
         World world(scene);
-        for (int n = 0; n < 24; ++n) EXPECT_EQ(world.step().held, 0) << edge;
+        std::int64_t held = 0;
+        for (int n = 0; n < 24; ++n) held += world.step().held;
+        EXPECT_LE(held, edge < 0.003 ? 1 : 0) << edge;
         const BodyState s = world.body(0);
         EXPECT_LT(length(s.velocity), 1e-4 * edge) << edge;
         EXPECT_LT(length(s.angular_velocity), 1e-4) << edge;
@@ -60,7 +63,7 @@ TEST(LookAhead, SmallCubesPileUpAndRest) {
     EXPECT_NEAR(world.body(3).center_of_mass.z, 2.5 * kEdge, 0.1 * kEdge);
 }
 
-// Bars rest at a share of their thickness, other bodies at one of their size; what has no thickness is no bar.
+// Bars rest at a share of their thickness, other bodies at one of their size; what has no thickness to speak of is no bar.
 TEST(LookAhead, LengthsOfThinBodiesGoByTheirThickness) {
     const auto rest_of = [](TriangleMesh mesh) {
         SceneDescription scene = empty_scene();
@@ -70,12 +73,14 @@ TEST(LookAhead, LengthsOfThinBodiesGoByTheirThickness) {
     };
     EXPECT_NEAR(rest_of(make_box(1, 1, 1)), std::sqrt(3.0) / 330, 1e-12);
     EXPECT_NEAR(rest_of(make_box(1, 0.12, 0.12)), std::sqrt(1 + 2 * 0.12 * 0.12) / 330, 1e-12);
-    EXPECT_NEAR(rest_of(make_box(1, 1e-3, 1e-3)), 1e-2 / 330, 1e-12);
-    TriangleMesh turned = make_box(1, 1e-3, 2e-3), plate = make_plate(1, 1);
+    EXPECT_NEAR(rest_of(make_box(1, 2e-3, 2e-3)), 2e-2 / 330, 1e-12);
+    EXPECT_NEAR(rest_of(make_box(1, 1e-4, 1e-4)), 1e-2 / 330, 1e-12);
+    EXPECT_NEAR(rest_of(make_box(1, 1e-5, 1e-5)), 1.0 / 330, 1e-12);
+    TriangleMesh turned = make_box(1, 2e-3, 3e-3), plate = make_plate(1, 1);
     const Quat turn = rotation_from_vector({0.3, 0.5, 0.7});
     for (TriangleMesh* mesh : {&turned, &plate})
         for (Vec3& v : mesh->vertices) v = rotate(turn, v);
-    EXPECT_NEAR(rest_of(turned), 1e-2 / 330, 1e-12);
+    EXPECT_NEAR(rest_of(turned), 2e-2 / 330, 1e-12);
     EXPECT_NEAR(rest_of(plate), std::sqrt(2.0) / 330, 1e-12);
 }
 
