@@ -83,7 +83,26 @@ class PlantedRun {
         return placed;
     }
     [[nodiscard]] bool intersect(const io::Frame& frame, std::int32_t a, std::int32_t b) const {
-        const auto x = vertices(frame, a), y = vertices(frame, b);
+        return intersect(vertices(frame, a), vertices(frame, b));
+    }
+    /// Whether two boats meet whose vertices go straight from one frame to the next, by samples. Two that change places while one of them
+    /// turns over may pass each other: half-way its vertices are all near its axis.
+    [[nodiscard]] bool meet_on_the_way(const io::Frame& from, const io::Frame& to, std::int32_t a,
+                                       std::int32_t b) const {
+        constexpr int kSamples = 200;
+        const auto a0 = vertices(from, a), a1 = vertices(to, a), b0 = vertices(from, b), b1 = vertices(to, b);
+        const auto at_time = [](const std::vector<Vec3>& x0, const std::vector<Vec3>& x1, double t) {
+            std::vector<Vec3> x(x0.size());
+            for (std::size_t k = 0; k < x.size(); ++k) x[k] = x0[k] + t * (x1[k] - x0[k]);
+            return x;
+        };
+        for (int k = 1; k < kSamples; ++k) {
+            const double t = static_cast<double>(k) / kSamples;
+            if (intersect(at_time(a0, a1, t), at_time(b0, b1, t))) return true;
+        }
+        return false;
+    }
+    [[nodiscard]] bool intersect(const std::vector<Vec3>& x, const std::vector<Vec3>& y) const {
         const auto& triangles = bodies_.shapes[0].mesh.triangles; // both are boats
         const auto corners = [](const std::vector<Vec3>& v, const Triangle& t) {
             const auto at = [&v](std::int32_t i) { return v[static_cast<std::size_t>(i)]; };
@@ -122,7 +141,7 @@ class PlantedRun {
             fault.text = "swapped with boat " + std::to_string(j);
             std::swap(frame.position[i], frame.position[j]);
             std::swap(frame.rotation[i], frame.rotation[j]);
-            return i != j;
+            return i != j && meet_on_the_way(frames[kBefore - 1], frame, fault.body, fault.other);
         }
         case FaultKind::not_finite: {
             const double bad = pick(0, 1) == 0 ? std::nan("") : std::numeric_limits<double>::infinity();

@@ -67,7 +67,7 @@ TEST(Tunnelling, SpinningBoatBreaksNothingInThePile) {
                 static_cast<long long>(totals.collisions), static_cast<long long>(totals.merges),
                 static_cast<long long>(totals.rung_changes));
     EXPECT_GE(totals.collisions, 50);
-    EXPECT_GE(above, 200);
+    EXPECT_GE(above, 8 * 36 / 2); // most of them stay on the ground
 }
 
 TEST(Tunnelling, WallsClosingOnABoatAreHeld) {
