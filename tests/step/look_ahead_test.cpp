@@ -63,6 +63,19 @@ TEST(LookAhead, SmallCubesPileUpAndRest) {
     EXPECT_NEAR(world.body(3).center_of_mass.z, 2.5 * kEdge, 0.1 * kEdge);
 }
 
+// What is found ahead counts wherever its pair stands in the list of contacts: another body changes nothing.
+TEST(LookAhead, DoesNotDependOnOtherBodies) {
+    const auto height_after = [](bool other, int steps) {
+        SceneDescription scene = cube_on_ground(0.01, 20 * kPi / 180);
+        scene.bodies[0].position.z += 0.003;
+        if (other) add_body(scene, 0, BodyType::dynamic, {0.3, 0.3, 0.005 + 0.01 * std::sqrt(3.0) / 330}, 0.5, 0);
+        World world(scene);
+        for (int n = 0; n < steps; ++n) world.step();
+        return world.body(0).center_of_mass.z;
+    };
+    for (int steps = 1; steps < 8; ++steps) EXPECT_EQ(height_after(false, steps), height_after(true, steps)) << steps;
+}
+
 // Bars rest at a share of their thickness, other bodies at one of their size; what has no thickness to speak of is no bar.
 TEST(LookAhead, LengthsOfThinBodiesGoByTheirThickness) {
     const auto rest_of = [](TriangleMesh mesh) {

@@ -58,6 +58,32 @@ TEST(SnapshotOf, ADelayedScriptGoesOnWithTheSameBits) {
     EXPECT_EQ(rest.state_hash(), whole.state_hash());
 }
 
+/// Small cubes look for contacts ahead among pairs near each other; those of bodies that fell asleep are not among them, or the step in
+/// which these wake would depend on more than the state.
+TEST(SnapshotOf, SmallBodiesThatWakeGoOnWithTheSameBits) {
+    constexpr double kEdge = 0.01;
+    SceneDescription scene = empty_scene();
+    scene.settings.sleeping = true;
+    const auto cube = add_shape(scene, make_box(kEdge, kEdge, kEdge), 1);
+    const double low = 0.5 * kEdge + 5.3e-5;
+    add_body(scene, cube, BodyType::dynamic, {-0.5, 0.3, low}, 0).velocity = {1, 0, 0}; // never sleeps
+    add_body(scene, cube, BodyType::dynamic, {0.0102, 0, 1.3}, 0.4).rotation = rotation_from_vector({0.5, 0, 0});
+    add_body(scene, cube, BodyType::dynamic, {0, 0, low}, 0.4);
+    add_body(scene, add_shape(scene, make_plate(4, 4)), BodyType::fixed, {}, 0.4);
+    World whole(scene);
+    std::int64_t slept = 0, woken = 0, sleeping = 0;
+    for (int n = 0; n < 30; ++n) {
+        World rest(scene, whole.snapshot());
+        const StepReport r = whole.step();
+        ASSERT_EQ(rest.step().state_hash, r.state_hash) << "step " << n;
+        slept += std::max<std::int64_t>(r.sleeping - sleeping, 0);
+        woken += std::max<std::int64_t>(sleeping - r.sleeping, 0);
+        sleeping = r.sleeping;
+    }
+    EXPECT_GT(slept, 0);
+    EXPECT_GT(woken, 0);
+}
+
 TEST(SnapshotOf, AnotherSceneOrDamageIsRefused) {
     const SceneDescription scene = forced_stack(false);
     World world(scene);
