@@ -177,6 +177,7 @@ void write_properties(std::ostream& out, Records all) {
         {"restitution", [](const EnergyRecord& r) { return short_text(r.restitution); }},
         {"failsafe", [](const EnergyRecord& r) { return std::string(r.merges + r.rung_changes > 0 ? "yes" : "no"); }},
     };
+    if (std::none_of(all.begin(), all.end(), [](const EnergyRecord* r) { return rises(*r); })) return;
     out << "\nRandom scenes with a rise, by what they were drawn from:\n\n| property | share with a rise "
            "|\n|---|---|\n";
     for (const Property& property : properties) write_property(out, all, property);

@@ -41,8 +41,8 @@ struct Settings {
     double restitution = 0.1;      ///< default of bodies, in [0, 1]
     std::uint64_t seed = 0;        ///< of the tangent generator
 
-    double rest_distance =
-        0; ///< d_rest; 0: size/330, size = smaller bounding-sphere diameter of the movable bodies, less for thin solids
+    /// d_rest; 0: size/330, size = smaller bounding-sphere diameter of the movable bodies, less for thin solids
+    double rest_distance = 0;
     double proximity_distance = 0;  ///< d_proximity > d_rest; 0: 2 d_rest
     double separation = 0;          ///< s_min, least certified distance; 0: d_rest/50
     double proximity_angle = 3;     ///< theta_proximity, degrees, in (0, 90)
@@ -57,8 +57,8 @@ struct Settings {
     /// L-infinity constraint violation, m/s; not figure 20's 1e-6, see preset(). Targets below it (eq. 16) are none. < 0: 1/2048 of
     /// what gravity adds in a step, and at most what moves a pair of bodies by 1/1024 of its rest distance in one.
     double static_tolerance = -1;
-    double tolerance_share =
-        1; ///< of that tolerance, where none is given in m/s; below 1 nothing but static_iterations ends a solve above it
+    /// Of that tolerance, where none is given in m/s. Below 1 only static_iterations ends a solve above it.
+    double tolerance_share = 1;
     bool warm_start = true;        ///< start PGS from the last impulses
     bool shock_propagation = true; ///< after PGS reached its limit
 

@@ -26,7 +26,9 @@ std::vector<std::string> SceneArguments::overridden_by_scene(const Settings& set
     std::vector<std::string> lines;
     for (const SettingInfo& info : list_settings()) {
         const std::string wanted = setting_value(asked, info.key), used = setting_value(settings, info.key);
-        const bool by_preset = wanted != setting_value(Settings{}, info.key);
+        // A tolerance that is given leaves nothing to the preset's share of the other one.
+        const bool shared = info.key == "static_tolerance" && asked.tolerance_share != Settings{}.tolerance_share;
+        const bool by_preset = shared || wanted != setting_value(Settings{}, info.key);
         const bool by_option = std::any_of(set.begin(), set.end(), [&](const std::string& text) {
             return text.compare(0, info.key.size() + 1, std::string(info.key) + "=") == 0;
         });

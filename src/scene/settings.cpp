@@ -138,9 +138,8 @@ const std::vector<SettingRow>& table() {
          0,
          1e6,
          {},
-         "where static_tolerance is -1: the tolerance is this share of it; below 1 nothing but static_iterations ends "
-         "a "
-         "solve above it",
+         "where static_tolerance is -1: the tolerance is this share of it; below 1 only static_iterations ends a solve "
+         "above it",
          "lower: slower, less creep"},
         {"warm_start",
          &Settings::warm_start,

@@ -19,9 +19,8 @@ struct Body {
     BodyType type = BodyType::dynamic;
     double mass = 0, inverse_mass = 0; ///< kg, 1/kg
     double friction = 0, restitution = 0;
-    double size = 0; ///< m, diameter of the bounding sphere
-    double extent =
-        0; ///< m, which the lengths of its pairs go by: the size, or ten times the thickness if that is less
+    double size = 0;   ///< m, diameter of the bounding sphere
+    double extent = 0; ///< m, which the lengths of its pairs go by (Shape::extent)
     std::vector<Keyframe> keyframes;
     bool asleep = false; ///< stands still in the step under way, like a body of infinite mass
 

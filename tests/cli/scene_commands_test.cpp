@@ -178,5 +178,21 @@ TEST(PlanCommand, SaysWhatWillBeModelledOfAScene) {
     EXPECT_EQ(run_flotilla("plan --settings " + scene).exit_code, 2);
 }
 
+TEST(RunCommand, SaysWhatTheSceneOverridesOfThePreset) {
+    const TemporaryFolder folder;
+    const std::string scene = (folder.path() / "scene.json").string(), to = (folder.path() / "run").string();
+    std::ofstream(scene) << R"({"flotilla_scene": 1, "settings": {"static_tolerance": 0.5},
+        "shapes": [{"name": "s", "surface_density": 1, "vertices": [[0,0,0], [1,0,0], [0,1,0]], "triangles": [[0,1,2]]}],
+        "bodies": [{"name": "b", "shape": "s", "type": "dynamic", "position": [0,0,0]}]})";
+    const std::string run = "run " + scene + " --steps 1 --overwrite --output " + to;
+    const CommandOutput r = run_flotilla(run + " --preset accurate");
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE((r.out + r.err).find("the scene sets static_tolerance to 0.5, the preset accurate asks for -1"),
+              std::string::npos)
+        << r.out << r.err; // and so leaves nothing to the preset's tolerance_share
+    const CommandOutput balanced = run_flotilla(run);
+    EXPECT_EQ((balanced.out + balanced.err).find("the scene sets"), std::string::npos) << balanced.err;
+}
+
 } // namespace
 } // namespace flotilla::test
