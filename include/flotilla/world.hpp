@@ -50,12 +50,15 @@ enum class Executor : std::uint8_t {
     serial,   ///< everything in a plain loop on the calling thread
 };
 
-/// None changes a bit of the results.
+/// None changes a bit of the results. The threads are OpenMP's, for the time of a step: OMP_PROC_BIND and OMP_PLACES bind them,
+/// OMP_WAIT_POLICY says how they wait between steps.
 struct WorldOptions {
-    int threads =
-        0; ///< up to 1024; 0: FLOTILLA_NUM_THREADS, else OMP_NUM_THREADS, else the cores that the process may use
+    /// Up to 1024, the calling thread among them. 0: FLOTILLA_NUM_THREADS, else what OpenMP would take (OMP_NUM_THREADS, else the cores that
+    /// the process may use); less what steps of other Worlds use at the time; and one inside an active parallel region of OpenMP or a
+    /// task of TBB, whose other threads have work of their own. A number is taken as it is, inside a parallel region as far as OpenMP
+    /// allows regions within regions (OMP_MAX_ACTIVE_LEVELS).
+    int threads = 0;
     Executor executor = Executor::parallel;
-    bool pin = false; ///< keep each thread on a core of its own, the calling one until the World is gone
 };
 
 /// What a thread of a World did since that was made.

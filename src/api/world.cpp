@@ -8,7 +8,7 @@
 
 #include "api/world_access.hpp"
 #include "base/text.hpp"
-#include "parallel/parallel_for.hpp"
+#include "parallel/threads.hpp"
 #include "scene/initial_overlap.hpp"
 #include "scene/separate_overlaps.hpp"
 #include "state/build_model.hpp"
@@ -65,12 +65,13 @@ constexpr int kMostThreads = 1024;
 
 StepperOptions stepper_options(const WorldOptions& options) {
     StepperOptions out;
-    out.threads = options.threads > 0 ? options.threads : default_threads();
-    if (out.threads > kMostThreads)
-        throw InputError(std::to_string(out.threads) + " threads: at most " + std::to_string(kMostThreads) +
+    TeamOptions& team = out.team;
+    team.yields = options.threads <= 0;
+    team.threads = team.yields ? default_threads() : options.threads;
+    if (team.threads > kMostThreads)
+        throw InputError(std::to_string(team.threads) + " threads: at most " + std::to_string(kMostThreads) +
                          " are supported");
-    if (options.executor == Executor::serial) out.threads = 1;
-    out.pin = options.pin;
+    if (options.executor == Executor::serial) team.threads = 1;
     return out;
 }
 

@@ -32,7 +32,6 @@ struct RunArguments {
     int frame_every = 1;
     int threads = 0; ///< 0: as many as the process may use
     std::string executor = "parallel";
-    bool pin = false;
     std::string trace, contacts;
     int trace_every = 1;
     bool overwrite = false, resume = false, quiet = false, audit = false;
@@ -147,7 +146,6 @@ int run_run(const RunArguments& arguments) {
     run.scene_json = file_text(arguments.scene);
     run.world.threads = arguments.threads;
     run.world.executor = arguments.executor == "serial" ? Executor::serial : Executor::parallel;
-    run.world.pin = arguments.pin;
     run.trace = arguments.trace;
     run.contacts = arguments.contacts;
     run.trace_every = arguments.trace_every;
@@ -198,7 +196,7 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
                         "H:M:S; stop with a checkpoint before so much time has passed (exit code 6)");
     command
         ->add_option("--threads", arguments->threads,
-                     "threads (default FLOTILLA_NUM_THREADS, else OMP_NUM_THREADS, else all usable cores)")
+                     "threads (default FLOTILLA_NUM_THREADS, else OpenMP's: OMP_NUM_THREADS, else all usable cores)")
         ->check(CLI::PositiveNumber);
     command
         ->add_option("--executor", arguments->executor,
@@ -212,7 +210,10 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
         ->check(CLI::PositiveNumber);
     command->add_option("--contacts", arguments->contacts,
                         "write the contact points of every step and their impulses into FILE as CSV (.gz: compressed)");
-    command->add_flag("--pin", arguments->pin, "keep each thread on a core of its own");
+    command->add_flag_callback(
+        "--pin",
+        [] { throw CLI::ValidationError("--pin", "is gone: OMP_PROC_BIND=true binds threads, OMP_PLACES says where"); },
+        "gone: OMP_PROC_BIND=true binds threads, OMP_PLACES says where");
     command->add_flag("--audit", arguments->audit, "prove the written frames free of intersections afterwards");
     command->add_flag("--quiet", arguments->quiet, "no progress");
     command->callback([arguments, &action] { action = [arguments] { return run_run(*arguments); }; });

@@ -107,7 +107,7 @@ void order_tasks(StepData& data, const SweepPlan& plan, Current&& current, Fetch
 template <class Current, class Fetch, class Operate>
 void run_in_order(StepData& data, const char* name, const SweepPlan& plan, Current&& current, Fetch&& fetch,
                   Operate&& operate) {
-    if (data.team.size() == 1 && data.team.recorder() == nullptr) {
+    if (data.team.alone() && data.team.recorder() == nullptr) {
         for (int round = 0; round < plan.rounds; ++round) {
             bool any = false;
             for (std::size_t i = 0; i < plan.size(); ++i) {

@@ -10,25 +10,23 @@
 
 namespace flotilla {
 
-/// The exception of the lowest task.
+/// The exception of the lowest task that throws, the one that a plain loop would throw: a task is left out only where one below it threw.
 class FirstError {
   public:
     void keep(std::size_t task) {
         const std::lock_guard guard(lock_);
-        if (task > task_) return;
-        task_ = task;
+        if (task > task_.load(std::memory_order_relaxed)) return;
+        task_.store(task, std::memory_order_relaxed);
         error_ = std::current_exception();
-        any_.store(true, std::memory_order_relaxed);
     }
-    [[nodiscard]] bool any() const { return any_.load(std::memory_order_relaxed); }
+    [[nodiscard]] bool before(std::size_t task) const { return task_.load(std::memory_order_relaxed) < task; }
     void rethrow() const {
         if (error_) std::rethrow_exception(error_);
     }
 
   private:
     std::mutex lock_;
-    std::atomic<bool> any_ = false;
-    std::size_t task_ = std::numeric_limits<std::size_t>::max();
+    std::atomic<std::size_t> task_ = std::numeric_limits<std::size_t>::max();
     std::exception_ptr error_;
 };
 

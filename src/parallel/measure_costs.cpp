@@ -10,7 +10,7 @@
 namespace flotilla {
 namespace {
 
-double now_ns() {
+double clock_ns() {
     return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
@@ -22,9 +22,9 @@ std::vector<double> collect(F&& f) {
     std::vector<double> samples;
     f(samples); // wakes the threads and warms the caches
     samples.clear();
-    const double begin = now_ns();
+    const double begin = clock_ns();
     do f(samples);
-    while (samples.size() < kMany && now_ns() - begin < kTime);
+    while (samples.size() < kMany && clock_ns() - begin < kTime);
     return samples;
 }
 
@@ -38,24 +38,22 @@ double undisturbed(std::vector<double> samples) {
 double fork_join(Team& team) {
     return undisturbed(collect([&](std::vector<double>& samples) {
         for (int i = 0; i < 20; ++i) {
-            const double begin = now_ns();
-            team.together(team.size(), [](int, SpinBarrier&) {});
-            samples.push_back(now_ns() - begin);
+            const double begin = clock_ns();
+            team.phases(team.size(), 1, [](std::size_t, int) {});
+            samples.push_back(clock_ns() - begin);
         }
     }));
 }
 
 double barrier_round(Team& team) {
-    constexpr int kRounds = 20; // their mean: the last to arrive does not wait, the first waits longer
+    constexpr std::size_t kRounds = 20; // their mean: the last to arrive does not wait, the first waits longer
     return undisturbed(collect([&](std::vector<double>& samples) {
-        double time = 0;
-        team.together(team.size(), [&](int thread, SpinBarrier& barrier) {
-            barrier.wait(); // all are there
-            const double begin = thread == 0 ? now_ns() : 0;
-            for (int i = 0; i < kRounds; ++i) barrier.wait();
-            if (thread == 0) time = now_ns() - begin;
+        double begin = 0, end = 0;
+        team.phases(team.size(), kRounds + 2, [&](std::size_t phase, int share) {
+            if (share == 0 && phase == 1) begin = clock_ns(); // all are there
+            if (share == 0 && phase == kRounds + 1) end = clock_ns();
         });
-        samples.push_back(time / kRounds);
+        samples.push_back((end - begin) / kRounds);
     }));
 }
 
@@ -77,9 +75,9 @@ double hand_over(Team& team) {
     std::vector<Ran> ran(order.size());
     std::vector<double> samples = collect([&](std::vector<double>& out) {
         team.run("", order, [&](std::size_t task, int thread) {
-            const double begin = now_ns();
+            const double begin = clock_ns();
             double now = begin;
-            while (now < begin + kTaskTime) now = now_ns();
+            while (now < begin + kTaskTime) now = clock_ns();
             ran[task] = {begin, now, thread};
         });
         for (std::size_t first = 0; first < ran.size(); first += 3)
@@ -97,7 +95,7 @@ std::vector<ThreadCosts> measure_costs(int widest) {
     if (widest < 2) return costs;
     for (int threads = 2;; threads = std::min(widest, threads + std::max(1, threads / 8))) {
         Team team({threads});
-        costs.push_back({threads, fork_join(team), barrier_round(team), hand_over(team)});
+        team.region([&] { costs.push_back({threads, fork_join(team), barrier_round(team), hand_over(team)}); });
         if (threads == widest) return costs;
     }
 }

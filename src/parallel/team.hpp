@@ -1,34 +1,37 @@
 // SPDX-License-Identifier: MIT
-// The threads of a solver: one team, kept for its whole life, that runs loops, ordered tasks and sweeps.
+// The threads of a solver: loops, ordered tasks and phases on the threads of a parallel region (OpenMP's; threads.hpp).
 //
-// Why not two runtimes (loops by OpenMP, task graphs by TBB): a step has hundreds of short parallel sections of both kinds, and the
-// idle threads of one runtime spin while the other works. One team has one wait policy, runs all kinds, records itself, and is
-// seen whole by ThreadSanitizer.
+// A region is as long as a step. Within it sections follow one another, with plain code of the caller between them; crew.hpp says how
+// the threads share a section out, and why nothing waits for one that has no core. That is our own because a step has hundreds of
+// sections, many of them of some microseconds: on two cores an `omp parallel` takes 0.7 us, a section here 0.25 us and a phase 0.2 us; and an
+// `omp barrier`, 0.27 us where both threads spin, waits for every thread, also for one without a core.
 //
 // No bit of a result may depend on which thread does what: items write to slots of their own, and what is collected by thread is
 // only used where order does not matter (sums of integers, minima, maxima).
 //
-// A team of one thread spawns nothing and goes in order. A call from within a task of the same team is not allowed.
+// A team of one thread needs no region and goes in order. A call from within a task of the same team is not allowed.
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <type_traits>
 #include <vector>
 
-#include <sched.h>
-
+#include "parallel/crew.hpp"
 #include "parallel/task_order.hpp"
 #include "parallel/task_recorder.hpp"
+#include "parallel/threads.hpp"
 
 namespace flotilla {
 
 struct TeamOptions {
     int threads = 1;
-    bool pin = false; ///< each thread stays on one core; the caller until the team is gone
+    /// Regions take fewer threads where others work: one among the workers of another parallel region, and at most what regions of other
+    /// teams leave. Otherwise the number is what somebody asked for.
+    bool yields = false;
+    /// More threads than cores are kept awake, for tests: they meet in more ways.
+    bool crowds = false;
 };
 
 /// What a thread did since the team was made.
@@ -37,21 +40,6 @@ struct ThreadTimes {
     double waiting_ms = 0;   ///< in parallel sections, without a task
     std::int64_t tasks = 0;  ///< chunks and ordered tasks
     std::int64_t stolen = 0; ///< of them, those given to another thread at first
-};
-
-/// A barrier for the threads of one parallel section; spins, then gives way.
-class SpinBarrier {
-  public:
-    SpinBarrier(int threads, bool crowded) : threads_(threads), crowded_(crowded) {}
-    SpinBarrier(const SpinBarrier&) = delete;
-    SpinBarrier& operator=(const SpinBarrier&) = delete;
-    void wait();
-
-  private:
-    int threads_;
-    bool crowded_; ///< more threads than cores: give way at once
-    alignas(64) std::atomic<int> arrived_ = 0;
-    alignas(64) std::atomic<std::uint32_t> round_ = 0;
 };
 
 class Team {
@@ -70,6 +58,18 @@ class Team {
         return recorder_ != nullptr && recorder_->active() ? recorder_ : nullptr;
     }
 
+    /// Calls work() in a parallel region; sections called outside of one open one each. Throws what work throws.
+    template <class Work>
+    void region(Work&& work) {
+        run_region(CallRef<>::of(work));
+    }
+    /// Ends sections on several threads until the region's end, which has to wait for the threads: best called some time before.
+    void dismiss();
+    /// Whether sections run on the caller alone, so that their order of tasks need not be prepared.
+    [[nodiscard]] bool alone() const { return present_ == 1; }
+    /// Threads of sections at present, at most size().
+    [[nodiscard]] int present() const { return present_; }
+
     /// Calls work(begin, end, thread) for the chunks [k grain, (k+1) grain) of [0, n). Every thread begins with its own stretch of
     /// neighbouring chunks, the same in every loop of as many, and then helps others. Of several exceptions that of the lowest
     /// chunk is thrown.
@@ -77,9 +77,10 @@ class Team {
     void for_chunks(const char* name, std::size_t n, std::size_t grain, Work&& work) {
         if (n == 0) return;
         const std::size_t chunks = (n + grain - 1) / grain;
-        run_chunks(name, chunks, Call::of([&](std::size_t chunk, int thread) {
-                       work(chunk * grain, std::min(n, (chunk + 1) * grain), thread);
-                   }));
+        const auto one = [&](std::size_t chunk, int thread) {
+            work(chunk * grain, std::min(n, (chunk + 1) * grain), thread);
+        };
+        run_chunks(name, chunks, Task::of(one));
     }
 
     /// Calls work(i, thread) for all i in [0, n), in chunks of `grain`.
@@ -93,60 +94,47 @@ class Team {
     /// Calls work(task, thread) once for every task, none before those it waits for. One thread takes them in list order.
     template <class Work>
     void run(const char* name, const TaskOrder& order, Work&& work) {
-        run_order(name, order, Call::of([&](std::size_t task, int thread) { work(task, thread); }));
+        run_order(name, order, Task::of(work));
     }
 
     /// How many threads a section takes whose work is worth `tasks` shares.
     [[nodiscard]] int width(std::size_t tasks) const {
-        return static_cast<int>(std::clamp<std::size_t>(tasks, 1, static_cast<std::size_t>(size_)));
+        return static_cast<int>(std::clamp<std::size_t>(tasks, 1, static_cast<std::size_t>(present_)));
     }
-    /// Calls work(thread, barrier) once on each of `threads` threads (at most size()), side by side. No exceptions.
+    /// Calls work(phase, share) once for each of `shares` shares (at most size()) of each phase; a phase begins when all shares of the one
+    /// before are done. No exceptions.
     template <class Work>
-    void together(int threads, Work&& work) {
-        SpinBarrier barrier(threads, crowded_);
-        run_together(threads, Call::of([&](std::size_t, int thread) { work(thread, barrier); }));
+    void phases(int shares, std::size_t phases, Work&& work) {
+        run_phases(shares, phases, CallRef<std::size_t, int>::of(work));
     }
 
   private:
-    /// A reference to a callable, without allocation.
-    struct Call {
-        void (*function)(void*, std::size_t, int) = nullptr;
-        void* object = nullptr;
-        template <class F>
-        static Call of(F&& f) {
-            return {[](void* object, std::size_t i, int thread) {
-                        (*static_cast<std::remove_reference_t<F>*>(object))(i, thread);
-                    },
-                    const_cast<void*>(static_cast<const void*>(&f))};
-        }
-        void operator()(std::size_t i, int thread) const { function(object, i, thread); }
-    };
-    struct Seat;
+    using Task = CallRef<std::size_t, int>;
     class Chunks;
     class Ordered;
-
-    void run_chunks(const char* name, std::size_t chunks, const Call& work);
-    void run_order(const char* name, const TaskOrder& order, const Call& work);
-    void run_together(int threads, const Call& work);
-    /// Whom the caller waits for when it is through: where sections share work out, a thread that found no free core and never
-    /// came is not needed.
-    enum class Join { all, those_who_came };
-    /// Calls section(0, thread) on `threads` threads, the caller being thread 0; returns when they have.
-    void dispatch(int threads, const Call& section, Join join);
-    void serve(int seat);
-    void dismiss(); ///< ends the helpers
-
-    int size_;
-    bool crowded_; ///< more threads than cores
-    TaskRecorder* recorder_ = nullptr;
-    std::vector<std::unique_ptr<Seat>> seats_;
-    Call section_;
-    std::atomic<bool> leaving_ = false;
-    alignas(64) std::atomic<int> working_ = 0; ///< helpers that have not finished the section
     struct OrderedMemory;
+
+    [[nodiscard]] int wanted() const;
+    void run_region(const CallRef<>& work);
+    void enter(const CallRef<>& work, int threads);
+    void run_chunks(const char* name, std::size_t chunks, const Task& work);
+    void run_order(const char* name, const TaskOrder& order, const Task& work);
+    void run_phases(int shares, std::size_t phases, const CallRef<std::size_t, int>& work);
+    [[nodiscard]] ThreadTimes& times_of(int thread) { return times_[static_cast<std::size_t>(thread)].value; }
+
+    TeamOptions options_;
+    int size_;
+    int present_; ///< threads at hand: of the region, or that a region would have
+    bool in_region_ = false;
+    int rest_ = 0, rest_left_ = 0; ///< regions without helpers: of the next rest, and of the present one
+    TaskRecorder* recorder_ = nullptr;
+    struct alignas(64) PaddedTimes {
+        ThreadTimes value;
+    };
+    std::vector<PaddedTimes> times_; ///< by share
+    Crew crew_;
     std::unique_ptr<OrderedMemory> ordered_;
     std::unique_ptr<Chunks> chunks_;
-    std::unique_ptr<cpu_set_t> caller_cores_; ///< of the calling thread before it was pinned
 };
 
 /// Calls work(i) for all i in [0, n): on the team, or where there is none in a plain loop.
@@ -156,6 +144,13 @@ void for_each(Team* team, const char* name, std::size_t n, std::size_t grain, Wo
         team->for_each(name, n, grain, [&](std::size_t i, int) { work(i); });
     else
         for (std::size_t i = 0; i < n; ++i) work(i);
+}
+
+/// Calls work(phase, share) for all shares of phase 0, then of phase 1 and so on; several shares need a team.
+template <class Work>
+void for_phases(Team* team, int shares, std::size_t phases, Work&& work) {
+    if (shares > 1) return team->phases(shares, phases, work);
+    for (std::size_t phase = 0; phase < phases; ++phase) work(phase, 0);
 }
 
 } // namespace flotilla

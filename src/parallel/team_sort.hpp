@@ -40,7 +40,7 @@ template <class T, class Less>
 void team_sort(Team& team, std::vector<T>& items, std::vector<T>& buffer, Less less) {
     using namespace team_sort_detail;
     const std::size_t n = items.size(), run = run_length(n);
-    if (n <= run || (team.size() == 1 && team.recorder() == nullptr)) {
+    if (n <= run || (team.alone() && team.recorder() == nullptr)) {
         if (!std::is_sorted(items.begin(), items.end(), less)) std::sort(items.begin(), items.end(), less);
         return;
     }

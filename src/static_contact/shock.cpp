@@ -103,7 +103,7 @@ void pack_level(const ContactSolveOptions& options, ContactScratch& s) {
              [&](std::size_t p) { fill_packet(s.shock_blocks, s.shock_rows, p, s.shock_packed); });
 }
 
-/// The sweeps of one level on several threads, which decide alike (see sweep_island.cpp).
+/// The sweeps of one level, in shares for several threads (see sweep_island.cpp).
 class LevelSweeps {
   public:
     LevelSweeps(const ContactSolveOptions& options, double tolerance, int threads, ContactScratch& s)
@@ -116,20 +116,16 @@ class LevelSweeps {
         if (recorder_ != nullptr) busy_.assign(index(threads) * s.shock_groups.size(), 0);
     }
 
-    void run(int thread, SpinBarrier& barrier) {
-        int sweeps = 0;
-        double violation = 0, before = std::numeric_limits<double>::infinity();
-        while (sweeps < options_.shock_iterations) {
-            violation = sweep_groups(thread, sweeps % 2, barrier);
-            ++sweeps;
-            if (violation <= tolerance_) break;
-            if (sweeps % kPatience != 0) continue;
-            if (violation > kLeastFall * before) break;
-            before = violation;
+    void run() {
+        double before = std::numeric_limits<double>::infinity();
+        while (sweeps_ < options_.shock_iterations) {
+            violation_ = sweep_groups();
+            ++sweeps_;
+            if (violation_ <= tolerance_) break;
+            if (sweeps_ % kPatience != 0) continue;
+            if (violation_ > kLeastFall * before) break;
+            before = violation_;
         }
-        if (thread != 0) return;
-        sweeps_ = sweeps;
-        violation_ = violation;
     }
     void record(std::int32_t region) const {
         for (std::size_t g = 0; g < s_.shock_groups.size(); ++g) {
@@ -142,10 +138,10 @@ class LevelSweeps {
     [[nodiscard]] double violation() const { return violation_; } ///< m/s, largest of the last sweep
 
   private:
-    double sweep_groups(int thread, int parity, SpinBarrier& barrier) {
-        double& worst = seen_[index(thread)].worst[parity];
-        worst = 0;
-        for (std::size_t g = 0; g < s_.shock_groups.size(); ++g) {
+    double sweep_groups() {
+        for (auto& seen : seen_) seen.worst = 0;
+        for_phases(options_.team, threads_, s_.shock_groups.size(), [&](std::size_t g, int thread) {
+            double& worst = seen_[index(thread)].worst;
             const auto packets = packets_of(g).share(thread, threads_);
             const std::int64_t begin = recorder_ != nullptr ? recorder_->now() : 0;
             worst = std::max(worst, sweep(Cone::frozen,
@@ -155,10 +151,9 @@ class LevelSweeps {
                                            .bodies = s_.velocity.data()},
                                           options_.isa));
             if (recorder_ != nullptr) busy_[index(thread) * s_.shock_groups.size() + g] += recorder_->now() - begin;
-            barrier.wait();
-        }
+        });
         double out = 0;
-        for (const auto& seen : seen_) out = std::max(out, seen.worst[parity]);
+        for (const auto& seen : seen_) out = std::max(out, seen.worst);
         return out;
     }
     [[nodiscard]] GroupPackets packets_of(std::size_t group) const {
@@ -185,23 +180,18 @@ double sweep_level(ContactScratch::Island& island, const ContactSolveOptions& op
         const auto end = static_cast<std::int32_t>(s.shock_packed.packets.size());
         return sweep_width_of(s.shock_groups, end, s.shock_packed.packets, most);
     };
-    const int threads = together ? width(options.team->size()) : 1;
+    const int threads = together ? width(options.team->present()) : 1;
     if (threads > 1) s.seen.assign(index(threads), {});
     LevelSweeps sweeps(options, tolerance, threads, s);
-    if (together) {
-        TaskRecorder* recorder = options.team->recorder();
-        const std::int32_t region = recorder != nullptr
-                                        ? recorder->begin_region("shock sweeps", RegionKind::sweeps,
-                                                                 width(std::numeric_limits<int>::max()), nullptr)
-                                        : -1;
-        options.team->together(threads, [&](int thread, SpinBarrier& barrier) { sweeps.run(thread, barrier); });
-        if (recorder != nullptr) {
-            sweeps.record(region);
-            recorder->end_region(region);
-        }
-    } else {
-        SpinBarrier alone(1, false);
-        sweeps.run(0, alone);
+    TaskRecorder* recorder = together ? options.team->recorder() : nullptr;
+    const std::int32_t region = recorder != nullptr
+                                    ? recorder->begin_region("shock sweeps", RegionKind::sweeps,
+                                                             width(std::numeric_limits<int>::max()), nullptr)
+                                    : -1;
+    sweeps.run();
+    if (recorder != nullptr) {
+        sweeps.record(region);
+        recorder->end_region(region);
     }
     island.visits += sweeps.visits();
     return sweeps.violation();

@@ -145,14 +145,13 @@ struct ContactScratch {
     std::vector<double> sums;        ///< parts of sums, at the place of their first body in island_bodies
     std::vector<PacketGroup> groups; ///< by island
     std::vector<std::int32_t> small_islands;
-    /// What a thread that sweeps a large island tells the others. Those of one sweep and of the next lie apart: a fast thread may be
-    /// there already.
+    /// What a share of a sweep or a look found.
     struct alignas(64) Seen {
-        double worst[2] = {}; ///< m/s, by parity of the sweep
-        double residual = 0;  ///< m/s
-        int violated = 0;     ///< pairs
+        double worst = 0;    ///< m/s
+        double residual = 0; ///< m/s
+        int violated = 0;    ///< pairs
     };
-    std::vector<Seen> seen; ///< by thread
+    std::vector<Seen> seen; ///< by share
     std::vector<std::uint8_t>
         violated; ///< per packet, a bit for each pair: what the last look at a resting island found
     /// The part of a large island that is not solved yet (unsolved_part.hpp).
@@ -163,7 +162,6 @@ struct ContactScratch {
         std::vector<PacketGroup> groups;
         std::vector<double> sums;  ///< parts of a sum over the bodies
         std::int64_t contacts = 0; ///< that a sweep of them visits
-        int sweeps = 0;            ///< the last ones
     };
     Unsolved part;
     /// What a thread needs to solve an island exactly.

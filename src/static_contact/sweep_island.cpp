@@ -130,9 +130,9 @@ SweepView view_of(const Island& island, ContactScratch& s) {
 
 using Seen = ContactScratch::Seen;
 
-/// The sweeps of one island on several threads. All of them go through run() and come to the same decisions, because what those rest
-/// on does not depend on the number of threads: packets of one colour touch different bodies, sums of bodies are cut at fixed places
-/// and added up in their order, and the rest are maxima.
+/// The sweeps of one island, in shares for several threads. Decisions fall between phases, on the calling thread, and rest on what does not
+/// depend on the number of shares: packets of one colour touch different bodies, sums of bodies are cut at fixed places and added up
+/// in their order, and the rest are maxima.
 class IslandSweeps {
   public:
     IslandSweeps(Island& island, const ContactSolveOptions& options, const SweepStart& start, int threads,
@@ -160,41 +160,34 @@ class IslandSweeps {
         if (recorder_ != nullptr) busy_.assign(index(threads) * num_groups(), 0);
     }
 
-    void run(int thread, SpinBarrier& barrier) {
-        if (start_.apply_impulses) apply_impulses(thread, barrier);
-        if (start_.momentum) remember(thread);
+    void run() {
+        if (start_.apply_impulses) apply_impulses();
+        if (start_.momentum) for_phases(1, [&](std::size_t, int share) { remember(share); });
         Course course{.progress = Progress(options_.patience, jams_)};
         Momentum momentum;
         double m = 0;
         bool known = false, stalled = false;
         while (course.sweeps() < options_.iterations && !stalled) {
-            if (start_.momentum) {
-                move_on(thread, m);
-                barrier.wait();
-            }
-            const double worst = sweep_groups(thread, m, course.whole % 2, barrier);
+            const double worst = sweep_groups(m);
             ++course.whole;
             known = worst <= options_.tolerance || course.whole % kLookEvery == 0;
             const bool peek = !known && (course.whole == kFirstPeek || course.whole == kSecondPeek);
-            if (start_.momentum) add_up(thread);
-            if (known) look(thread, load_share_, barrier);
-            if (peek) wake_violated(thread, barrier);
-            if (known || peek || start_.momentum) barrier.wait();
+            if (known) look(load_share_);
+            if (peek) wake_violated();
             const bool turns = start_.momentum && turned_back_sum() > 0;
             bool used_parts = false;
             if (known) {
                 course.saw(seen_left());
-                used_parts =
-                    may_use_parts_ && course.whole >= course.parts_from && solve_parts(thread, course, barrier);
+                used_parts = may_use_parts_ && course.whole >= course.parts_from && solve_parts(course);
                 if (course.left.residual <= options_.tolerance) break;
             }
             stalled = course.stalls();
             if (start_.momentum) m = momentum.next(course.progress.rose() || used_parts || turns);
         }
-        if (!known) course.left.residual = look_again(thread, load_share_, barrier);
+        if (!known) course.left.residual = look_again(load_share_);
         const bool solved = course.left.residual <= options_.tolerance;
-        if (load_share_ > 0) course.left.residual = look_again(thread, 0, barrier);
-        if (thread == 0) finish(course, solved);
+        if (load_share_ > 0) course.left.residual = look_again(0);
+        finish(course, solved);
     }
 
     void record(std::int32_t region) const {
@@ -209,7 +202,7 @@ class IslandSweeps {
     }
 
   private:
-    /// How far the solve has come. Every thread has one, and all are alike.
+    /// How far the solve has come.
     struct Course {
         Progress progress;
         int whole = 0, of_parts = 0; ///< sweeps; those of parts in sweeps of the whole that cost as much
@@ -300,55 +293,69 @@ class IslandSweeps {
         return sum;
     }
 
-    void apply_impulses(int thread, SpinBarrier& barrier) {
-        for (std::size_t g = 0; g < groups_.size(); ++g) {
-            flotilla::apply_impulses(view_of(packets_of(g).share(thread, threads_), 0), options_.isa);
-            barrier.wait();
-        }
+    template <class Work>
+    void for_phases(std::size_t phases, Work&& work) {
+        flotilla::for_phases(options_.team, threads_, phases, work);
+    }
+    void apply_impulses() {
+        for_phases(groups_.size(), [&](std::size_t g, int share) {
+            flotilla::apply_impulses(view_of(packets_of(g).share(share, threads_), 0), options_.isa);
+        });
     }
 
-    /// One sweep; returns the largest violation that any thread met.
-    double sweep_groups(int thread, double m, int parity, SpinBarrier& barrier) {
-        double& worst = seen_[index(thread)].worst[parity];
-        worst = 0;
-        for (std::size_t g = 0; g < groups_.size(); ++g) {
-            timed(thread, g, [&] {
-                worst = std::max(worst, sweep(cone_, view_of(packets_of(g).share(thread, threads_), m), options_.isa));
+    /// One sweep; returns the largest violation that it met. With momentum bodies move on before it, and it says which turned back.
+    double sweep_groups(double m) {
+        for (Seen& seen : seen_) seen.worst = 0;
+        const std::size_t before = start_.momentum ? 1 : 0;
+        for_phases(groups_.size() + 2 * before, [&](std::size_t phase, int share) {
+            if (phase < before) return move_on(share, m);
+            if (phase - before == groups_.size()) return add_up(share);
+            timed(share, phase - before, [&] {
+                const SweepView view = view_of(packets_of(phase - before).share(share, threads_), m);
+                double& worst = seen_[index(share)].worst;
+                worst = std::max(worst, sweep(cone_, view, options_.isa));
             });
-            barrier.wait();
-        }
-        return largest([parity](const Seen& seen) { return seen.worst[parity]; });
-    }
-    void look(int thread, double load_share, SpinBarrier& barrier) {
-        double residual = 0;
-        timed(thread, look_group(), [&] {
-            const auto share = share_of(packets_, thread, threads_);
-            SweepView view = view_of(share, 0);
-            view.load_share = load_share;
-            residual = island_.rests ? find_violated(cone_, view, options_.tolerance,
-                                                     violated_.data() + (share.data() - packets_.data()), options_.isa)
-                                     : largest_violation(cone_, view, options_.isa);
         });
-        seen_[index(thread)].residual = std::max(residual, wake_violated(thread, barrier));
-        if (jams_) seen_[index(thread)].violated = count_violated(share_of(packets_, thread, threads_));
+        return largest([](const Seen& seen) { return seen.worst; });
     }
-    double look_again(int thread, double load_share, SpinBarrier& barrier) {
-        barrier.wait(); // others may still read what look() writes
-        look(thread, load_share, barrier);
-        barrier.wait();
+    /// Tells seen_ what is left.
+    void look(double load_share) {
+        for_phases(2, [&](std::size_t phase, int share) {
+            if (phase == 0) {
+                seen_[index(share)].residual = find_left(share, load_share);
+                return note_changes(share);
+            }
+            Seen& seen = seen_[index(share)];
+            seen.residual = std::max(seen.residual, wake_violated(share));
+            if (jams_) seen.violated = count_violated(share_of(packets_, share, threads_));
+        });
+    }
+    double find_left(int share, double load_share) {
+        double residual = 0;
+        timed(share, look_group(), [&] {
+            const auto packets = share_of(packets_, share, threads_);
+            SweepView view = view_of(packets, 0);
+            view.load_share = load_share;
+            residual = island_.rests
+                           ? find_violated(cone_, view, options_.tolerance,
+                                           violated_.data() + (packets.data() - packets_.data()), options_.isa)
+                           : largest_violation(cone_, view, options_.isa);
+        });
+        return residual;
+    }
+    double look_again(double load_share) {
+        look(load_share);
         return seen_residual();
     }
     /// Sweeps what is not solved yet alone, after a look, for as long as that is a small part and helps; with a look at the whole
     /// after every round. Whether there was one.
-    bool solve_parts(int thread, Course& course, SpinBarrier& barrier) {
+    bool solve_parts(Course& course) {
         bool swept = false;
         const int most = std::min(options_.iterations, course.sweeps() + 4 * course.wait);
         while (course.left.residual > options_.tolerance && course.sweeps() < most && !course.stalls() &&
-               sweep_part(thread, !swept, most - course.sweeps(), barrier)) {
+               sweep_part(!swept, most - course.sweeps(), course)) {
             swept = true;
-            course.of_parts += part_cost_;
-            look(thread, load_share_, barrier);
-            barrier.wait();
+            look(load_share_);
             const Left before = course.left;
             course.saw_after_part(seen_left());
             if (stands(before, course.left)) break;
@@ -359,32 +366,37 @@ class IslandSweeps {
         }
         return swept;
     }
-    /// One round, chosen by thread 0; false where the part is too large.
-    bool sweep_part(int thread, bool anew, int most_cost, SpinBarrier& barrier) {
-        if (thread == 0) timed(thread, choice_group(), [&] { part_chosen_ = choose_unsolved(island_, anew, s_); });
-        barrier.wait();
-        if (!part_chosen_) return false;
+    /// One round; false where the part is too large.
+    bool sweep_part(bool anew, int most_cost, Course& course) {
+        bool chosen = false;
+        timed(0, choice_group(), [&] { chosen = choose_unsolved(island_, anew, s_); });
+        if (!chosen) return false;
         const auto part = static_cast<std::int64_t>(s_.part.packets.size());
         const auto whole = static_cast<std::int64_t>(packets_.size());
-        const Sweeper sweeper{
-            thread, threads_,  barrier,
-            seen_,  recorder_, recorder_ != nullptr ? &busy_[index(thread) * num_groups() + part_group()] : nullptr};
+        const Sweeper sweeper{options_.team,
+                              threads_,
+                              seen_,
+                              recorder_,
+                              recorder_ != nullptr ? std::span(busy_).subspan(part_group()) : std::span(busy_),
+                              num_groups()};
         const int sweeps =
             sweep_unsolved(sweeper, cone_, options_, start_.momentum, most_cost * whole / part, view_of({}, 0), s_);
-        if (thread == 0) {
-            island_.visits += sweeps * s_.part.contacts;
-            part_cost_ = static_cast<int>(std::max<std::int64_t>(1, sweeps * part / whole));
-            part_tasks_ += sweeps * part;
-            part_visits_ += sweeps * static_cast<std::int64_t>(s_.part.groups.size());
-            ++part_rounds_;
-        }
-        barrier.wait();
+        island_.visits += sweeps * s_.part.contacts;
+        course.of_parts += static_cast<int>(std::max<std::int64_t>(1, sweeps * part / whole));
+        part_tasks_ += sweeps * part;
+        part_visits_ += sweeps * static_cast<std::int64_t>(s_.part.groups.size());
+        ++part_rounds_;
         return true;
     }
-    /// Wakes packets whose parked contacts are violated; returns the largest violation of those that were parked.
-    double wake_violated(int thread, SpinBarrier& barrier) {
-        note_changes(thread);
-        barrier.wait();
+    /// Wakes packets whose parked contacts are violated.
+    void wake_violated() {
+        for_phases(2, [&](std::size_t phase, int share) {
+            if (phase == 0) return note_changes(share);
+            wake_violated(share);
+        });
+    }
+    /// After note_changes() of all; returns the largest violation of those that were parked.
+    double wake_violated(int thread) {
         double worst = 0;
         timed(thread, look_group(), [&] {
             const auto share = share_of(packets_, thread, threads_); // as in look(), which reads what this changes
@@ -473,14 +485,12 @@ class IslandSweeps {
     bool jams_;          ///< whether it may be jammed
     double load_share_;  ///< see kLoadPerTolerance
     bool may_use_parts_; ///< whether what is not solved may be swept alone
-    bool part_chosen_ = false;
-    int part_cost_ = 0; ///< of the last round, in sweeps of the whole
     int part_rounds_ = 0, whole_sweeps_ = 0;
     std::int64_t part_tasks_ = 0, part_visits_ = 0; ///< of packets and of groups
     Seen alone_;
-    std::span<Seen> seen_; ///< by thread
+    std::span<Seen> seen_; ///< by share
     TaskRecorder* recorder_;
-    std::vector<std::int64_t> busy_; ///< ns, by thread and group
+    std::vector<std::int64_t> busy_; ///< ns, by share and group
 };
 
 // A sweep sees every row at its own turn, which may be just inside the tolerance while the end state is not; so a sweep that passes
@@ -488,18 +498,14 @@ class IslandSweeps {
 // looked at now and then.
 void sweep_island(Island& island, const ContactSolveOptions& options, const SweepStart& start, ContactScratch& s) {
     const bool together = options.team != nullptr && is_large(island, s);
-    const int threads = together ? width_of(island, s, options.team->size()) : 1;
+    const int threads = together ? width_of(island, s, options.team->present()) : 1;
     if (threads > 1) s.seen.assign(index(threads), {}); // one large island at a time
     IslandSweeps sweeps(island, options, start, threads, s);
-    if (!together) {
-        SpinBarrier alone(1, false);
-        return sweeps.run(0, alone);
-    }
-    TaskRecorder* recorder = options.team->recorder();
+    TaskRecorder* recorder = together ? options.team->recorder() : nullptr;
     const int most_threads = width_of(island, s, std::numeric_limits<int>::max());
     const std::int32_t region =
         recorder != nullptr ? recorder->begin_region("contact sweeps", RegionKind::sweeps, most_threads, nullptr) : -1;
-    options.team->together(threads, [&](int thread, SpinBarrier& barrier) { sweeps.run(thread, barrier); });
+    sweeps.run();
     if (recorder == nullptr) return;
     sweeps.record(region);
     recorder->end_region(region);

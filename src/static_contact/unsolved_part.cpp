@@ -37,51 +37,42 @@ bool mark_violated(std::size_t first, std::size_t end, std::size_t most, Contact
     return true;
 }
 
-/// The sweeps of a part by one of the threads. All come to the same decisions: packets of a colour touch different bodies, sums are cut
-/// at fixed places and added up in their order, and the rest are maxima.
+/// The sweeps of a part, in shares for several threads. Decisions rest on what does not depend on their number: packets of a colour
+/// touch different bodies, sums are cut at fixed places and added up in their order, and the rest are maxima.
 class PartSweeps {
   public:
     PartSweeps(const Sweeper& sweeper, Cone cone, const ContactSolveOptions& options, const SweepView& view,
                ContactScratch& s)
-        : me_(sweeper), cone_(cone), options_(options), view_(view), s_(s), part_(s.part) {
+        : by_(sweeper), cone_(cone), options_(options), view_(view), s_(s), part_(s.part) {
         const auto end = static_cast<std::int32_t>(part_.packets.size());
-        sharers_ = sweep_width_of(part_.groups, end, part_.packets, me_.threads);
+        threads_ = sweep_width_of(part_.groups, end, part_.packets, by_.threads);
     }
 
     int run(bool momentum, int limit) {
-        if (sharers_ == 1 && me_.thread > 0) return 0; // one thread alone, which says afterwards how many there were
         Momentum sequence;
         int sweeps = 0;
         for (bool done = false; !done && sweeps < limit; ++sweeps) {
-            if (momentum) {
-                for_my_bodies(
-                    [&](std::span<const std::int32_t> bodies, double&) { extrapolate(bodies, view_.momentum, s_); });
-                wait();
-            }
-            done = sweep_groups(sweeps % 2) <= options_.tolerance;
+            done = sweep_groups(momentum) <= options_.tolerance;
             if (momentum) view_.momentum = sequence.next(turned_back_sum() > 0);
         }
         return sweeps;
     }
 
   private:
-    void wait() {
-        if (sharers_ > 1) me_.barrier.wait();
-    }
     /// Adds the time of a scope to the record.
     template <class Work>
-    void timed(Work&& work) {
-        if (me_.recorder == nullptr) return work();
-        const std::int64_t begin = me_.recorder->now();
+    void timed(int share, Work&& work) {
+        if (by_.recorder == nullptr) return work();
+        const std::int64_t begin = by_.recorder->now();
         work();
-        *me_.busy += me_.recorder->now() - begin;
+        by_.busy[index(share) * by_.busy_stride] += by_.recorder->now() - begin;
     }
+    /// Calls work(bodies, slot) for the parts of the sum that are this share's.
     template <class Work>
-    void for_my_bodies(Work&& work) {
-        if (me_.thread >= sharers_) return;
-        timed([&] {
-            const std::size_t first = part_.sums.size() * index(me_.thread) / index(sharers_);
-            const std::size_t end = part_.sums.size() * index(me_.thread + 1) / index(sharers_);
+    void for_bodies_of(int share, Work&& work) {
+        timed(share, [&] {
+            const std::size_t first = part_.sums.size() * index(share) / index(threads_);
+            const std::size_t end = part_.sums.size() * index(share + 1) / index(threads_);
             const std::span<const std::int32_t> bodies = part_.bodies;
             for (std::size_t k = first; k < end; ++k) {
                 const std::size_t begin = k * kBodiesPerSum;
@@ -89,40 +80,49 @@ class PartSweeps {
             }
         });
     }
-    double turned_back_sum() {
-        for_my_bodies([&](std::span<const std::int32_t> bodies, double& sum) { sum = turned_back(bodies, s_); });
-        wait();
+    void move_on(int share) {
+        for_bodies_of(share,
+                      [&](std::span<const std::int32_t> bodies, double&) { extrapolate(bodies, view_.momentum, s_); });
+    }
+    void add_up(int share) {
+        for_bodies_of(share, [&](std::span<const std::int32_t> bodies, double& sum) { sum = turned_back(bodies, s_); });
+    }
+    [[nodiscard]] double turned_back_sum() const {
         double sum = 0;
         for (const double part : part_.sums) sum += part;
         return sum;
     }
-    /// Returns the largest violation that any thread met.
-    double sweep_groups(int parity) {
-        double& worst = me_.seen[index(me_.thread)].worst[parity];
-        worst = 0;
-        const auto end = static_cast<std::int32_t>(part_.packets.size());
-        for (std::size_t g = 0; g < part_.groups.size(); ++g) {
-            if (me_.thread < sharers_)
-                timed([&] {
-                    const auto share = packets_of(part_.groups, g, end, part_.packets).share(me_.thread, sharers_);
-                    view_.packets = share.data();
-                    view_.num_packets = static_cast<std::int64_t>(share.size());
-                    worst = std::max(worst, sweep(cone_, view_, options_.isa));
-                });
-            wait();
-        }
+    /// Returns the largest violation that was met.
+    double sweep_groups(bool momentum) {
+        const auto seen = by_.seen.first(index(threads_));
+        for (auto& s : seen) s.worst = 0;
+        const std::size_t before = momentum ? 1 : 0;
+        for_phases(by_.team, threads_, part_.groups.size() + 2 * before, [&](std::size_t phase, int share) {
+            if (phase < before) return move_on(share);
+            if (phase - before == part_.groups.size()) return add_up(share);
+            timed(share, [&] { sweep_group(phase - before, share); });
+        });
         double largest = 0;
-        for (int t = 0; t < sharers_; ++t) largest = std::max(largest, me_.seen[index(t)].worst[parity]);
+        for (const auto& s : seen) largest = std::max(largest, s.worst);
         return largest;
     }
+    void sweep_group(std::size_t group, int share) {
+        const auto end = static_cast<std::int32_t>(part_.packets.size());
+        const auto packets = packets_of(part_.groups, group, end, part_.packets).share(share, threads_);
+        SweepView view = view_;
+        view.packets = packets.data();
+        view.num_packets = static_cast<std::int64_t>(packets.size());
+        double& worst = by_.seen[index(share)].worst;
+        worst = std::max(worst, sweep(cone_, view, options_.isa));
+    }
 
-    const Sweeper& me_;
+    const Sweeper& by_;
     Cone cone_;
     const ContactSolveOptions& options_;
     SweepView view_;
     ContactScratch& s_;
     ContactScratch::Unsolved& part_;
-    int sharers_; ///< threads that share the work; where there are several, the others wait with them
+    int threads_; ///< that the part is worth
 };
 
 } // namespace
@@ -179,11 +179,8 @@ bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScr
 
 int sweep_unsolved(const Sweeper& sweeper, Cone cone, const ContactSolveOptions& options, bool momentum,
                    std::int64_t most, const SweepView& view, ContactScratch& s) {
-    const int sweeps = PartSweeps(sweeper, cone, options, view, s)
-                           .run(momentum, static_cast<int>(std::min<std::int64_t>(most, kMostSweeps)));
-    if (sweeper.thread == 0) s.part.sweeps = sweeps;
-    sweeper.barrier.wait();
-    return s.part.sweeps;
+    return PartSweeps(sweeper, cone, options, view, s)
+        .run(momentum, static_cast<int>(std::min<std::int64_t>(most, kMostSweeps)));
 }
 
 } // namespace flotilla

@@ -19,18 +19,19 @@ void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& scra
 /// would hand the same load to and fro. False where there are none, or too many of the island's.
 bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& scratch);
 
-/// One of several threads that go through the same sweeps.
+/// Who sweeps.
 struct Sweeper {
-    int thread = 0, threads = 1;
-    SpinBarrier& barrier;
-    std::span<ContactScratch::Seen> seen; ///< by thread
+    Team* team;
+    int threads = 1;
+    std::span<ContactScratch::Seen> seen; ///< by share
     TaskRecorder* recorder = nullptr;
-    std::int64_t* busy = nullptr; ///< ns, of this thread; counted where there is a recorder
+    std::span<std::int64_t> busy; ///< ns, of share k at k * busy_stride; counted where there is a recorder
+    std::size_t busy_stride = 0;
 };
 
 /// Sweeps them, without momentum or with a sequence of their own, until a sweep meets no violation above the tolerance, `most` times or
-/// a hundred times. `view` says what violations are let off. Returns the number of sweeps, to all threads the same; their number
-/// changes no bit. The next sweep of the island must do without momentum.
+/// a hundred times. `view` says what violations are let off. Returns the number of sweeps. The number of threads changes no bit. The
+/// next sweep of the island must do without momentum.
 int sweep_unsolved(const Sweeper& sweeper, Cone cone, const ContactSolveOptions& options, bool momentum,
                    std::int64_t most, const SweepView& view, ContactScratch& scratch);
 

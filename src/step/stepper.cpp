@@ -66,11 +66,15 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
 } // namespace
 
 Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
-    : model_(model), options_(options), team_({options.threads, options.pin}), state_(std::move(state)) {
+    : model_(model), options_(options), team_(options.team), state_(std::move(state)) {
     for (int k = 0; k < team_.size(); ++k) workers_.push_back(std::make_unique<Worker>());
     state_.sleep.resize(model_.size());
     mark_asleep();
     trajectories_.resize(model_);
+    team_.region([&] { prepare(); });
+}
+
+void Stepper::prepare() {
     team_.for_each("place bodies", model_.size(), kBodyGrain,
                    [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
     turns_.assign(model_.size(), {});
@@ -124,14 +128,22 @@ StepData Stepper::data() {
 StepReport Stepper::step() {
     StepReport report;
     report.step = state_.step + 1;
+    report.time = static_cast<double>(report.step) * model_.settings.time_step;
+    {
+        const Stopwatch total(report.total_ms);
+        team_.region([&] { advance(report); });
+    }
+    measure(report);
+    return report;
+}
+
+void Stepper::advance(StepReport& report) {
     const double dt = model_.settings.time_step;
-    report.time = static_cast<double>(report.step) * dt;
     auto& [end, collided, half, next] = buffers_;
     end.resize(model_.size());
     DynamicContactStats dynamic;
     FailsafeStats failsafe;
     {
-        const Stopwatch total(report.total_ms);
         const RecordedSpan recorded("step", team_);
         pairs_.start_step(team_, report.step);
         first_version_.resize(model_.size());
@@ -205,10 +217,9 @@ StepReport Stepper::step() {
             settle_energy(next, end, report);
         }
     }
+    team_.dismiss();
     commit(next, end, failsafe);
     report.min_distance = contacts_.min_distance;
-    measure(report);
-    return report;
 }
 
 void Stepper::mark_asleep() {

@@ -18,8 +18,7 @@ namespace flotilla {
 /// None changes a bit of the results.
 struct StepperOptions {
     bool keep_candidates = true; ///< and distances of body pairs, between queries: changes cost only
-    int threads = 1;
-    bool pin = false; ///< each thread to a core of its own
+    TeamOptions team{};
 };
 
 class Stepper {
@@ -46,6 +45,8 @@ class Stepper {
     [[nodiscard]] Team& team() { return team_; }
 
   private:
+    void prepare();
+    void advance(StepReport& report);
     StepData data();
     void wake_disturbed(StepData& d);
     void mark_asleep();

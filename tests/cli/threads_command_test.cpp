@@ -40,10 +40,24 @@ TEST_F(RunThreads, ChangeNoBit) {
     const auto expected = run("--executor serial");
     ASSERT_EQ(expected.size(), 30u);
     EXPECT_EQ(last_.find("waiting"), std::string::npos);
-    for (const char* options : {"--threads 1", "--threads 2", "--threads 5 --pin", "--executor serial --threads 2"})
+    for (const char* options : {"--threads 1", "--threads 2", "--threads 5", "--executor serial --threads 2"})
         EXPECT_EQ(run(options), expected) << options;
     EXPECT_EQ(run("--threads 3"), expected);
     EXPECT_NE(last_.find("waiting, ms"), std::string::npos) << last_;
+}
+
+TEST_F(RunThreads, OpenMPSetsTheirNumberAndBindsThem) {
+    const auto expected = run("--executor serial");
+    setenv("OMP_NUM_THREADS", "3", 1);
+    setenv("OMP_PROC_BIND", "true", 1);
+    EXPECT_EQ(run(""), expected);
+    unsetenv("OMP_NUM_THREADS");
+    unsetenv("OMP_PROC_BIND");
+    EXPECT_NE(last_.find("\n     2 "), std::string::npos) << last_;
+    EXPECT_EQ(last_.find("\n     3 "), std::string::npos) << last_;
+    const CommandOutput pinned = run_flotilla("run none.json --pin");
+    EXPECT_EQ(pinned.exit_code, 2);
+    EXPECT_NE(pinned.err.find("OMP_PROC_BIND"), std::string::npos) << pinned.err;
 }
 
 TEST_F(RunThreads, PeakMemoryIsOfTheRunAlone) {

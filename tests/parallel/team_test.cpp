@@ -2,6 +2,8 @@
 #include "parallel/team.hpp"
 
 #include <atomic>
+#include <cfenv>
+#include <chrono>
 #include <random>
 #include <set>
 #include <stdexcept>
@@ -11,7 +13,6 @@
 
 #include <gtest/gtest.h>
 
-#include "parallel/parallel_for.hpp"
 #include "parallel/team_sort.hpp"
 
 namespace flotilla {
@@ -37,7 +38,7 @@ TEST(Team, LoopsDoEveryItemOnce) {
 }
 
 TEST(Team, SeveralThreadsTakePart) {
-    Team team({3});
+    Team team({.threads = 3, .crowds = true});
     std::atomic<int> arrived = 0;
     // Each of three chunks waits for the others: only three threads can finish this.
     team.for_each("test", 3, 1, [&](std::size_t, int) {
@@ -80,13 +81,16 @@ TEST(Team, ThrowsTheExceptionOfTheLowestTask) {
             const auto fail = [&](std::size_t i, int) {
                 if (i >= 7) throw std::runtime_error(std::to_string(i));
             };
-            EXPECT_THROW(team.for_each("test", 50, 1, fail), std::runtime_error);
-            try {
-                team.run("test", order, fail);
-                FAIL();
-            } catch (const std::runtime_error& e) {
-                EXPECT_STREQ(e.what(), "7");
-            }
+            const auto expect_seven = [](auto&& run) {
+                try {
+                    run();
+                    FAIL();
+                } catch (const std::runtime_error& e) {
+                    EXPECT_STREQ(e.what(), "7");
+                }
+            };
+            expect_seven([&] { team.for_each("test", 50, 1, fail); });
+            expect_seven([&] { team.run("test", order, fail); });
         }
         // The team is as good as new.
         std::atomic<int> done = 0;
@@ -149,30 +153,112 @@ TEST(TaskOrder, ATaskThatSharesBothThingsIsWaitedForOnce) {
               (std::set<std::int32_t>{-1, 3}));
 }
 
-TEST(Team, BarriersKeepRoundsApart) {
-    for (const int threads : {1, 2, 3, 8}) {
-        Team team({threads});
-        std::vector<int> round(static_cast<std::size_t>(threads), 0);
-        std::atomic<int> wrong = 0;
-        team.together(threads, [&](int thread, SpinBarrier& barrier) {
-            for (int r = 1; r <= 200; ++r) {
-                round[static_cast<std::size_t>(thread)] = r;
-                barrier.wait();
-                for (const int other : round) wrong += other != r ? 1 : 0;
-                barrier.wait();
+TEST(Team, PhasesBeginWhenTheOneBeforeIsDone) {
+    for (const int threads : {1, 2, 3, 8})
+        for (const bool crowds : {false, true}) {
+            Team team({.threads = threads, .crowds = crowds});
+            std::vector<std::size_t> done(static_cast<std::size_t>(threads), 0); // phases of each share
+            std::atomic<int> wrong = 0;
+            const auto work = [&](std::size_t phase, int share) {
+                if (phase % 2 == 0)
+                    wrong += ++done[static_cast<std::size_t>(share)] != phase / 2 + 1 ? 1 : 0;
+                else
+                    for (const std::size_t other : done) wrong += other != phase / 2 + 1 ? 1 : 0;
+            };
+            const auto sections = [&] {
+                for (int round = 0; round < 50; ++round) {
+                    done.assign(done.size(), 0);
+                    team.phases(threads, 200, work);
+                    EXPECT_EQ(done, std::vector<std::size_t>(done.size(), 100));
+                }
+            };
+            team.region(sections);
+            EXPECT_EQ(wrong, 0);
+        }
+}
+
+TEST(Team, SectionsOfAllKindsAndWidthsFollowOneAnother) {
+    for (const int threads : {2, 3, 8}) {
+        Team team({.threads = threads, .crowds = true});
+        TaskOrder order;
+        order.start(3);
+        for (int i = 0; i < 20; ++i) order.add(i % 3, (i + 1) % 3);
+        std::atomic<int> count = 0;
+        const auto add = [&](std::size_t, int) { ++count; };
+        int expected = 0;
+        team.region([&] {
+            for (int round = 0; round < 2000; ++round) {
+                const auto n = static_cast<std::size_t>(round % 7);
+                team.for_each("loop", n, 1, add);
+                team.phases(1 + round % threads, n, add);
+                expected += static_cast<int>(n) * (2 + round % threads);
+                if (round % 5 == 0) team.run("ordered", order, add), expected += 20;
+                ASSERT_EQ(count, expected);
             }
         });
-        EXPECT_EQ(wrong, 0);
     }
 }
 
-TEST(Team, PinningEndsWithTheTeam) {
-    const int before = usable_cores();
-    {
-        Team team({2, true});
-        EXPECT_EQ(usable_cores(), 1);
+TEST(Team, ASectionDoesNotWaitForThreadsThatDoNotCome) {
+    Team team({.threads = 4, .crowds = true});
+    team.region([&] {
+        std::atomic<bool> release = false;
+        std::atomic<int> held = 0;
+        // A thread of the team is held up in a task; the others do the rest meanwhile, whosever share it was.
+        const auto caller = std::this_thread::get_id();
+        std::atomic<int> done = 0;
+        team.for_each("held", 40, 1, [&](std::size_t, int) {
+            if (std::this_thread::get_id() != caller && held.fetch_add(1) == 0)
+                while (!release) std::this_thread::yield();
+            if (++done == 39) release = true;
+            if (std::this_thread::get_id() == caller) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        });
+        EXPECT_EQ(done, 40);
+    });
+    // After dismiss() there are no helpers at all.
+    team.region([&] {
+        team.dismiss();
+        EXPECT_TRUE(team.alone());
+        std::vector<int> count(3, 0);
+        team.phases(3, 5, [&](std::size_t, int share) { ++count[static_cast<std::size_t>(share)]; });
+        EXPECT_EQ(count, std::vector<int>(3, 5));
+    });
+}
+
+TEST(Team, HelpersRoundAsTheCallerDoes) {
+    Team team({.threads = 3, .crowds = true});
+    std::vector<int> mode(3, -1);
+    const auto note = [&](std::size_t i, int) { mode[i] = std::fegetround(); };
+    for (const int direction : {FE_UPWARD, FE_TONEAREST}) {
+        std::fesetround(direction);
+        team.for_each("test", 3, 1, note);
+        std::fesetround(FE_TONEAREST);
+        EXPECT_EQ(mode, std::vector<int>(3, direction));
     }
-    EXPECT_EQ(usable_cores(), before);
+}
+
+TEST(Team, AnExceptionLeavesTheRegion) {
+    Team team({2});
+    EXPECT_THROW(team.region([] { throw std::runtime_error("planted"); }), std::runtime_error);
+    int done = 0;
+    team.region([&] { ++done; });
+    EXPECT_EQ(done, 1);
+}
+
+/// Two teams of one process, each called by a thread of its own.
+TEST(Team, TwoTeamsSideBySide) {
+    const auto work = [] {
+        Team team({.threads = 2, .yields = true});
+        for (int region = 0; region < 50; ++region)
+            team.region([&] {
+                std::vector<int> count(100, 0);
+                for (int i = 0; i < 20; ++i) team.for_each("test", 100, 3, [&](std::size_t k, int) { ++count[k]; });
+                EXPECT_EQ(count, std::vector<int>(100, 20));
+            });
+    };
+    std::thread other(work);
+    work();
+    other.join();
 }
 
 TEST(Team, SortsAsOneThreadDoes) {

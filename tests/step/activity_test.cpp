@@ -56,7 +56,7 @@ TEST(BodyActivity, SumsAgreeWithTheReport) {
 
 TEST(BodyActivity, IsTheSameAtAnyNumberOfThreads) {
     const SceneDescription scene = make_scene("boats-in-bowl", 22, 1);
-    World one(scene, "scene", {1, Executor::serial, false}), three(scene, "scene", {3, Executor::parallel, false});
+    World one(scene, "scene", {1, Executor::serial}), three(scene, "scene", {3, Executor::parallel});
     std::int64_t contacts = 0;
     for (int i = 0; i < 65; ++i) {
         (void)one.step(), (void)three.step();
