@@ -48,7 +48,7 @@ struct RunTotals {
     bool complete = false;          ///< false: after_step ended it
     std::int64_t bodies = 0;
     double total_ms = 0, worst_ms = 0; ///< wall time in steps; of the slowest
-    double output_ms = 0;              ///< wall time of writing into the run folder, beside the steps
+    double output_ms = 0;              ///< wall time that steps waited for what is written into the run folder
     std::array<double, kNumPhases> phase_ms{};
     std::int64_t collisions = 0, merges = 0, rung_changes = 0, held = 0;
     std::int64_t above_tolerance = 0;    ///< steps in which a contact solve ended above its tolerance

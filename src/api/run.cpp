@@ -19,43 +19,39 @@
 #include "io/file_stream.hpp"
 #include "io/run_folder.hpp"
 #include "io/trace_file.hpp"
+#include "parallel/background.hpp"
 #include "parallel/measure_costs.hpp"
-#include "parallel/parallel_for.hpp"
 #include "scene/scene.hpp"
 #include "scene/settings_table.hpp"
 
 namespace flotilla {
 namespace {
 
-/// Collects the state of all bodies and hands it to the writer.
-class FrameRecorder {
-  public:
-    FrameRecorder(io::RunWriter& writer, const World& world) : writer_(writer), world_(world) {}
-
-    void record() {
-        const std::size_t n = world_.size();
-        position_.resize(n), rotation_.resize(n), velocity_.resize(n), angular_.resize(n), turn_.resize(n);
+/// A frame on its way to the writer.
+struct OwnedFrame {
+    explicit OwnedFrame(const World& world) : step(world.steps()), time(world.time()) {
+        const std::size_t n = world.size();
+        position.resize(n), rotation.resize(n), velocity.resize(n), angular.resize(n);
+        if (step > 0) turn.resize(n);
         for (std::size_t i = 0; i < n; ++i) {
-            const BodyState b = world_.body(i);
-            position_[i] = b.position;
-            rotation_[i] = b.rotation;
-            velocity_[i] = b.velocity;
-            angular_[i] = b.angular_velocity;
-            turn_[i] = world_.turn(i);
+            const BodyState b = world.body(i);
+            position[i] = b.position;
+            rotation[i] = b.rotation;
+            velocity[i] = b.velocity;
+            angular[i] = b.angular_velocity;
+            if (step > 0) turn[i] = world.turn(i);
         }
-        activity_.clear();
-        for (const BodyActivity& body : world_.activity()) activity_.append(body);
-        writer_.add_frame({world_.steps(), world_.time(), position_, rotation_, velocity_, angular_,
-                           world_.steps() == 0 ? std::span<const Vec3>{} : std::span<const Vec3>(turn_),
-                           activity_.view()});
+        for (const BodyActivity& body : world.activity()) activity.append(body);
+    }
+    [[nodiscard]] io::FrameView view() const {
+        return {step, time, position, rotation, velocity, angular, turn, activity.view()};
     }
 
-  private:
-    io::RunWriter& writer_;
-    const World& world_;
-    std::vector<Vec3> position_, velocity_, angular_, turn_;
-    std::vector<Quat> rotation_;
-    io::Activity activity_;
+    std::int64_t step;
+    double time;
+    std::vector<Vec3> position, velocity, angular, turn;
+    std::vector<Quat> rotation;
+    io::Activity activity;
 };
 
 /// Records the tasks of every k-th step. The world must outlive it.
@@ -193,20 +189,19 @@ std::unique_ptr<io::RunWriter> open_writer(const SceneDescription& scene, const 
     return std::make_unique<io::RunWriter>(options.output, info, bodies, mode);
 }
 
-/// Decides when the folder gets a checkpoint, and writes it.
-class Checkpoints {
+/// Decides when the folder gets a checkpoint.
+class CheckpointClock {
   public:
-    Checkpoints(io::RunWriter& writer, const World& world, const RunOptions& options)
-        : writer_(writer), world_(world), options_(options), last_step_(world.steps()) {}
+    CheckpointClock(std::int64_t step, int every) : every_(every), last_step_(step) {}
 
-    void after_step() {
-        if (due()) write();
+    [[nodiscard]] bool due(std::int64_t step) const {
+        const std::int64_t steps = step - last_step_;
+        if (every_ > 0) return steps >= every_;
+        return steps >= kDefaultSteps || Clock::now() - last_time_ >= kLongest;
     }
-    void write() {
-        if (world_.steps() == last_step_ && last_step_ > 0) return;
-        writer_.flush(); // a checkpoint may not be newer than the frames
-        io::write_checkpoint(options_.output, world_.steps(), world_.snapshot());
-        last_step_ = world_.steps();
+    [[nodiscard]] bool has(std::int64_t step) const { return step == last_step_ && step > 0; }
+    void made(std::int64_t step) {
+        last_step_ = step;
         last_time_ = Clock::now();
     }
 
@@ -215,57 +210,63 @@ class Checkpoints {
     static constexpr std::int64_t kDefaultSteps = 100;
     static constexpr std::chrono::minutes kLongest{5};
 
-    [[nodiscard]] bool due() const {
-        const std::int64_t steps = world_.steps() - last_step_;
-        if (options_.checkpoint_every > 0) return steps >= options_.checkpoint_every;
-        return steps >= kDefaultSteps || Clock::now() - last_time_ >= kLongest;
-    }
-
-    io::RunWriter& writer_;
-    const World& world_;
-    const RunOptions& options_;
+    int every_;
     std::int64_t last_step_;
     Clock::time_point last_time_ = Clock::now();
 };
 
-/// What is written into the run folder, step by step.
+/// What is written into the run folder, step by step: collected after a step and written, in order, while the next ones compute. An error
+/// is thrown by the next call after it.
 class RunRecorder {
   public:
     RunRecorder(std::unique_ptr<io::RunWriter> writer, const World& world, const RunOptions& options)
         : world_(world),
           options_(options),
           writer_(std::move(writer)),
-          frames_(*writer_, world),
-          checkpoints_(*writer_, world, options) {
-        if (world.steps() == 0) frames_.record();
+          clock_(world.steps(), options.checkpoint_every) {
+        if (world.steps() == 0) add_frame();
     }
 
     void after_step(const StepReport& report) {
         const Stopwatch watch(ms_);
-        writer_->add_step(report);
-        if (world_.steps() % options_.frame_every == 0) frames_.record();
-        checkpoints_.after_step();
+        jobs_.add([this, report] { writer_->add_step(report); });
+        if (world_.steps() % options_.frame_every == 0) add_frame();
+        if (clock_.due(world_.steps())) add_checkpoint();
     }
     void close(bool complete) {
         const Stopwatch watch(ms_);
-        checkpoints_.write();
+        if (!clock_.has(world_.steps())) add_checkpoint();
+        jobs_.finish();
         writer_->close(complete ? "complete" : "stopped");
     }
     [[nodiscard]] double milliseconds() const { return ms_; }
 
   private:
+    static constexpr std::size_t kMostJobs = 16; // some frames; of 10,000 bodies each is a megabyte
+
+    void add_frame() {
+        jobs_.add([this, frame = std::make_shared<const OwnedFrame>(world_)] { writer_->add_frame(frame->view()); });
+    }
+    void add_checkpoint() {
+        const std::int64_t step = world_.steps();
+        jobs_.add([this, step, snapshot = world_.snapshot()] {
+            writer_->flush(); // a checkpoint may not be newer than the frames
+            io::write_checkpoint(options_.output, step, snapshot);
+        });
+        clock_.made(step);
+    }
+
     const World& world_;
     const RunOptions& options_;
     std::unique_ptr<io::RunWriter> writer_;
-    FrameRecorder frames_;
-    Checkpoints checkpoints_;
+    CheckpointClock clock_;
     double ms_ = 0;
+    Background jobs_{kMostJobs}; // last: ends before what its jobs use
 };
 
 } // namespace
 
 RunTotals run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options) {
-    // Before the world's threads are there, perhaps pinned: those that are measured would share their cores.
     std::vector<ThreadCosts> costs;
     if (!options.trace.empty()) costs = measure_costs(usable_cores());
     const std::optional<io::Checkpoint> checkpoint = find_checkpoint(options);
