@@ -21,9 +21,12 @@ namespace {
 
 using Kind = VerifyFault::Kind;
 
-audit::Scene make_audit_scene(const io::RunScene& scene) {
+audit::Scene make_audit_scene(const io::RunScene& scene, int threads) {
     audit::Scene result;
-    for (const auto& shape : scene.shapes) result.shapes.push_back(audit::make_shape(shape.mesh, shape.center_of_mass));
+    result.shapes.resize(scene.shapes.size());
+    parallel_for(scene.shapes.size(), threads, [&](std::size_t k) {
+        result.shapes[k] = audit::make_shape(scene.shapes[k].mesh, scene.shapes[k].center_of_mass);
+    });
     for (const auto& body : scene.bodies) result.bodies.push_back({body.shape, body.type != BodyType::dynamic});
     return result;
 }
@@ -39,10 +42,10 @@ class Verifier {
   public:
     Verifier(const io::RunScene& scene, audit::Motion motion, const VerifyOptions& options)
         : bodies_(scene.bodies),
-          scene_(make_audit_scene(scene)),
+          threads_(options.threads > 0 ? options.threads : free_threads()),
+          scene_(make_audit_scene(scene, threads_)),
           motion_(motion),
-          options_(options),
-          threads_(options.threads > 0 ? options.threads : default_threads()) {
+          options_(options) {
         report_.bodies = static_cast<std::int64_t>(bodies_.size());
     }
 
@@ -171,10 +174,10 @@ class Verifier {
     }
 
     std::vector<io::RunBody> bodies_;
+    int threads_;
     audit::Scene scene_;
     audit::Motion motion_;
     const VerifyOptions& options_;
-    int threads_;
     std::optional<Placed> last_;
     bool gap_ = false; ///< the frame before could not be read
     VerifyReport report_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // CSV and OBJ.
 #include "io/export.hpp"
+#include "io/frames_in_order.hpp"
 #include "io/number.hpp"
 #include "io/poses_csv.hpp"
 #include "io/run_files.hpp"
@@ -43,16 +44,17 @@ void export_csv(RunReader& run, const std::function<void(std::string_view)>& wri
     std::vector<std::string> names;
     for (const auto& body : run.scene().bodies) names.push_back(body.name);
     write(std::string(kPosesHeader) + "\n");
-    for (std::int64_t k = 0; k < run.frames(); ++k) write(poses_csv_rows(run.frame(k), names));
+    frames_in_order(
+        run, [&](const Frame& frame) { return poses_csv_rows(frame, names); },
+        [&](const std::string& rows, std::int64_t) { write(rows); });
 }
 
 void export_obj(RunReader& run, const std::filesystem::path& folder) {
     create_folder(folder);
     const RunScene& scene = run.scene();
-    std::vector<Vec3> world;
-    for (std::int64_t k = 0; k < run.frames(); ++k) {
-        const Frame frame = run.frame(k);
+    const auto make = [&](const Frame& frame) {
         std::string text;
+        std::vector<Vec3> world;
         std::size_t vertices = 0;
         for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
             const RunShape& shape = scene.shapes[static_cast<std::size_t>(scene.bodies[i].shape)];
@@ -61,8 +63,11 @@ void export_obj(RunReader& run, const std::filesystem::path& folder) {
             append_object(text, shape, scene.bodies[i].name, world, vertices);
             vertices += world.size();
         }
+        return text;
+    };
+    frames_in_order(run, make, [&](const std::string& text, std::int64_t k) {
         write_file(folder / ("frame-" + padded(k) + ".obj"), text);
-    }
+    });
 }
 
 } // namespace flotilla::io

@@ -5,6 +5,7 @@
 
 #include "io/export.hpp"
 #include "io/file_stream.hpp"
+#include "io/frames_in_order.hpp"
 #include "io/number.hpp"
 
 namespace flotilla::io {
@@ -101,8 +102,11 @@ std::string instances(const RunScene& scene) {
 template <class Values>
 void write_samples(RunReader& run, OutputStream& out, const std::string& attribute, Values values) {
     out.write("        " + attribute + ".timeSamples = {\n");
-    for (std::int64_t k = 0; k < run.frames(); ++k)
-        out.write("            " + std::to_string(k) + ": " + list(values(run.frame(k))) + ",\n");
+    frames_in_order(
+        run, [&](const Frame& frame) { return list(values(frame)); },
+        [&](const std::string& made, std::int64_t k) {
+            out.write("            " + std::to_string(k) + ": " + made + ",\n");
+        });
     out.write("        }\n");
 }
 

@@ -6,6 +6,7 @@
 #include "base/vec3.hpp"
 #include "io/base64.hpp"
 #include "io/export.hpp"
+#include "io/frames_in_order.hpp"
 #include "io/number.hpp"
 #include "io/run_files.hpp"
 
@@ -122,14 +123,15 @@ void export_vtp(RunReader& run, const std::filesystem::path& folder) {
         write_file(folder / "meshes" / (std::to_string(i) + "-" + file_name(scene.shapes[i].name) + ".vtp"),
                    mesh_file(scene.shapes[i].mesh));
     std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-    for (std::int64_t k = 0; k < run.frames(); ++k) {
-        const Frame frame = run.frame(k);
+    const auto make = [&](const Frame& frame) { return std::pair(frame.time, frame_file(scene, frame)); };
+    const auto use = [&](const std::pair<double, std::string>& made, std::int64_t k) {
         const std::string name = "frames/bodies-" + padded(k) + ".vtp";
-        write_file(folder / name, frame_file(scene, frame));
+        write_file(folder / name, made.second);
         collection += "<DataSet timestep=\"";
-        append_number(collection, frame.time);
+        append_number(collection, made.first);
         collection += "\" part=\"0\" file=\"" + name + "\"/>\n";
-    }
+    };
+    frames_in_order(run, make, use);
     write_file(folder / "bodies.pvd", collection + "</Collection>\n</VTKFile>\n");
 }
 

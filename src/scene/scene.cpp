@@ -9,6 +9,7 @@
 #include "base/random.hpp"
 #include "base/rotation.hpp"
 #include "base/text.hpp"
+#include "parallel/parallel_for.hpp"
 #include "scene/description_checks.hpp"
 
 namespace flotilla {
@@ -100,7 +101,9 @@ std::vector<std::int32_t> build_shapes(std::vector<ShapeDescription>& descriptio
         index[i] = static_cast<std::int32_t>(kept.size());
         kept.push_back(i);
     }
-    for (const std::size_t i : kept) scene.shapes.push_back(build_shape(std::move(descriptions[i])));
+    scene.shapes.resize(kept.size());
+    parallel_for(kept.size(), free_threads(),
+                 [&](std::size_t k) { scene.shapes[k] = build_shape(std::move(descriptions[kept[k]])); });
     return index;
 }
 

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "parallel/in_order.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -50,6 +52,41 @@ TEST(Background, NothingIsDoneAfterAJobThatThrew) {
     EXPECT_THROW(jobs.add([&done] { ++done; }), std::runtime_error);
     EXPECT_THROW(jobs.finish(), std::runtime_error);
     EXPECT_EQ(done, 5);
+}
+
+TEST(InOrder, KeepsTheOrder) {
+    for (const int threads : {1, 2, 5})
+        for (const std::size_t n : {0u, 1u, 3u, 200u}) {
+            std::vector<std::size_t> used;
+            in_order(
+                n, threads, [](std::size_t i) { return i; }, [](std::size_t i) { return i * i; },
+                [&](std::size_t square, std::size_t i) {
+                    EXPECT_EQ(square, i * i);
+                    used.push_back(i);
+                });
+            ASSERT_EQ(used.size(), n);
+            for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(used[i], i);
+        }
+}
+
+TEST(InOrder, ThrowsAsAPlainLoopWould) {
+    for (const int threads : {1, 2, 5})
+        for (const int stage : {0, 1, 2}) {
+            std::size_t used = 0;
+            const auto fail = [&](int here, std::size_t i) {
+                if (here == stage && i >= 40) throw std::runtime_error(std::to_string(i));
+                return i;
+            };
+            try {
+                in_order(
+                    100, threads, [&](std::size_t i) { return fail(0, i); }, [&](std::size_t i) { return fail(1, i); },
+                    [&](std::size_t, std::size_t i) { fail(2, i), ++used; });
+                FAIL();
+            } catch (const std::runtime_error& e) {
+                EXPECT_STREQ(e.what(), "40");
+            }
+            EXPECT_EQ(used, 40u);
+        }
 }
 
 } // namespace
