@@ -10,6 +10,7 @@
 #include <tbb/task_scheduler_observer.h>
 
 #include "parallel/threads.hpp"
+#include "parallel/unbound.hpp"
 
 namespace flotilla {
 
@@ -26,13 +27,12 @@ class Arena {
     tbb::task_arena* operator->() { return &arena_; }
 
   private:
-    /// OpenMP may have bound the thread that made TBB's to one core (OMP_PROC_BIND), and threads inherit that.
     class Roaming : public tbb::task_scheduler_observer {
       public:
         explicit Roaming(tbb::task_arena& arena) : tbb::task_scheduler_observer(arena) { observe(true); }
         ~Roaming() override { observe(false); }
         void on_scheduler_entry(bool is_worker) override {
-            if (is_worker) leave_place();
+            if (is_worker) Unbound().stay();
         }
     };
 

@@ -21,6 +21,7 @@ void run_ordered_stages(std::size_t n, int threads, std::size_t places, const Or
         run.work(i);
         return i;
     };
+    const Unbound unbound;
     Arena arena(threads > 1 ? static_cast<std::size_t>(threads) : 1);
     arena->execute([&] {
         tbb::parallel_pipeline(places,

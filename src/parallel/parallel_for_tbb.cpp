@@ -15,6 +15,7 @@ void parallel_for(std::size_t n, int threads, const std::function<void(std::size
         return;
     }
     Items items(work);
+    const Unbound unbound;
     Arena arena(std::min(n, static_cast<std::size_t>(threads)));
     arena->execute([&] {
         tbb::parallel_for(

@@ -16,8 +16,8 @@ struct CallRef {
 
     template <class F>
     static CallRef of(F&& f) {
-        return {[](void* object, Arguments... arguments) {
-                    (*static_cast<std::remove_reference_t<F>*>(object))(arguments...);
+        return {[](void* callee, Arguments... arguments) {
+                    (*static_cast<std::remove_reference_t<F>*>(callee))(arguments...);
                 },
                 const_cast<void*>(static_cast<const void*>(std::addressof(f)))};
     }
@@ -33,9 +33,6 @@ struct CallRef {
 
 /// Whether the caller is one of several that work side by side already: in an active parallel region of OpenMP, or in a task of TBB.
 [[nodiscard]] bool among_workers();
-
-/// Lets the calling thread, which OpenMP did not make, use all cores that OpenMP's threads may.
-void leave_place();
 
 /// Threads of coarse work for which nobody gave a number: default_threads(), or one among workers.
 [[nodiscard]] inline int free_threads() { return among_workers() ? 1 : default_threads(); }

@@ -18,8 +18,6 @@ int default_threads() {
 
 bool among_workers() { return false; }
 
-void leave_place() {}
-
 void with_threads(int wanted, const CallRef<int, int>& work) {
     std::vector<std::jthread> threads;
     for (int k = 1; k < wanted; ++k) threads.emplace_back([&work, k, wanted] { work(k, wanted); });
