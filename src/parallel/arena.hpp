@@ -14,15 +14,19 @@
 
 namespace flotilla {
 
-/// An arena of as many threads as asked for, more than there are cores where somebody wants that; a limit of the host's stands.
+/// Threads that coarse work may take in this process. oneTBB's own limit, the cores that it sees, is lifted once: one that comes and goes
+/// loses workers. A limit of the host's stands.
+inline std::size_t most_coarse_threads() {
+    static const auto most = static_cast<std::size_t>(std::max(usable_cores(), default_threads()));
+    static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, most);
+    return most;
+}
+
+/// An arena of so many threads, where the process may take them; `callers` of them are the caller, 1 or 0.
 class Arena {
   public:
-    /// `callers` of them are the caller, 1 or 0.
     explicit Arena(std::size_t threads, unsigned callers = 1)
-        : limit_(tbb::global_control::max_allowed_parallelism,
-                 std::max(threads + 1 - callers, static_cast<std::size_t>(usable_cores()))),
-          arena_(static_cast<int>(threads), callers),
-          roaming_(arena_) {}
+        : arena_(static_cast<int>(std::min(threads, most_coarse_threads())), callers), roaming_(arena_) {}
 
     tbb::task_arena* operator->() { return &arena_; }
 
@@ -36,7 +40,6 @@ class Arena {
         }
     };
 
-    tbb::global_control limit_;
     tbb::task_arena arena_;
     Roaming roaming_;
 };
