@@ -62,6 +62,8 @@ class Stepper {
                          StepReport& report);
     void open_account();
     bool mark_level(std::span<const Motion> half);
+    std::span<const std::int32_t> overdrawn();
+    bool slow_down(std::span<Motion> half);
     void hold_overdrawn(StepData& d, FailsafeStats& failsafe);
     void join_pushed();
     void join_contacts();
@@ -88,8 +90,9 @@ class Stepper {
     StepBuffers buffers_;
     StaticStageScratch static_;
     EnergyAccount energy_;
-    std::vector<Vec3> way_;           ///< m, of centres of mass in the step
-    std::vector<std::uint8_t> level_; ///< see mark_level(); empty but in stage 3
+    std::vector<Vec3> way_;            ///< m, of centres of mass in the step
+    std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() did it
+    std::vector<std::uint8_t> level_;  ///< see mark_level(); empty but in stage 3
     ContactSearchScratch search_;
     ContactSet contacts_;
     bool looks_ahead_ = false; ///< may_look_ahead()
