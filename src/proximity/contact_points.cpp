@@ -101,17 +101,33 @@ bool may_pass(const PassingBodies& passing, const CoarseBox& box_a, const Coarse
            meet(a.lower.z, a.upper.z, b.lower.z, b.upper.z, way.z);
 }
 
+/// Of whatever is near.
+struct AnyPair {
+    [[nodiscard]] static bool may_meet(const CoarseBox&, const CoarseBox&) { return true; }
+    [[nodiscard]] static bool meets(const Vec3&, const Vec3&, const Vec3&, double) { return true; }
+};
+
+/// Of what comes nearer than the rest distance.
+struct PassingPair {
+    const PassingBodies& passing;
+    [[nodiscard]] bool may_meet(const CoarseBox& a, const CoarseBox& b) const { return may_pass(passing, a, b); }
+    [[nodiscard]] bool meets(const Vec3& p, const Vec3& q, const Vec3& normal, double distance) const {
+        return distance + dot(normal, passing.b.at(q) - passing.a.at(p)) < passing.rest;
+    }
+};
+
+template <class Pair = AnyPair>
 class Finder {
   public:
     Finder(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos, ProximityScratch& scratch,
-           const PassingBodies* passing = nullptr)
+           const Pair& pair = {})
         : a_(a),
           b_(b),
           proximity_(proximity),
           angle_cos_(angle_cos),
           reach_(proximity, std::max(a.max_abs(), b.max_abs())),
           scratch_(scratch),
-          passing_(passing) {}
+          pair_(pair) {}
 
     ProximityResult all(const CoveringList& list) {
         scratch_.found.clear();
@@ -145,7 +161,7 @@ class Finder {
 
     void traverse() {
         const auto meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
-            return coarse_overlap(p.at0, q.at0, reach_) && (passing_ == nullptr || may_pass(*passing_, p.at0, q.at0));
+            return coarse_overlap(p.at0, q.at0, reach_) && pair_.may_meet(p.at0, q.at0);
         };
         bvh_detail::traverse(
             a_.shape->bvh, b_.shape->bvh, a_.at0.nodes, b_.at0.nodes,
@@ -182,12 +198,8 @@ class Finder {
             return;
         }
         const Vec3 normal = normalized(p.b - p.a);
-        if (normal == Vec3{} || (passing_ != nullptr && !passes(p.a, p.b, normal, distance))) return;
+        if (normal == Vec3{} || !pair_.meets(p.a, p.b, normal, distance)) return;
         scratch_.found.push_back({f, p.a, p.b, normal, distance});
-    }
-
-    [[nodiscard]] bool passes(const Vec3& p, const Vec3& q, const Vec3& normal, double distance) const {
-        return distance + dot(normal, passing_->b.at(q) - passing_->a.at(p)) < passing_->rest;
     }
 
     struct ClosestPoints {
@@ -241,7 +253,7 @@ class Finder {
     double proximity_, angle_cos_;
     CoarseReach reach_;
     ProximityScratch& scratch_;
-    const PassingBodies* passing_; ///< null: whatever is near
+    Pair pair_;
     Isa isa_ = best_isa();
     ProximityResult result_;
     bool first_only_ = false;
@@ -251,12 +263,12 @@ class Finder {
 
 ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
                                  const CoveringList& list, ProximityScratch& scratch) {
-    return Finder(a, b, proximity, angle_cos, scratch).all(list);
+    return Finder<>(a, b, proximity, angle_cos, scratch).all(list);
 }
 
 bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const CoveringList& list,
                    ProximityScratch& scratch) {
-    return Finder(a, b, proximity, 1, scratch).any(list);
+    return Finder<>(a, b, proximity, 1, scratch).any(list);
 }
 
 bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& point, double angle_cos,
@@ -289,7 +301,7 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
 
 void find_passing_points(const BodyMotion& a, const BodyMotion& b, const PassingBodies& passing, double proximity,
                          double angle_cos, ProximityScratch& scratch, std::vector<ProximityPoint>& out) {
-    Finder(a, b, proximity, angle_cos, scratch, &passing).all({});
+    Finder<PassingPair>(a, b, proximity, angle_cos, scratch, {passing}).all({});
     for (const ProximityPoint& p : scratch.found)
         if (admissible(a, b, p, angle_cos, scratch)) out.push_back(p);
 }
