@@ -76,9 +76,15 @@ bool faces(const Side& s, std::span<const std::int32_t> triangles, double angle_
     const Vec3 to_p = s.p - s.q;
     const double distance_sq = length_sq(to_p);
     const double reach_sq = facing_reach_sq(s, angle_cos);
+    // A triangle whose corners are all as far along qp as |pq| cos(theta) has no point nearer than p that is more than theta away. Most
+    // are, and need no closest points. The room is far more than rounding, that of closest points on needles included.
+    const double least =
+        (angle_cos + 0x1p-20) * distance_sq + 0x1p-40 * std::sqrt(distance_sq) * (s.body.max_abs() + length(s.q));
     return std::none_of(triangles.begin(), triangles.end(), [&](std::int32_t t) {
         if (t == s.face) return false;
         const auto f = corners(s.body, t);
+        const auto along = [&](std::size_t k) { return dot(to_p, f[k] - s.q); };
+        if (std::min({along(0), along(1), along(2)}) >= least) return false;
         const auto c = closest_vertex_triangle(s.q, f[0], f[1], f[2]);
         if (!(c.distance_sq < distance_sq)) return false;
         if (dot(to_p, c.point - s.q) >= angle_cos * std::sqrt(distance_sq * c.distance_sq)) return false;
