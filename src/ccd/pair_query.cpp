@@ -5,6 +5,7 @@
 
 #include "ccd/leaf_features.hpp"
 #include "geometry/ccd_cubic.hpp"
+#include "geometry/ccd_hits.hpp"
 
 namespace flotilla {
 namespace {
@@ -127,8 +128,8 @@ class EarliestHit {
         for (const FeaturePair& f : features) scratch_.corners_.push_back(ccd_corners(a_, b_, f));
         if (features.empty()) return;
         const FeatureKind kind = features[0].kind;
-        ccd_batch(ccd_kind(kind), ccd_points(a_, b_, kind), scratch_.corners_, {options_.separation, options_.start},
-                  std::span(results).first(features.size()), isa_);
+        ccd_hits(ccd_kind(kind), ccd_points(a_, b_, kind), scratch_.corners_,
+                 {options_.separation, options_.start, best_.toi}, std::span(results).first(features.size()), isa_);
     }
 
     void offer(const FeaturePair& f, const CcdResult& r, double entry) {
