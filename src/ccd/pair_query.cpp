@@ -99,11 +99,11 @@ class EarliestHit {
     }
 
     /// Looks at feature pairs of one kind. Most are proved apart by a CCD that costs little more than the test of their own boxes,
-    /// so that test comes after it, for the hits; before it only where there is an earliest hit to be late for.
+    /// so that test comes after it, for the hits; before it only where there is an earliest hit to be late for and queries go one by one.
     void examine(std::span<const FeaturePair> features) {
         if (features.empty()) return;
         float entry = 0;
-        if (best_.hit) {
+        if (best_.hit && (isa_ == Isa::scalar || options_.method == CcdMethod::cubic)) {
             scratch_.asked_.clear();
             for (const FeaturePair& f : features)
                 if (meet(f, entry)) scratch_.asked_.push_back(f);
