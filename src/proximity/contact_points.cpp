@@ -26,14 +26,22 @@ std::array<Vec3, 3> corners(const BodyMotion& body, std::int32_t t) {
 /// One body's part of a proximity.
 struct Side {
     const BodyMotion& body;
-    Vec3 p, q;         ///< its point, the other body's
-    std::int32_t face; ///< that has p as its nearest point to q; -1: the feature is no face
+    Vec3 p, q;          ///< its point, the other body's
+    std::int32_t face;  ///< that has p as its nearest point to q; -1: the feature is no face
+    std::int32_t owner; ///< a triangle of the vertex or edge that has p; -1: the feature is a face
 };
+
+std::int32_t owner_of(const BodyMotion& body, FeatureKind kind, std::int32_t feature) {
+    const Topology& t = body.shape->topology;
+    return kind == FeatureKind::edge_edge ? t.edge_owner[at(feature)] : t.vertex_owner[at(feature)];
+}
 
 Side side_of(const BodyMotion& body, const ProximityPoint& point, bool first) {
     const FeaturePair& f = point.features;
     const bool is_face = f.kind == (first ? FeatureKind::face_vertex : FeatureKind::vertex_face);
-    return {body, first ? point.a : point.b, first ? point.b : point.a, is_face ? (first ? f.a : f.b) : -1};
+    const std::int32_t own = first ? f.a : f.b;
+    return {body, first ? point.a : point.b, first ? point.b : point.a, is_face ? own : -1,
+            is_face ? -1 : owner_of(body, f.kind, own)};
 }
 
 /// How far from p a triangle may be that says whether p faces q, squared (m^2): |pq| tan(theta).
@@ -281,11 +289,13 @@ bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& 
                 ProximityScratch& scratch) {
     const Side sides[2] = {side_of(a, point, true), side_of(b, point, false)};
     auto& around = scratch.around;
+    // Of what is around a vertex or an edge, a triangle of its own is at hand, and often enough.
+    const auto owner_faces = [&](const Side& s) { return s.owner < 0 || faces(s, {&s.owner, 1}, angle_cos); };
     const auto faces_other = [&](int k) {
         list_around(sides[k], angle_cos, around[at(k)]);
         return faces(sides[k], around[at(k)], angle_cos);
     };
-    if (!faces_other(0) || !faces_other(1)) {
+    if (!owner_faces(sides[0]) || !owner_faces(sides[1]) || !faces_other(0) || !faces_other(1)) {
         ++scratch.counters.angle;
         return false;
     }
