@@ -65,7 +65,8 @@ void keeps_rolling(const Run& run, const Roller& roller, double speed) {
     expect_no_rise(motion);
 }
 
-// Within 2 %: the facets' own share, as above, is about one at the speeds that are reached.
+// Between a polygon of so many sides and a round body, within 2 %. Sides that cost exp(-c a) over an angle a cost two thirds of it
+// where the angle grows with the square of time: the mean of 1 - t^2 is 2/3.
 void rolls_down(const Run& run, const Roller& roller) {
     constexpr double kSlope = 5 * kDegree, kTime = 2;
     Motion motion = roll(run, roller, kSlope, 0.5, 0, 0);
@@ -73,8 +74,11 @@ void rolls_down(const Run& run, const Roller& roller) {
     const Vec3 down = rotate(rotation_from_vector({0, kSlope, 0}), {1, 0, 0});
     const double due = kGravity * std::sin(kSlope) / (1 + roller.inertia) * motion.world().time();
     const double share = dot(motion.body(0).velocity, down) / due;
-    motion.print("%.4f of the due speed %.4g m/s", share, due);
-    EXPECT_NEAR(share, 1, 0.02);
+    const double angle = 0.5 * due / kRadius * motion.world().time(),
+                 sides = 1 - 2.0 / 3 * (1 - kept_by_facets(roller, angle));
+    motion.print("%.4f of the due speed %.4g m/s, %.4f with its sides", share, due, sides);
+    EXPECT_GT(share, sides - 0.02);
+    EXPECT_LT(share, 1.02);
     expect_no_rise(motion);
 }
 
