@@ -131,7 +131,6 @@ StepReport Stepper::step() {
     report.time = static_cast<double>(report.step) * dt;
     auto& [end, collided, half, next] = buffers_;
     end.resize(model_.size());
-    DynamicContactStats dynamic;
     FailsafeStats failsafe;
     {
         const Stopwatch total(report.total_ms);
@@ -167,29 +166,8 @@ StepReport Stepper::step() {
                 level_.clear();
             }
         }
-        slowed_.assign(model_.size(), 0);
-        bool slower = false;
-        int halvings = 0;
-        do {
-            { // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4
-                const PhaseWatch watch(report, Phase::position, team_);
-                start_clusters(half);
-            }
-            { // 5) dynamic contact, then the failsafe: x^{n+1} is free of intersections
-                const PhaseWatch watch(report, Phase::dynamic_contact, team_);
-                dynamic = handle_dynamic_contact(d);
-                add_counters(dynamic.counters, report);
-            }
-            const PhaseWatch watch(report, Phase::failsafe, team_);
-            failsafe = run_failsafe(d);
-            add_counters(failsafe.counters, report);
-            slower = slow_down(half);
-        } while (slower && halvings++ < kMostHalvings);
-        {
-            const PhaseWatch watch(report, Phase::failsafe, team_);
-            if (slower) hold_overdrawn(d, failsafe);
-            record_failsafe(dynamic, failsafe, report);
-        }
+        // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4; 5) which dynamic contact and the failsafe keep free of intersections
+        failsafe = move_bodies(d, half, report);
         {
             const PhaseWatch watch(report, Phase::certificate, team_);
             certify(d);
@@ -343,6 +321,29 @@ StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<
                            });
     }
     return stats;
+}
+
+FailsafeStats Stepper::move_bodies(StepData& d, std::span<Motion> half, StepReport& report) {
+    slowed_.assign(model_.size(), 0);
+    for (int halvings = 0;; ++halvings) {
+        {
+            const PhaseWatch watch(report, Phase::position, team_);
+            start_clusters(half);
+        }
+        DynamicContactStats dynamic;
+        {
+            const PhaseWatch watch(report, Phase::dynamic_contact, team_);
+            dynamic = handle_dynamic_contact(d);
+            add_counters(dynamic.counters, report);
+        }
+        const PhaseWatch watch(report, Phase::failsafe, team_);
+        FailsafeStats failsafe = run_failsafe(d);
+        add_counters(failsafe.counters, report);
+        if (halvings < kMostHalvings && slow_down(half)) continue;
+        hold_overdrawn(d, failsafe);
+        record_failsafe(dynamic, failsafe, report);
+        return failsafe;
+    }
 }
 
 void Stepper::record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report) {

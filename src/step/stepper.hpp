@@ -56,6 +56,7 @@ class Stepper {
                         StepReport& report);
     StaticStageStats solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                                        const StepReport& report);
+    FailsafeStats move_bodies(StepData& d, std::span<Motion> half, StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
