@@ -114,7 +114,7 @@ long count_ccd(const CcdQuery& q) {
     CcdResult* const results[1] = {&result};
     Progress<CountingPack> state{CountingPack::all(0), CountingPack::all(kOptions.separation)};
     CountingPack::operations = 0;
-    run<kKind>(lanes, false, state, 1u, results);
+    run<kKind>(lanes, Wanted{}, state, 1u, results);
     return CountingPack::operations;
 }
 

@@ -5,6 +5,7 @@
 
 #include "ccd/leaf_features.hpp"
 #include "geometry/ccd_cubic.hpp"
+#include "geometry/ccd_hits.hpp"
 
 namespace flotilla {
 namespace {
@@ -98,11 +99,11 @@ class EarliestHit {
     }
 
     /// Looks at feature pairs of one kind. Most are proved apart by a CCD that costs little more than the test of their own boxes,
-    /// so that test comes after it, for the hits; before it only where there is an earliest hit to be late for.
+    /// so that test comes after it, for the hits; before it only where there is an earliest hit to be late for and queries go one by one.
     void examine(std::span<const FeaturePair> features) {
         if (features.empty()) return;
         float entry = 0;
-        if (best_.hit) {
+        if (best_.hit && (isa_ == Isa::scalar || options_.method == CcdMethod::cubic)) {
             scratch_.asked_.clear();
             for (const FeaturePair& f : features)
                 if (meet(f, entry)) scratch_.asked_.push_back(f);
@@ -127,8 +128,8 @@ class EarliestHit {
         for (const FeaturePair& f : features) scratch_.corners_.push_back(ccd_corners(a_, b_, f));
         if (features.empty()) return;
         const FeatureKind kind = features[0].kind;
-        ccd_batch(ccd_kind(kind), ccd_points(a_, b_, kind), scratch_.corners_, {options_.separation, options_.start},
-                  std::span(results).first(features.size()), isa_);
+        ccd_hits(ccd_kind(kind), ccd_points(a_, b_, kind), scratch_.corners_,
+                 {options_.separation, options_.start, best_.toi}, std::span(results).first(features.size()), isa_);
     }
 
     void offer(const FeaturePair& f, const CcdResult& r, double entry) {

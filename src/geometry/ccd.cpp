@@ -25,11 +25,11 @@ CcdResult ccd(CcdKind kind, const CcdQuery& query, const CcdOptions& options) {
     const WholeQueries<ScalarPack> lanes{{reinterpret_cast<const double*>(&query)}};
     CcdResult* const results[1] = {&result};
     Progress<ScalarPack> state{{0.0}, {options.separation}};
-    const bool relaxed = options.start == CcdStart::relaxed;
+    const Wanted wanted{.relaxed = options.start == CcdStart::relaxed};
     if (kind == CcdKind::vertex_face)
-        run<CcdKind::vertex_face>(lanes, relaxed, state, 1u, results);
+        run<CcdKind::vertex_face>(lanes, wanted, state, 1u, results);
     else
-        run<CcdKind::edge_edge>(lanes, relaxed, state, 1u, results);
+        run<CcdKind::edge_edge>(lanes, wanted, state, 1u, results);
     return result;
 }
 
@@ -101,6 +101,20 @@ void ccd_batch(CcdKind kind, const CcdPoints& points, std::span<const CcdCorners
 #endif
     for (std::size_t i = 0; i < corners.size(); ++i)
         results[i] = ccd(kind, ccd_query(kind, points, corners[i]), options);
+}
+
+void ccd_hits(CcdKind kind, const CcdPoints& points, std::span<const CcdCorners> corners, const CcdHitOptions& options,
+              std::span<CcdResult> results, Isa isa) {
+    FLOTILLA_ASSERT(corners.size() == results.size());
+#if defined(__x86_64__)
+    const auto count = static_cast<long>(corners.size());
+    if (count == 0) return;
+    const std::int32_t* const bare = corners.data()->data();
+    if (isa == Isa::avx512) return ccd_hits_avx512(kind, points, bare, count, options, results.data());
+    if (isa == Isa::avx2) return ccd_hits_avx2(kind, points, bare, count, options, results.data());
+#endif
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        results[i] = ccd(kind, ccd_query(kind, points, corners[i]), {options.separation, options.start});
 }
 
 } // namespace flotilla

@@ -15,4 +15,9 @@ void ccd_corners_avx2(CcdKind kind, const CcdPoints& points, const std::int32_t*
     run_batch<Avx2Pack>(kind, CornerSource{&points, corners}, count, options, results);
 }
 
+void ccd_hits_avx2(CcdKind kind, const CcdPoints& points, const std::int32_t* corners, long count,
+                   const CcdHitOptions& options, CcdResult* results) {
+    run_hits<Avx2Pack>(kind, CornerSource{&points, corners}, count, options, results);
+}
+
 } // namespace flotilla

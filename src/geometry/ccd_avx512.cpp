@@ -16,4 +16,9 @@ void ccd_corners_avx512(CcdKind kind, const CcdPoints& points, const std::int32_
     run_batch<Avx512Pack>(kind, CornerSource{&points, corners}, count, options, results);
 }
 
+void ccd_hits_avx512(CcdKind kind, const CcdPoints& points, const std::int32_t* corners, long count,
+                     const CcdHitOptions& options, CcdResult* results) {
+    run_hits<Avx512Pack>(kind, CornerSource{&points, corners}, count, options, results);
+}
+
 } // namespace flotilla

@@ -34,7 +34,7 @@
 
 #include <cstddef>
 
-#include "geometry/ccd.hpp"
+#include "geometry/ccd_hits.hpp"
 #include "geometry/corner_pack.hpp"
 #include "geometry/pack_vec.hpp"
 
@@ -246,6 +246,13 @@ inline P least_rise(const Advance<P, kCount>& a) {
     return least;
 }
 
+/// What is asked of a batch.
+struct Wanted {
+    bool relaxed = false;   ///< CcdStart::relaxed
+    bool only_hits = false; ///< results of misses, and of hits after `latest`, get hit = false and nothing else
+    double latest = 1;
+};
+
 /// The separation that the start allows: unchanged, or 0.95 of the start distance (relaxed start).
 template <class P>
 inline P start_separation(P d0, P err, P separation) {
@@ -281,17 +288,28 @@ inline void finish_lanes(unsigned done, unsigned missed, unsigned proved, const 
     }
 }
 
+/// Says that lanes have no hit, or none that is wanted.
+template <class P>
+inline void rule_out(unsigned lanes, CcdResult* const* results) {
+    for (unsigned i = 0; i < static_cast<unsigned>(P::kWidth); ++i)
+        if (((lanes >> i) & 1u) != 0) results[i]->hit = false;
+}
+
 /// One iteration of the active lanes; returns the bits of those that go on.
 template <bool kAtStart, CcdKind kKind, class P>
-inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range, bool relaxed, int iterations,
+inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range, const Wanted& wanted, int iterations,
                         Progress<P>& state, unsigned active, CcdResult* const* results) {
+    constexpr unsigned kAll = (1u << P::kWidth) - 1;
     const P one = P::all(1);
     const auto a = look<kAtStart>(x, state.t);
     const unsigned valid = in_range & mask_bits(P::all(kLeastSquare) < a.square) & mask_bits(a.sum <= P::all(kHuge));
     unsigned opening = 0;
-    if (kAtStart && relaxed) {
+    if (kAtStart && wanted.relaxed) {
         opening = valid & mask_bits(mask_and(err * a.length <= a.least, err * a.length <= least_rise(a)));
-        state.separation = start_separation(a.least / a.length - err, err, state.separation);
+        // At twice the separation start_separation() leaves it as it is, and rounding has room: most are spared the division.
+        const P far = ((state.separation + err) + (state.separation + err)) * a.length;
+        if (mask_bits(far <= a.least) != kAll)
+            state.separation = start_separation(a.least / a.length - err, err, state.separation);
     }
     const P h = (state.separation + err) * a.length;
     const unsigned apart = valid & mask_bits(h <= a.least);
@@ -306,10 +324,14 @@ inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range
         stopped &= ~missed & (~apart | mask_bits(a.least <= h + slack));
     }
     if (iterations + 1 == kMaxIterations) stopped = active & ~missed;
-    if ((missed | stopped) != 0)
-        finish_lanes(missed | stopped, missed, apart | opening, a, state.t, iterations + 1, results);
+    const unsigned told = wanted.only_hits ? stopped : missed | stopped;
+    if (told != 0) finish_lanes(told, missed, apart | opening, a, state.t, iterations + 1, results);
     state.t = max(reach, state.t);
-    return active & ~(missed | stopped);
+    active &= ~(missed | stopped);
+    if (!wanted.only_hits) return active;
+    const unsigned late = active & mask_bits(P::all(wanted.latest) < state.t);
+    rule_out<P>(missed | late, results);
+    return active & ~late;
 }
 
 /// True where the direction proves the features apart on all of [0, 1].
@@ -346,22 +368,23 @@ inline Loaded<P, kKind> load(const Queries<P>& queries) {
 /// The first iteration of the active lanes. Writes the results of the lanes that finish and returns the bits of those that do
 /// not.
 template <CcdKind kKind, class P>
-inline unsigned begin(const Loaded<P, kKind>& x, bool relaxed, Progress<P>& state, unsigned active,
+inline unsigned begin(const Loaded<P, kKind>& x, const Wanted& wanted, Progress<P>& state, unsigned active,
                       CcdResult* const* results) {
-    return iterate<true>(x.differences, x.err, x.in_range, relaxed, 0, state, active, results);
+    return iterate<true>(x.differences, x.err, x.in_range, wanted, 0, state, active, results);
 }
 /// The other iterations, to the end.
 template <CcdKind kKind, class P>
-inline void go_on(const Loaded<P, kKind>& x, Progress<P>& state, unsigned active, CcdResult* const* results) {
+inline void go_on(const Loaded<P, kKind>& x, const Wanted& wanted, Progress<P>& state, unsigned active,
+                  CcdResult* const* results) {
     for (int i = 1; active != 0; ++i)
-        active = iterate<false>(x.differences, x.err, x.in_range, false, i, state, active, results);
+        active = iterate<false>(x.differences, x.err, x.in_range, wanted, i, state, active, results);
 }
 template <CcdKind kKind, class P>
-inline void run(const WholeQueries<P>& queries, bool relaxed, Progress<P>& state, unsigned active,
+inline void run(const WholeQueries<P>& queries, const Wanted& wanted, Progress<P>& state, unsigned active,
                 CcdResult* const* results) {
     const auto x = load<kKind>(queries);
-    active = begin(x, relaxed, state, active, results);
-    go_on(x, state, active, results);
+    active = begin(x, wanted, state, active, results);
+    go_on(x, wanted, state, active, results);
 }
 
 inline constexpr int kBlock = 256; // queries whose survivors are compacted together
@@ -408,9 +431,10 @@ struct Lanes {
 };
 
 template <CcdKind kKind, class P, class Source>
-inline void begin_pack(const Lanes<P, Source>& lanes, bool relaxed, double separation, int first, Survivors& left) {
+inline void begin_pack(const Lanes<P, Source>& lanes, const Wanted& wanted, double separation, int first,
+                       Survivors& left) {
     Progress<P> state{P::all(0), P::all(separation)};
-    const unsigned rest = begin(load<kKind>(lanes.queries), relaxed, state, lanes.active, lanes.result);
+    const unsigned rest = begin(load<kKind>(lanes.queries), wanted, state, lanes.active, lanes.result);
     if (rest == 0) return;
     double t[P::kWidth], s[P::kWidth];
     state.t.store(t);
@@ -427,16 +451,16 @@ inline void begin_pack(const Lanes<P, Source>& lanes, bool relaxed, double separ
 /// packed together until they are done. A lane's arithmetic never depends on its neighbours. Flattened: a pack handed to a
 /// function travels through memory (a sixth of the time).
 template <CcdKind kKind, class P, class Source>
-[[gnu::flatten]] inline void run_block(const Source& source, int count, double separation, bool relaxed,
+[[gnu::flatten]] inline void run_block(const Source& source, int count, double separation, const Wanted& wanted,
                                        CcdResult* results) {
     Survivors left;
     int first = 0;
     for (; first + P::kWidth <= count; first += P::kWidth)
-        begin_pack<kKind, P, Source>({source.from(first), results + first, P::kWidth, [](int i) { return i; }}, relaxed,
+        begin_pack<kKind, P, Source>({source.from(first), results + first, P::kWidth, [](int i) { return i; }}, wanted,
                                      separation, first, left);
     if (first < count)
         begin_pack<kKind, P, Source>({source.from(first), results + first, count - first, [](int i) { return i; }},
-                                     relaxed, separation, first, left);
+                                     wanted, separation, first, left);
     for (int i = 0; i < left.count; i += P::kWidth) {
         const int n = left.count - i < P::kWidth ? left.count - i : P::kWidth;
         double t[P::kWidth], s[P::kWidth];
@@ -446,24 +470,33 @@ template <CcdKind kKind, class P, class Source>
         }
         Progress<P> state{P::load(t), P::load(s)};
         const Lanes<P, Source> lanes(source, results, n, [&](int lane) { return left.query[i + lane]; });
-        go_on(load<kKind>(lanes.queries), state, lanes.active, lanes.result);
+        go_on(load<kKind>(lanes.queries), wanted, state, lanes.active, lanes.result);
     }
 }
 
 template <CcdKind kKind, class P, class Source>
-inline void run_blocks(const Source& source, long count, double separation, bool relaxed, CcdResult* results) {
+inline void run_blocks(const Source& source, long count, double separation, const Wanted& wanted, CcdResult* results) {
     for (long first = 0; first < count; first += kBlock)
         run_block<kKind, P>(source.from(first), static_cast<int>(count - first < kBlock ? count - first : kBlock),
-                            separation, relaxed, results + first);
+                            separation, wanted, results + first);
 }
 
 template <class P, class Source>
-inline void run_batch(CcdKind kind, const Source& source, long count, const CcdOptions& options, CcdResult* results) {
-    const bool relaxed = options.start == CcdStart::relaxed;
+inline void run_batch(CcdKind kind, const Source& source, long count, double separation, const Wanted& wanted,
+                      CcdResult* results) {
     if (kind == CcdKind::vertex_face)
-        run_blocks<CcdKind::vertex_face, P>(source, count, options.separation, relaxed, results);
+        run_blocks<CcdKind::vertex_face, P>(source, count, separation, wanted, results);
     else
-        run_blocks<CcdKind::edge_edge, P>(source, count, options.separation, relaxed, results);
+        run_blocks<CcdKind::edge_edge, P>(source, count, separation, wanted, results);
+}
+template <class P, class Source>
+inline void run_batch(CcdKind kind, const Source& source, long count, const CcdOptions& options, CcdResult* results) {
+    run_batch<P>(kind, source, count, options.separation, {.relaxed = options.start == CcdStart::relaxed}, results);
+}
+template <class P, class Source>
+inline void run_hits(CcdKind kind, const Source& source, long count, const CcdHitOptions& options, CcdResult* results) {
+    run_batch<P>(kind, source, count, options.separation,
+                 {.relaxed = options.start == CcdStart::relaxed, .only_hits = true, .latest = options.latest}, results);
 }
 
 } // namespace

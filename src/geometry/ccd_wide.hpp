@@ -2,7 +2,7 @@
 // Entry points of the kernels compiled per instruction set. Call only where the processor has it.
 #pragma once
 
-#include "geometry/ccd.hpp"
+#include "geometry/ccd_hits.hpp"
 
 namespace flotilla {
 
@@ -13,5 +13,9 @@ void ccd_corners_avx2(CcdKind kind, const CcdPoints& points, const std::int32_t*
                       const CcdOptions& options, CcdResult* results);
 void ccd_corners_avx512(CcdKind kind, const CcdPoints& points, const std::int32_t* corners, long count,
                         const CcdOptions& options, CcdResult* results);
+void ccd_hits_avx2(CcdKind kind, const CcdPoints& points, const std::int32_t* corners, long count,
+                   const CcdHitOptions& options, CcdResult* results);
+void ccd_hits_avx512(CcdKind kind, const CcdPoints& points, const std::int32_t* corners, long count,
+                     const CcdHitOptions& options, CcdResult* results);
 
 } // namespace flotilla

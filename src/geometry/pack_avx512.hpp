@@ -53,18 +53,26 @@ inline Avx512Mask mask_or(Avx512Mask a, Avx512Mask b) { return {static_cast<__mm
 inline Avx512Mask mask_not(Avx512Mask a) { return {static_cast<__mmask8>(~a.m)}; }
 inline unsigned mask_bits(Avx512Mask a) { return a.m; }
 
+// Put together in registers: a wide load of what narrow stores wrote waits until they have reached the cache.
 inline void load_transposed(const double* const* lanes, int first, Avx512Pack (&out)[4]) {
-    alignas(64) double rows[4][8];
-    for (int lane = 0; lane < 8; ++lane)
-        for (int i = 0; i < 4; ++i) rows[i][lane] = lanes[lane][first + i];
-    for (int i = 0; i < 4; ++i) out[i] = {_mm512_load_pd(rows[i])};
+    Avx2Pack low[4], high[4];
+    load_transposed(lanes, first, low);
+    load_transposed(lanes + 4, first, high);
+    for (int i = 0; i < 4; ++i) out[i] = Avx512Pack::join(low[i], high[i]);
 }
 
 inline void load_transposed(const double* const (&points)[8], Avx512Pack (&xyz)[3]) {
-    alignas(64) double rows[3][8];
-    for (int lane = 0; lane < 8; ++lane)
-        for (int i = 0; i < 3; ++i) rows[i][lane] = points[lane][i];
-    for (int i = 0; i < 3; ++i) xyz[i] = {_mm512_load_pd(rows[i])};
+    const auto four = [&](int lane, int i) { // two doubles of every other lane
+        const auto load = [&](int l) { return _mm_loadu_pd(points[l] + i); };
+        __m512d v = _mm512_castpd128_pd512(load(lane));
+        v = _mm512_insertf64x2(v, load(lane + 2), 1);
+        v = _mm512_insertf64x2(v, load(lane + 4), 2);
+        return _mm512_insertf64x2(v, load(lane + 6), 3);
+    };
+    const __m512d xy_even = four(0, 0), xy_odd = four(1, 0), yz_even = four(0, 1), yz_odd = four(1, 1);
+    xyz[0] = {_mm512_unpacklo_pd(xy_even, xy_odd)};
+    xyz[1] = {_mm512_unpackhi_pd(xy_even, xy_odd)};
+    xyz[2] = {_mm512_unpackhi_pd(yz_even, yz_odd)};
 }
 inline void store_transposed(const Avx512Pack (&in)[4], unsigned which, double* const* out) {
     alignas(64) double rows[4][8];

@@ -26,14 +26,22 @@ std::array<Vec3, 3> corners(const BodyMotion& body, std::int32_t t) {
 /// One body's part of a proximity.
 struct Side {
     const BodyMotion& body;
-    Vec3 p, q;         ///< its point, the other body's
-    std::int32_t face; ///< that has p as its nearest point to q; -1: the feature is no face
+    Vec3 p, q;          ///< its point, the other body's
+    std::int32_t face;  ///< that has p as its nearest point to q; -1: the feature is no face
+    std::int32_t owner; ///< a triangle of the vertex or edge that has p; -1: the feature is a face
 };
+
+std::int32_t owner_of(const BodyMotion& body, FeatureKind kind, std::int32_t feature) {
+    const Topology& t = body.shape->topology;
+    return kind == FeatureKind::edge_edge ? t.edge_owner[at(feature)] : t.vertex_owner[at(feature)];
+}
 
 Side side_of(const BodyMotion& body, const ProximityPoint& point, bool first) {
     const FeaturePair& f = point.features;
     const bool is_face = f.kind == (first ? FeatureKind::face_vertex : FeatureKind::vertex_face);
-    return {body, first ? point.a : point.b, first ? point.b : point.a, is_face ? (first ? f.a : f.b) : -1};
+    const std::int32_t own = first ? f.a : f.b;
+    return {body, first ? point.a : point.b, first ? point.b : point.a, is_face ? own : -1,
+            is_face ? -1 : owner_of(body, f.kind, own)};
 }
 
 /// How far from p a triangle may be that says whether p faces q, squared (m^2): |pq| tan(theta).
@@ -76,9 +84,15 @@ bool faces(const Side& s, std::span<const std::int32_t> triangles, double angle_
     const Vec3 to_p = s.p - s.q;
     const double distance_sq = length_sq(to_p);
     const double reach_sq = facing_reach_sq(s, angle_cos);
+    // A triangle whose corners are all as far along qp as |pq| cos(theta) has no point nearer than p that is more than theta away. Most
+    // are, and need no closest points. The room is far more than rounding, that of closest points on needles included.
+    const double least =
+        (angle_cos + 0x1p-20) * distance_sq + 0x1p-40 * std::sqrt(distance_sq) * (s.body.max_abs() + length(s.q));
     return std::none_of(triangles.begin(), triangles.end(), [&](std::int32_t t) {
         if (t == s.face) return false;
         const auto f = corners(s.body, t);
+        const auto along = [&](std::size_t k) { return dot(to_p, f[k] - s.q); };
+        if (std::min({along(0), along(1), along(2)}) >= least) return false;
         const auto c = closest_vertex_triangle(s.q, f[0], f[1], f[2]);
         if (!(c.distance_sq < distance_sq)) return false;
         if (dot(to_p, c.point - s.q) >= angle_cos * std::sqrt(distance_sq * c.distance_sq)) return false;
@@ -101,17 +115,33 @@ bool may_pass(const PassingBodies& passing, const CoarseBox& box_a, const Coarse
            meet(a.lower.z, a.upper.z, b.lower.z, b.upper.z, way.z);
 }
 
+/// Of whatever is near.
+struct AnyPair {
+    [[nodiscard]] static bool may_meet(const CoarseBox&, const CoarseBox&) { return true; }
+    [[nodiscard]] static bool meets(const Vec3&, const Vec3&, const Vec3&, double) { return true; }
+};
+
+/// Of what comes nearer than the rest distance.
+struct PassingPair {
+    const PassingBodies& passing;
+    [[nodiscard]] bool may_meet(const CoarseBox& a, const CoarseBox& b) const { return may_pass(passing, a, b); }
+    [[nodiscard]] bool meets(const Vec3& p, const Vec3& q, const Vec3& normal, double distance) const {
+        return distance + dot(normal, passing.b.at(q) - passing.a.at(p)) < passing.rest;
+    }
+};
+
+template <class Pair = AnyPair>
 class Finder {
   public:
     Finder(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos, ProximityScratch& scratch,
-           const PassingBodies* passing = nullptr)
+           const Pair& pair = {})
         : a_(a),
           b_(b),
           proximity_(proximity),
           angle_cos_(angle_cos),
           reach_(proximity, std::max(a.max_abs(), b.max_abs())),
           scratch_(scratch),
-          passing_(passing) {}
+          pair_(pair) {}
 
     ProximityResult all(const CoveringList& list) {
         scratch_.found.clear();
@@ -145,7 +175,7 @@ class Finder {
 
     void traverse() {
         const auto meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
-            return coarse_overlap(p.at0, q.at0, reach_) && (passing_ == nullptr || may_pass(*passing_, p.at0, q.at0));
+            return coarse_overlap(p.at0, q.at0, reach_) && pair_.may_meet(p.at0, q.at0);
         };
         bvh_detail::traverse(
             a_.shape->bvh, b_.shape->bvh, a_.at0.nodes, b_.at0.nodes,
@@ -182,12 +212,8 @@ class Finder {
             return;
         }
         const Vec3 normal = normalized(p.b - p.a);
-        if (normal == Vec3{} || (passing_ != nullptr && !passes(p.a, p.b, normal, distance))) return;
+        if (normal == Vec3{} || !pair_.meets(p.a, p.b, normal, distance)) return;
         scratch_.found.push_back({f, p.a, p.b, normal, distance});
-    }
-
-    [[nodiscard]] bool passes(const Vec3& p, const Vec3& q, const Vec3& normal, double distance) const {
-        return distance + dot(normal, passing_->b.at(q) - passing_->a.at(p)) < passing_->rest;
     }
 
     struct ClosestPoints {
@@ -241,7 +267,7 @@ class Finder {
     double proximity_, angle_cos_;
     CoarseReach reach_;
     ProximityScratch& scratch_;
-    const PassingBodies* passing_; ///< null: whatever is near
+    Pair pair_;
     Isa isa_ = best_isa();
     ProximityResult result_;
     bool first_only_ = false;
@@ -251,23 +277,25 @@ class Finder {
 
 ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
                                  const CoveringList& list, ProximityScratch& scratch) {
-    return Finder(a, b, proximity, angle_cos, scratch).all(list);
+    return Finder<>(a, b, proximity, angle_cos, scratch).all(list);
 }
 
 bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const CoveringList& list,
                    ProximityScratch& scratch) {
-    return Finder(a, b, proximity, 1, scratch).any(list);
+    return Finder<>(a, b, proximity, 1, scratch).any(list);
 }
 
 bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& point, double angle_cos,
                 ProximityScratch& scratch) {
     const Side sides[2] = {side_of(a, point, true), side_of(b, point, false)};
     auto& around = scratch.around;
+    // Of what is around a vertex or an edge, a triangle of its own is at hand, and often enough.
+    const auto owner_faces = [&](const Side& s) { return s.owner < 0 || faces(s, {&s.owner, 1}, angle_cos); };
     const auto faces_other = [&](int k) {
         list_around(sides[k], angle_cos, around[at(k)]);
         return faces(sides[k], around[at(k)], angle_cos);
     };
-    if (!faces_other(0) || !faces_other(1)) {
+    if (!owner_faces(sides[0]) || !owner_faces(sides[1]) || !faces_other(0) || !faces_other(1)) {
         ++scratch.counters.angle;
         return false;
     }
@@ -289,7 +317,7 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
 
 void find_passing_points(const BodyMotion& a, const BodyMotion& b, const PassingBodies& passing, double proximity,
                          double angle_cos, ProximityScratch& scratch, std::vector<ProximityPoint>& out) {
-    Finder(a, b, proximity, angle_cos, scratch, &passing).all({});
+    Finder<PassingPair>(a, b, proximity, angle_cos, scratch, {passing}).all({});
     for (const ProximityPoint& p : scratch.found)
         if (admissible(a, b, p, angle_cos, scratch)) out.push_back(p);
 }

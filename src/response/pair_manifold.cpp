@@ -71,7 +71,7 @@ double PairManifold::sweep(Velocities& v) {
         const Vec3& n = hit.point.normal;
         const Vec3 u = relative(hit, v);
         const double old = dot(n, hit.next), normal = std::max(0.0, old + (hit.target - dot(n, u)) / hit.mass_normal);
-        push(hit, (normal - old) * n, v);
+        if (normal != old) push(hit, (normal - old) * n, v);
         hit.next += (normal - old) * n;
         worst = std::max(worst, std::abs(normal - old) * hit.mass_normal);
         // Down the gradient of the energy of the slip, onto the disc of Coulomb's law.

@@ -272,11 +272,10 @@ ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBo
     row.tangent_2 = t.t2;
     row.local.target = c.target;
     row.local.friction = c.friction;
-    set_effective_mass(block, row);
-    if (cone_of(options) == Cone::disc) {
-        turn_tangents(principal_turn(row.local), row);
+    if (cone_of(options) == Cone::disc)
+        set_principal_mass(block, row);
+    else
         set_effective_mass(block, row);
-    }
     const Vec3 warm = to_contact(row, warm_impulse);
     row.local.impulse = cut_to_cone(cone_of(options), warm, c.friction);
     return row;

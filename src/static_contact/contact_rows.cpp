@@ -7,34 +7,44 @@
 namespace flotilla {
 namespace {
 
-struct FrameTorques {
-    Vec3 n, t1, t2;             ///< arm x direction
-    Vec3 inv_n, inv_t1, inv_t2; ///< inverse inertia times it
+/// What an impulse along a direction turns: arm x direction, and the inverse inertia times it, of both bodies.
+struct Torques {
+    Vec3 a, b, inv_a, inv_b;
+
+    Torques(const ContactBlock& block, const ContactRow& row, const Vec3& direction)
+        : a(cross(row.arm_a, direction)),
+          b(cross(row.arm_b, direction)),
+          inv_a(block.inv_inertia_a * a),
+          inv_b(block.inv_inertia_b * b) {}
 };
 
-FrameTorques frame_torques(const ContactRow& r, const Vec3& arm, const Sym3& inv_inertia) {
-    FrameTorques f;
-    f.n = cross(arm, r.normal);
-    f.t1 = cross(arm, r.tangent_1);
-    f.t2 = cross(arm, r.tangent_2);
-    f.inv_n = inv_inertia * f.n;
-    f.inv_t1 = inv_inertia * f.t1;
-    f.inv_t2 = inv_inertia * f.t2;
-    return f;
+double product(const Torques& p, const Torques& q) { return dot(p.a, q.inv_a) + dot(p.b, q.inv_b); }
+
+double inverse_mass(const ContactBlock& block) { return block.inv_mass_a + block.inv_mass_b; }
+
+void set_mass(double m, const Torques& n, const Torques& t1, const Torques& t2, LocalContact& c) {
+    c.mass_diagonal = {m + product(n, n), m + product(t1, t1), m + product(t2, t2)};
+    c.inv_mass_diagonal = {1 / c.mass_diagonal.x, 1 / c.mass_diagonal.y, 1 / c.mass_diagonal.z};
+    c.coupling = {product(n, t1), product(n, t2), product(t1, t2)};
 }
 
 } // namespace
 
 void set_effective_mass(const ContactBlock& block, ContactRow& row) {
-    const FrameTorques a = frame_torques(row, row.arm_a, block.inv_inertia_a);
-    const FrameTorques b = frame_torques(row, row.arm_b, block.inv_inertia_b);
-    const double m = block.inv_mass_a + block.inv_mass_b;
-    LocalContact& c = row.local;
-    c.mass_diagonal = {m + (dot(a.n, a.inv_n) + dot(b.n, b.inv_n)), m + (dot(a.t1, a.inv_t1) + dot(b.t1, b.inv_t1)),
-                       m + (dot(a.t2, a.inv_t2) + dot(b.t2, b.inv_t2))};
-    c.inv_mass_diagonal = {1 / c.mass_diagonal.x, 1 / c.mass_diagonal.y, 1 / c.mass_diagonal.z};
-    c.coupling = {dot(a.n, a.inv_t1) + dot(b.n, b.inv_t1), dot(a.n, a.inv_t2) + dot(b.n, b.inv_t2),
-                  dot(a.t1, a.inv_t2) + dot(b.t1, b.inv_t2)};
+    const Torques n(block, row, row.normal), t1(block, row, row.tangent_1), t2(block, row, row.tangent_2);
+    set_mass(inverse_mass(block), n, t1, t2, row.local);
+}
+
+void set_principal_mass(const ContactBlock& block, ContactRow& row) {
+    const double m = inverse_mass(block);
+    const Torques n(block, row, row.normal);
+    {
+        const Torques t1(block, row, row.tangent_1), t2(block, row, row.tangent_2);
+        row.local.mass_diagonal = {0, m + product(t1, t1), m + product(t2, t2)};
+        row.local.coupling = {0, 0, product(t1, t2)};
+        turn_tangents(principal_turn(row.local), row);
+    }
+    set_mass(m, n, {block, row, row.tangent_1}, {block, row, row.tangent_2}, row.local);
 }
 
 TangentTurn principal_turn(const LocalContact& c) {

@@ -89,6 +89,8 @@ void turn_tangents(const TangentTurn& turn, ContactRow& row);
 
 /// Sets W of the row's frame for the masses of the block.
 void set_effective_mass(const ContactBlock& block, ContactRow& row);
+/// Turns the tangents to the principal axes of W_tt before.
+void set_principal_mass(const ContactBlock& block, ContactRow& row);
 
 /// The impulse nearest to a given one (contact coordinates) that the bounds allow: what a warm start may begin with.
 Vec3 cut_to_cone(Cone cone, const Vec3& impulse, double friction);

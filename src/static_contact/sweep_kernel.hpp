@@ -87,23 +87,19 @@ inline PackBody<P> load_bodies(const BodyVelocity* bodies, const std::int32_t* i
     return {{linear[0], linear[1], linear[2]}, {angular[0], angular[1], angular[2]}};
 }
 
-/// Writes the movable bodies of a group.
+/// Writes the movable bodies of a group, each half of a velocity at once: a load of what narrower stores wrote waits for the cache.
 template <class P>
 inline void store_bodies(const PackBody<P>& body, const std::int32_t* id, const double* inv_mass,
                          BodyVelocity* bodies) {
-    double v[6][P::kWidth];
-    body.linear.x.store(v[0]);
-    body.linear.y.store(v[1]);
-    body.linear.z.store(v[2]);
-    body.angular.x.store(v[3]);
-    body.angular.y.store(v[4]);
-    body.angular.z.store(v[5]);
+    const P zero = P::all(0);
+    const unsigned movable = mask_bits(zero < P::load(inv_mass));
+    double *linear[P::kWidth], *angular[P::kWidth];
     for (int i = 0; i < P::kWidth; ++i) {
-        if (!(inv_mass[i] > 0)) continue;
-        BodyVelocity& out = bodies[id[i]];
-        out.linear = {v[0][i], v[1][i], v[2][i]};
-        out.angular = {v[3][i], v[4][i], v[5][i]};
+        linear[i] = &bodies[id[i]].linear.x;
+        angular[i] = &bodies[id[i]].angular.x;
     }
+    store_transposed({body.linear.x, body.linear.y, body.linear.z, zero}, movable, linear);
+    store_transposed({body.angular.x, body.angular.y, body.angular.z, zero}, movable, angular);
 }
 
 template <class P, class At>

@@ -119,7 +119,7 @@ std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::
     }
     if (!any) return overdrawn_;
     for (std::size_t i = 0; i < n; ++i) {
-        if (!model.bodies[i].movable() || way[i] == Vec3{}) continue;
+        if (!model.bodies[i].movable()) continue;
         const Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
         if (!island.grounded && island.gain > island.kinetic + island.most_lift)
             overdrawn_.push_back(static_cast<std::int32_t>(i));

@@ -37,6 +37,10 @@ class EnergyAccount {
     /// given up. Islands that touch a scripted body, whose work pays for that, are left out.
     [[nodiscard]] std::span<const std::int32_t> overdrawn(const Model& model, std::span<const Vec3> way,
                                                           std::span<const double> lift);
+    /// Whether the island of a movable body touches a scripted one, as overdrawn() found it.
+    [[nodiscard]] bool touches_script(std::int32_t body) {
+        return islands_[static_cast<std::size_t>(root(body))].grounded;
+    }
     /// Cuts the velocities `motion` at the poses `end`; `lift` is what is written down for every body, J.
     EnergyCorrections settle(Team& team, const Model& model, std::span<const Pose> end, std::span<Motion> motion,
                              std::span<double> lift);

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <tuple>
 
+#include "base/rotation.hpp"
 #include "base/search.hpp"
 #include "parallel/compact.hpp"
-#include "response/arc.hpp"
+#include "step/rolling.hpp"
 
 namespace flotilla {
 namespace {
@@ -207,9 +209,13 @@ void VelocityArrays::store(Team* team, const Model& model, std::span<const Vec3>
 // load to the others so slowly that the sweeps never end. So a contact within tolerance * time step of its rest distance (8 um at
 // the defaults) is at rest, and farther ones go that far. Never more than a share of the rest distance, which is that of the bodies:
 // what keeps small ones off each other must not be lost.
-double equation_16(double rest, double distance, double time_step, double tolerance) {
+double rest_band(double rest, double time_step, double tolerance) {
     constexpr double kMostOfRest = 0.02;
-    const double target = (rest - distance) / time_step, band = std::min(tolerance, kMostOfRest * rest / time_step);
+    return std::min(tolerance, kMostOfRest * rest / time_step);
+}
+
+double equation_16(double rest, double distance, double time_step, double tolerance) {
+    const double target = (rest - distance) / time_step, band = rest_band(rest, time_step, tolerance);
     return target > 0 ? std::max(target - band, 0.0) : std::min(target + band, 0.0);
 }
 
@@ -250,11 +256,30 @@ double tolerance_of(const Model& model, double rest) {
     return s.tolerance_share * (gravity > 0 ? std::min(moves, kOfGravity * gravity) : moves);
 }
 
-ArcContact arcs_of(const Contact& c, double time_step, const VelocityArrays& bodies) {
-    const auto point = [&](std::int32_t body) {
-        return TurningPoint{bodies.angular_velocity[at(body)], c.point - bodies.position[at(body)]};
+/// Arcs of the contacts of one pair, which keep the distance `rest`.
+void arcs_of_pair(const Model& model, std::span<const Contact> pair, double rest, double angle_cos,
+                  const VelocityArrays& bodies, std::span<ArcContact> arcs) {
+    const double dt = model.settings.time_step;
+    const Contact& c = pair.front();
+    const auto point = [&](const Contact& x, std::int32_t body) {
+        return TurningPoint{bodies.angular_velocity[at(body)], x.point - bodies.position[at(body)]};
     };
-    return meet_on_arcs(point(c.a), point(c.b), c.normal, time_step);
+    for (std::size_t i = 0; i < pair.size(); ++i)
+        arcs[i] = meet_on_arcs(point(pair[i], c.a), point(pair[i], c.b), pair[i].normal, dt);
+    const auto lower = [](const Contact& x, const Contact& y) { return x.distance < y.distance; };
+    const auto lowest = static_cast<std::size_t>(std::min_element(pair.begin(), pair.end(), lower) - pair.begin());
+    if (!(arcs[lowest].apart > 0)) return;
+    const Vec3& n = pair[lowest].normal;
+    const TurningPoint a = point(pair[lowest], c.a), b = point(pair[lowest], c.b);
+    const TurningPoint& roller = 2 * dot(n, arc_acceleration(b.omega, b.arm)) >= arcs[lowest].apart ? b : a;
+    const Vec3 way = cross(roller.omega, roller.arm), along = way - dot(way, n) * n;
+    const double speed = length(along), band = dt * rest_band(rest, dt, pair[lowest].tolerance);
+    // What moves less than static contact leaves undone does not roll.
+    if (!(speed * dt > band)) return;
+    share_load(
+        pair, lowest,
+        {b.omega - a.omega, along / speed, speed, length(roller.arm), length(model.gravity), dt, band, angle_cos},
+        arcs);
 }
 
 /// The approach, m/s, that a pair which stage 1 has not seen takes into the next step. Stage 5 may have kept the bodies from moving
@@ -284,10 +309,10 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
     const double most_slip = kMostSlip * length(model.gravity) * s.time_step;
     const bool random = s.tangents == Tangents::random;
     if (random) load_last_velocities(model, motion, options, scratch);
+    const double angle_cos = sin_cos(s.proximity_angle * std::numbers::pi / 180).cos;
     const auto complete = [&](std::size_t i) {
-        Contact c = set.contacts[i];
-        c.tolerance = tolerance_of(model, set.rest[i]);
-        const ArcContact arcs = arcs_of(c, s.time_step, scratch.bodies);
+        Contact& c = scratch.selected[i];
+        const ArcContact& arcs = scratch.arcs[i];
         const double full =
             equation_16(set.rest[i], c.distance - arcs.closer, s.time_step, c.tolerance) + arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost there.
@@ -298,11 +323,23 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
             c.target = std::min(c.target, -kept_approach(model, c, options.start, poses, scratch.bodies));
         c.point += arcs.shift;
         c.sticks = random && sticks(c, set.rest[i], most_slip, s.time_step, scratch);
-        return c;
+    };
+    const auto same_pair = [&](std::size_t i, std::size_t j) {
+        return set.contacts[i].a == set.contacts[j].a && set.contacts[i].b == set.contacts[j].b;
     };
     scratch.selected.resize(set.size());
-    for_each(options.team, "select contacts", set.size(), kContactGrain,
-             [&](std::size_t i) { scratch.selected[i] = complete(i); });
+    scratch.arcs.resize(set.size());
+    for_each(options.team, "select contacts", set.size(), kContactGrain, [&](std::size_t i) {
+        if (i > 0 && same_pair(i - 1, i)) return;
+        std::size_t end = i;
+        for (; end < set.size() && same_pair(i, end); ++end) {
+            scratch.selected[end] = set.contacts[end];
+            scratch.selected[end].tolerance = tolerance_of(model, set.rest[end]);
+        }
+        arcs_of_pair(model, std::span(scratch.selected).subspan(i, end - i), set.rest[i], angle_cos, scratch.bodies,
+                     std::span(scratch.arcs).subspan(i, end - i));
+        for (std::size_t j = i; j < end; ++j) complete(j);
+    });
 }
 
 StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,

@@ -5,6 +5,7 @@
 #include <flotilla/report.hpp>
 
 #include "pair/step_data.hpp"
+#include "response/arc.hpp"
 #include "static_contact/solve_contacts.hpp"
 
 namespace flotilla {
@@ -86,6 +87,7 @@ struct StaticStageScratch {
     std::vector<Vec3> last_velocity, last_angular_velocity; ///< by body: at x^n, or prescribed
     std::vector<Vec3> angular_before;
     std::vector<Contact> selected;
+    std::vector<ArcContact> arcs;    ///< of `selected`
     std::vector<std::size_t> places; ///< in `selected`, by chunk of contacts
     std::vector<Vec3> impulses;
 };

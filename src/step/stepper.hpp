@@ -57,12 +57,15 @@ class Stepper {
                         StepReport& report);
     StaticStageStats solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                                        const StepReport& report);
+    FailsafeStats move_bodies(StepData& d, std::span<Motion> half, StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                          StepReport& report);
     void open_account();
     bool mark_level(std::span<const Motion> half);
+    std::span<const std::int32_t> overdrawn();
+    bool slow_down(std::span<Motion> half);
     void hold_overdrawn(StepData& d, FailsafeStats& failsafe);
     void join_pushed();
     void join_contacts();
@@ -89,8 +92,9 @@ class Stepper {
     StepBuffers buffers_;
     StaticStageScratch static_;
     EnergyAccount energy_;
-    std::vector<Vec3> way_;           ///< m, of centres of mass in the step
-    std::vector<std::uint8_t> level_; ///< see mark_level(); empty but in stage 3
+    std::vector<Vec3> way_;            ///< m, of centres of mass in the step
+    std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() did it
+    std::vector<std::uint8_t> level_;  ///< see mark_level(); empty but in stage 3
     ContactSearchScratch search_;
     ContactSet contacts_;
     bool looks_ahead_ = false; ///< may_look_ahead()

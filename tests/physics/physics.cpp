@@ -132,6 +132,10 @@ Motion::Motion(const SceneDescription& scene) : scene_(scene), world_(scene), bo
         const Shape& shape = built.shapes[static_cast<std::size_t>(body.shape)];
         bodies_[i].start = world_.body(i).center_of_mass;
         bodies_[i].size = 2 * shape.sphere.radius;
+        for (const Vec3& v : shape.mesh.vertices) {
+            const Vec3 arm = v - shape.center;
+            bodies_[i].half = max(bodies_[i].half, {std::abs(arm.x), std::abs(arm.y), std::abs(arm.z)});
+        }
         scripted_ = scripted_ || body.type == BodyType::kinematic;
         if (body.type != BodyType::dynamic) continue;
         const MassProperties& mass = *shape.mass;
@@ -161,6 +165,14 @@ void Motion::add(double total, double kinetic) {
     out_.end_total = total;
 }
 
+// Not above what turns at the radius of the size: a needle that turns about its own axis hardly moves.
+double Motion::surface_speed(const Body& body, const BodyState& state) {
+    const Vec3 w = rotate(conjugate(state.rotation), state.angular_velocity), h = body.half;
+    const Vec3 most{std::abs(w.y) * h.z + std::abs(w.z) * h.y, std::abs(w.z) * h.x + std::abs(w.x) * h.z,
+                    std::abs(w.x) * h.y + std::abs(w.y) * h.x};
+    return std::min(0.5 * body.size * length(w), length(most));
+}
+
 StepReport Motion::step() {
     const auto start = std::chrono::steady_clock::now();
     const StepReport r = world_.step();
@@ -176,9 +188,9 @@ StepReport Motion::step() {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         if (bodies_[i].mass == 0) continue;
         const BodyState s = world_.body(i);
-        const double speed = length(s.velocity), turning = 0.5 * length(s.angular_velocity);
+        const double speed = length(s.velocity), surface = surface_speed(bodies_[i], s);
         out_.fastest = std::max(out_.fastest, speed);
-        out_.fastest_sizes = std::max(out_.fastest_sizes, std::max(speed / bodies_[i].size, turning));
+        out_.fastest_sizes = std::max(out_.fastest_sizes, std::max(speed, surface) / bodies_[i].size);
     }
     return r;
 }

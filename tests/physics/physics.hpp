@@ -94,7 +94,7 @@ struct Outcome {
     double start_total = 0; ///< J, with the potential energy, zero at the origin
     double end_total = 0;
     double fastest = 0;       ///< m/s, centre of mass of a dynamic body at the end
-    double fastest_sizes = 0; ///< the same in diameters of that body a second, its turning with it
+    double fastest_sizes = 0; ///< the same in diameters of that body a second, or of its surface as it turns
     std::int64_t merges = 0, held = 0;
     std::int64_t held_steps = 0; ///< with a body held
     std::int64_t above = 0;      ///< steps that ended above the solver's tolerance
@@ -133,8 +133,10 @@ class Motion {
     struct Body {
         double mass = 0, size = 0;
         Vec3 start;
+        Vec3 half; ///< m, of the box around the centre of mass, in mesh axes
     };
     void add(double total, double kinetic);
+    static double surface_speed(const Body& body, const BodyState& state);
 
     SceneDescription scene_;
     World world_;

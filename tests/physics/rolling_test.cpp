@@ -13,6 +13,7 @@ struct Roller {
     TriangleMesh (*mesh)();
     bool solid;
     double inertia;
+    double sides; ///< around
 };
 
 template <int sides>
@@ -23,11 +24,12 @@ TriangleMesh tube() { return make_tube(kRadius, 0.6, 512); }
 TriangleMesh ball() { return make_sphere(kRadius, 5); }
 TriangleMesh coarse_ball() { return make_sphere(kRadius, 3); }
 
-constexpr Roller kCylinder{"Cylinder512", cylinder<512>, true, 1.0 / 2};
-constexpr Roller kTube{"Tube512", tube, false, 1};
-constexpr Roller kBall{"Ball20480", ball, true, 2.0 / 5};
-constexpr Roller kHollowBall{"HollowBall20480", ball, false, 2.0 / 3};
-constexpr Roller kCoarseBall{"Ball1280", coarse_ball, true, 2.0 / 5};
+constexpr Roller kCylinder{"Cylinder512", cylinder<512>, true, 1.0 / 2, 512};
+constexpr Roller kTube{"Tube512", tube, false, 1, 512};
+// A ball of 20 4^n triangles has about 5 2^n sides around.
+constexpr Roller kBall{"Ball20480", ball, true, 2.0 / 5, 160};
+constexpr Roller kHollowBall{"HollowBall20480", ball, false, 2.0 / 3, 160};
+constexpr Roller kCoarseBall{"Ball1280", coarse_ball, true, 2.0 / 5, 40};
 
 /// It rests on a side of its own (a vertex, for a ball) at the place where the slope's normal meets it, and rolls towards +x.
 Motion roll(const Run& run, const Roller& roller, double slope, double friction, double speed, double spin) {
@@ -48,22 +50,23 @@ Motion roll(const Run& run, const Roller& roller, double slope, double friction,
 
 // A polygon of n sides that rolls with pure impacts on its next corner loses (2 pi / n)^2 / 2 of its speed times 1 / (1 + inertia) each
 // side: over an angle a it keeps exp(-pi a / n / (1 + inertia)), 99 % of a cylinder of 512 sides.
-double kept_by_facets(const Roller& roller, double sides, double angle) {
-    return std::exp(-kPi * angle / sides / (1 + roller.inertia));
+double kept_by_facets(const Roller& roller, double angle) {
+    return std::exp(-kPi * angle / roller.sides / (1 + roller.inertia));
 }
 
-void keeps_rolling(const Run& run, const Roller& roller, double sides, double speed) {
+void keeps_rolling(const Run& run, const Roller& roller, double speed) {
     constexpr double kTime = 2;
     Motion motion = roll(run, roller, 0, 0.5, speed, speed / kRadius);
     motion.run(kTime);
-    const double kept = motion.body(0).velocity.x / speed, due = kept_by_facets(roller, sides, speed * kTime / kRadius);
+    const double kept = motion.body(0).velocity.x / speed, due = kept_by_facets(roller, speed * kTime / kRadius);
     motion.print("keeps %.4f of its speed, due %.4f", kept, due);
     EXPECT_GT(kept, due - 0.005);
     EXPECT_LT(kept, 1.001);
     expect_no_rise(motion);
 }
 
-// Within 2 %: the facets' own share, as above, is about one at the speeds that are reached.
+// Between a polygon of so many sides and a round body, within 2 %. Sides that cost exp(-c a) over an angle a cost two thirds of it
+// where the angle grows with the square of time: the mean of 1 - t^2 is 2/3.
 void rolls_down(const Run& run, const Roller& roller) {
     constexpr double kSlope = 5 * kDegree, kTime = 2;
     Motion motion = roll(run, roller, kSlope, 0.5, 0, 0);
@@ -71,12 +74,17 @@ void rolls_down(const Run& run, const Roller& roller) {
     const Vec3 down = rotate(rotation_from_vector({0, kSlope, 0}), {1, 0, 0});
     const double due = kGravity * std::sin(kSlope) / (1 + roller.inertia) * motion.world().time();
     const double share = dot(motion.body(0).velocity, down) / due;
-    motion.print("%.4f of the due speed %.4g m/s", share, due);
-    EXPECT_NEAR(share, 1, 0.02);
+    const double angle = 0.5 * due / kRadius * motion.world().time(),
+                 sides = 1 - 2.0 / 3 * (1 - kept_by_facets(roller, angle));
+    motion.print("%.4f of the due speed %.4g m/s, %.4f with its sides", share, due, sides);
+    EXPECT_GT(share, sides - 0.02);
+    EXPECT_LT(share, 1.02);
     expect_no_rise(motion);
 }
 
-// Friction mu g brakes the sliding until the point of contact rests: v0 / (1 + inertia) at t = v0 inertia / ((1 + inertia) mu g).
+// Friction mu g brakes the sliding until the point of contact rests: v0 / (1 + inertia) at t = v0 inertia / ((1 + inertia) mu g). The
+// sides take their share of the spin as it turns, by half the angle of rolling at its last speed, so that it slides for longer: a ball
+// of 20,480 triangles for 0.5895 s at 1/7680 s, 1.1 % longer than a sphere.
 void slides_until_it_rolls(const Run& run, const Roller& roller) {
     constexpr double kSpeed = 2, kFriction = 0.1;
     Motion motion = roll(run, roller, 0, kFriction, kSpeed, 0);
@@ -89,8 +97,15 @@ void slides_until_it_rolls(const Run& run, const Roller& roller) {
             time = r.time, speed = s.velocity.x;
     });
     motion.print("rolls at %.4g m/s after %.4g s, due %.4g m/s after %.4g s", speed, time, due, due_time);
-    EXPECT_NEAR(speed / due, 1, 0.01);
-    EXPECT_NEAR(time, due_time, 0.01 * due_time + run.dt());
+    const double kept = kept_by_facets(roller, 0.5 * due / kRadius * due_time);
+    const double latest = (kSpeed - kept * due) / (kFriction * kGravity), share = 0.01;
+    // On a corner it is higher than on a side, and slower by the energy of that.
+    const double height = kRadius * (1 - std::cos(kPi / roller.sides)),
+                 slower = kGravity * height / ((1 + roller.inertia) * due * due);
+    EXPECT_GT(speed / due, kept - slower - share);
+    EXPECT_LT(speed / due, 1 + slower + share);
+    EXPECT_GT(time, (1 - share) * due_time - run.dt());
+    EXPECT_LT(time, latest + share * due_time + run.dt());
     expect_no_rise(motion);
 }
 
@@ -113,19 +128,17 @@ void rolls_where_friction_is_enough(const Run& run, const Roller& roller, double
 [[maybe_unused]] const bool registered = [] {
     const std::vector<Run> once = runs({24});
     add_runs("Rolling", "Cylinder512KeepsItsSpeed", runs(), true,
-             [](const Run& r) { keeps_rolling(r, kCylinder, 512, 0.5); });
-    static constexpr Roller kSides[] = {{"Cylinder256", cylinder<256>, true, 0.5},
-                                        {"Cylinder1024", cylinder<1024>, true, 0.5},
-                                        {"Cylinder4096", cylinder<4096>, true, 0.5}};
+             [](const Run& r) { keeps_rolling(r, kCylinder, 0.5); });
+    static constexpr Roller kSides[] = {{"Cylinder256", cylinder<256>, true, 0.5, 256},
+                                        {"Cylinder1024", cylinder<1024>, true, 0.5, 1024},
+                                        {"Cylinder4096", cylinder<4096>, true, 0.5, 4096}};
     for (const Roller& roller : kSides) {
-        const double sides = std::stod(std::string(roller.name).substr(8));
-        add_runs("Rolling", std::string(roller.name) + "KeepsItsSpeed", once, sides <= 1024,
-                 [=](const Run& r) { keeps_rolling(r, roller, sides, 0.5); });
-        add_runs("Rolling", std::string(roller.name) + "RollsDown", once, sides <= 1024,
+        add_runs("Rolling", std::string(roller.name) + "KeepsItsSpeed", once, roller.sides <= 1024,
+                 [=](const Run& r) { keeps_rolling(r, roller, 0.5); });
+        add_runs("Rolling", std::string(roller.name) + "RollsDown", once, roller.sides <= 1024,
                  [=](const Run& r) { rolls_down(r, roller); });
     }
-    // A ball of 20 4^5 triangles has about 32 * 5 sides around.
-    add_runs("Rolling", "BallKeepsItsSpeed", runs(), false, [](const Run& r) { keeps_rolling(r, kBall, 160, 1); });
+    add_runs("Rolling", "BallKeepsItsSpeed", runs(), false, [](const Run& r) { keeps_rolling(r, kBall, 1); });
     for (const Roller& roller : {kCylinder, kTube, kBall, kHollowBall}) {
         const bool fast = roller.mesh != ball;
         add_runs("Rolling", std::string(roller.name) + "RollsDown", runs(), fast,

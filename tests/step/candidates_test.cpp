@@ -34,7 +34,8 @@ TEST(CandidateLists, LeaveEveryStateAsItIs) {
     // At rest bounds say of all pairs what queries would: that they stay apart.
     EXPECT_GE(pairs, 20 * contacts / 8);
     EXPECT_EQ(queries_of(with), queries_with);
-    EXPECT_GE(queries_of(without), queries_without + pairs);
+    // Without lists they are queried, but for those whose bodies have not changed since another sweep of the step.
+    EXPECT_GE(queries_of(without), queries_without + 20 * contacts / 8);
 }
 
 // What is known of pairs must not decide whether the limit of sweeps was met, on which stage 7 depends.

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "step/rolling.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace flotilla {
+namespace {
+
+/// Contacts by height above the lowest one and by place along the way that they move.
+class RollingPair {
+  public:
+    RollingPair(std::span<const Contact> pair, std::size_t lowest, const RollingMotion& motion)
+        : pair_(pair),
+          lowest_(pair[lowest]),
+          motion_(motion),
+          tilt_(std::abs(dot(lowest_.normal, cross(motion.turn, motion.along)))) {}
+
+    [[nodiscard]] double height(std::size_t i) const { return pair_[i].distance - lowest_.distance; }
+    [[nodiscard]] double place(std::size_t i) const { return dot(pair_[i].point - lowest_.point, motion_.along); }
+    [[nodiscard]] bool carries(std::size_t i) const { return !(height(i) > motion_.band); }
+    [[nodiscard]] bool alike(std::size_t i) const { return dot(pair_[i].normal, lowest_.normal) >= motion_.angle_cos; }
+
+    /// On the way down, in the direction in which the body rolls.
+    [[nodiscard]] bool ahead(std::size_t i, std::size_t carrier) const {
+        return !carries(i) && alike(i) && place(i) < place(carrier);
+    }
+
+    /// Of the contacts that carry the one on which the body rolls.
+    [[nodiscard]] std::size_t carrier(std::size_t lowest) const {
+        for (std::size_t i = 0; i < pair_.size(); ++i)
+            if (carries(i) && alike(i) && place(i) < place(lowest)) lowest = i;
+        return lowest;
+    }
+
+    struct Landing {
+        std::size_t contact; ///< none if that is the carrier
+        double time;         ///< s, from now
+    };
+    /// Where the body rolls on to from `carrier`; of all points of a side the one at its end.
+    [[nodiscard]] Landing next(std::size_t carrier) const {
+        constexpr double kSameAngle = 1 + 0x1p-10; // more than the rounding of heights
+        double least = std::numeric_limits<double>::infinity();
+        const auto angle = [&](std::size_t i) { return (height(i) - height(carrier)) / (place(carrier) - place(i)); };
+        for (std::size_t i = 0; i < pair_.size(); ++i)
+            if (ahead(i, carrier)) least = std::min(least, angle(i));
+        std::size_t end = carrier;
+        for (std::size_t i = 0; i < pair_.size(); ++i)
+            if (ahead(i, carrier) && angle(i) <= kSameAngle * least && place(i) < place(end)) end = i;
+        return {end, least / tilt_};
+    }
+
+  private:
+    std::span<const Contact> pair_;
+    const Contact& lowest_;
+    const RollingMotion& motion_;
+    double tilt_; ///< rad/s
+};
+
+} // namespace
+
+void share_load(std::span<const Contact> contacts, std::size_t lowest, const RollingMotion& motion,
+                std::span<ArcContact> arcs) {
+    const RollingPair pair(contacts, lowest, motion);
+    const std::size_t carrier = pair.carrier(lowest);
+    const RollingPair::Landing landing = pair.next(carrier);
+    const double dt = motion.time_step, time = landing.time;
+    if (landing.contact == carrier || !(time < dt)) return;
+    const double side = pair.place(carrier) - pair.place(landing.contact);
+    // What gravity adds to the turn on the arm of a side: bodies that rest on their corners do not roll.
+    if (!(motion.gravity * side * dt < motion.arm * motion.speed)) return;
+    const RollingPair::Landing second = pair.next(landing.contact);
+    if (second.contact != landing.contact && second.time < dt) return;
+    const double load = (time * (pair.place(carrier) + 0.5 * motion.speed * time) +
+                         (dt - time) * (pair.place(landing.contact) + 0.5 * motion.speed * (dt + time))) /
+                        dt;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const Vec3 &n = contacts[i].normal, was = arcs[i].shift;
+        if (!pair.ahead(i, carrier) || pair.place(i) < pair.place(landing.contact) || !(length_sq(was) > 0)) continue;
+        arcs[i].shift = dot(was, n) * n + (load - pair.place(i)) * motion.along;
+        arcs[i].approach += dot(n, cross(motion.turn, arcs[i].shift - was));
+    }
+}
+
+} // namespace flotilla
