@@ -204,7 +204,7 @@ void falls_through_a_slot(const Run& run) {
     add_runs("SmallAndFast", "CubeSlidesOutOfATightTunnel", runs(), true, slides_out_of_a_tunnel);
     add_runs("SmallAndFast", "BoxLeavesAGapOfANanometre", once, true, leaves_a_gap_of_a_nanometre);
     add_runs("SmallAndFast", "BoxSlidesOverAGapOfANanometre", once, true, slides_over_a_gap_of_a_nanometre);
-    add_runs("SmallAndFast", "BoxFallsThroughASlotOfANanometre", once, kNotReached, falls_through_a_slot);
+    add_runs("SmallAndFast", "BoxFallsThroughASlotOfANanometre", once, true, falls_through_a_slot);
     return true;
 }();
 
