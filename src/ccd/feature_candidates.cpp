@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ccd/feature_candidates.hpp"
 
+#include <algorithm>
+
 #include "geometry/closest.hpp"
 
 namespace flotilla {
@@ -33,6 +35,15 @@ void follow_turn(const BodyMotion& body, double t, const Corners& c, std::size_t
         q.x0[i] = x[i] - t * v;
         q.x1[i] = q.x0[i] + v;
     }
+}
+
+/// Where the corners are at time t; both ends of turning bodies' as follow_turn() has them.
+std::array<Vec3, 4> corners_at(double t, const Corners& c, CcdQuery& q) {
+    std::array<Vec3, 4> x;
+    for (std::size_t i = 0; i < 4; ++i) x[i] = q.x0[i] + t * (q.x1[i] - q.x0[i]);
+    if (!c.first->straight()) follow_turn(*c.first, t, c, 0, c.split, q, x);
+    if (!c.second->straight()) follow_turn(*c.second, t, c, c.split, 4, q, x);
+    return x;
 }
 
 /// Closest points at the given corner positions, as weights of the corners.
@@ -72,10 +83,7 @@ CcdPoints ccd_points(const BodyMotion& a, const BodyMotion& b, FeatureKind kind)
 FeaturePoints closest_points(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f, double t) {
     const Corners c = corners(a, b, f);
     CcdQuery q = ccd_query(a, b, f);
-    std::array<Vec3, 4> x;
-    for (std::size_t i = 0; i < 4; ++i) x[i] = q.x0[i] + t * (q.x1[i] - q.x0[i]);
-    if (!c.first->straight()) follow_turn(*c.first, t, c, 0, c.split, q, x);
-    if (!c.second->straight()) follow_turn(*c.second, t, c, c.split, 4, q, x);
+    const std::array<Vec3, 4> x = corners_at(t, c, q);
     const Weights w = closest_weights(f.kind, x);
     const std::size_t split = c.split;
     FeaturePoints p{blend(w.w, q.x0, 0, split),
@@ -92,6 +100,17 @@ FeaturePoints closest_points(const BodyMotion& a, const BodyMotion& b, const Fea
         std::swap(p.a, p.b);
     }
     return p;
+}
+
+Vec3 closest_direction(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f, double t) {
+    const Corners c = corners(a, b, f);
+    CcdQuery q = ccd_query(a, b, f);
+    const std::array<Vec3, 4> x = corners_at(t, c, q);
+    const Weights w = closest_weights(f.kind, x);
+    const Vec3 first = blend(w.w, x, 0, c.split), second = blend(w.w, x, c.split, 4);
+    return direction_between(f.kind == FeatureKind::face_vertex ? first - second : second - first,
+                             std::max(a.max_abs(), b.max_abs()), c.split == 2 ? x[1] - x[0] : x[2] - x[1],
+                             x[3] - x[c.split]);
 }
 
 } // namespace flotilla

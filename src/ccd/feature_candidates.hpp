@@ -57,6 +57,8 @@ struct FeaturePoints {
     bool interior = true; ///< edge_edge: neither point is an end of its edge
 };
 [[nodiscard]] FeaturePoints closest_points(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f, double t);
+/// The direction from the one in a to the one in b; zero where they are one point.
+[[nodiscard]] Vec3 closest_direction(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f, double t);
 
 /// Coarse boxes of a vertex, an edge and a triangle along the motion.
 [[nodiscard]] inline MovingCoarseBox coarse_vertex(const BodyMotion& body, std::int32_t v) {

@@ -157,8 +157,7 @@ PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions&
     if (!best.hit) return best;
     // The direction at the time of impact, from the closest points themselves where they are distinct: the certifying
     // direction of an early stop may be a poor normal.
-    const FeaturePoints p = closest_points(a, b, best.features, best.toi);
-    if (const Vec3 n = normalized(p.b - p.a); n != Vec3{}) best.normal = n;
+    if (const Vec3 n = closest_direction(a, b, best.features, best.toi); n != Vec3{}) best.normal = n;
     return best;
 }
 

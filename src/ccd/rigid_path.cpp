@@ -90,8 +90,7 @@ namespace {
 /// Gives a hit the normal that the bodies have on their paths, not on the chords.
 PairHit on_path(const BodyMotion& a, const BodyMotion& b, PairHit hit) {
     if (!hit.hit) return hit;
-    const FeaturePoints p = closest_points(a, b, hit.features, hit.toi);
-    if (const Vec3 n = normalized(p.b - p.a); n != Vec3{}) hit.normal = n;
+    if (const Vec3 n = closest_direction(a, b, hit.features, hit.toi); n != Vec3{}) hit.normal = n;
     return hit;
 }
 

@@ -126,12 +126,16 @@ struct Candidate {
 };
 
 /// The shortest vector of the segment from w along e. A zero e has an infinite inv_ee, whose product with the zero beside it is
-/// NaN, which max() turns into t = 0.
-template <class P>
+/// NaN, which max() turns into t = 0. kNormal: made normal to e once more where it should be.
+template <bool kNormal, class P>
 inline Candidate<P> shortest_of_segment(const PackVec<P>& w, const PackVec<P>& e, P inv_ee) {
     const P zero = P::all(0);
     const P t = min(max((zero - dot(w, e)) * inv_ee, zero), P::all(1));
-    const PackVec<P> c = add_scaled(w, t, e);
+    PackVec<P> c = add_scaled(w, t, e);
+    if constexpr (kNormal) {
+        const P along = select(mask_and(zero < t, t < P::all(1)), zero - dot(c, e) * inv_ee, zero);
+        c = add_scaled(c, along, e);
+    }
     return {c, dot(c, c)};
 }
 
@@ -142,21 +146,22 @@ inline Candidate<P> shorter_of(const Candidate<P>& a, const Candidate<P>& b) {
 }
 
 /// The shortest vector to the boundary of the convex hull of the w_k, and the normal of its plane.
-template <class P>
+template <bool kNormal, class P>
 inline void hull_candidates(const PackVec<P> (&w)[3], Candidate<P>& edge, PackVec<P>& normal) {
     const PackVec<P> e01 = w[1] - w[0], e12 = w[2] - w[1], e20 = w[0] - w[2];
     const P one = P::all(1);
-    edge = shorter_of(shorter_of(shortest_of_segment(w[0], e01, one / dot(e01, e01)),
-                                 shortest_of_segment(w[1], e12, one / dot(e12, e12))),
-                      shortest_of_segment(w[2], e20, one / dot(e20, e20)));
+    edge = shorter_of(shorter_of(shortest_of_segment<kNormal>(w[0], e01, one / dot(e01, e01)),
+                                 shortest_of_segment<kNormal>(w[1], e12, one / dot(e12, e12))),
+                      shortest_of_segment<kNormal>(w[2], e20, one / dot(e20, e20)));
     normal = cross(e01, e20);
 }
-template <class P>
+template <bool kNormal, class P>
 inline void hull_candidates(const PackVec<P> (&w)[4], Candidate<P>& edge, PackVec<P>& normal) {
     const PackVec<P> ea = w[2] - w[0], eb = w[1] - w[0];
     const P inv_aa = P::all(1) / dot(ea, ea), inv_bb = P::all(1) / dot(eb, eb);
-    edge = shorter_of(shorter_of(shortest_of_segment(w[0], ea, inv_aa), shortest_of_segment(w[1], ea, inv_aa)),
-                      shorter_of(shortest_of_segment(w[0], eb, inv_bb), shortest_of_segment(w[2], eb, inv_bb)));
+    edge = shorter_of(
+        shorter_of(shortest_of_segment<kNormal>(w[0], ea, inv_aa), shortest_of_segment<kNormal>(w[1], ea, inv_aa)),
+        shorter_of(shortest_of_segment<kNormal>(w[0], eb, inv_bb), shortest_of_segment<kNormal>(w[2], eb, inv_bb)));
     normal = cross(ea, eb);
 }
 
@@ -177,12 +182,12 @@ inline P products(const PackVec<P>& d, const PackVec<P> (&w)[kCount], P (&g)[kCo
 /// The better of two candidates, the closest boundary point and the normal of the hull's plane: that with the larger
 /// min_k d.w_k / |d|. In exact arithmetic one of them is the closest point of the hull, which maximises it; choosing by the
 /// proved gap itself keeps needles and parallel edges, whose normals are noise, harmless. Also returns the products d.w_k.
-template <class P, std::size_t kCount>
+template <bool kNormal, class P, std::size_t kCount>
 inline Candidate<P> separating_direction(const PackVec<P> (&w)[kCount], P (&g)[kCount]) {
     const P zero = P::all(0);
     Candidate<P> edge;
     PackVec<P> n;
-    hull_candidates(w, edge, n);
+    hull_candidates<kNormal>(w, edge, n);
     const P side = dot(n, w[0]);
     n = {flip_sign(n.x, side), flip_sign(n.y, side), flip_sign(n.z, side)};
     const P nn = dot(n, n);
@@ -205,17 +210,17 @@ struct Advance {
 };
 
 /// kAtStart: t = 0, where w_k(t) and its products are those of the start.
-template <bool kAtStart, class P, CcdKind kKind>
+template <bool kAtStart, bool kNormal, class P, CcdKind kKind>
 inline auto look(const Differences<P, kKind>& x, P t) {
     constexpr std::size_t kCount = Differences<P, kKind>::kCount;
     Advance<P, kCount> out;
     Candidate<P> d;
     if constexpr (kAtStart) {
-        d = separating_direction(x.w0, out.g0);
+        d = separating_direction<kNormal>(x.w0, out.g0);
     } else {
         PackVec<P> w[kCount];
         for (std::size_t k = 0; k < kCount; ++k) w[k] = add_scaled(x.w0[k], t, x.w1[k] - x.w0[k]);
-        d = separating_direction(w, out.g0);
+        d = separating_direction<kNormal>(w, out.g0);
         products(d.v, x.w0, out.g0);
     }
     out.direction = d.v;
@@ -246,6 +251,11 @@ inline P least_rise(const Advance<P, kCount>& a) {
     return least;
 }
 
+template <class P>
+struct Progress {
+    P t, separation;
+};
+
 /// What is asked of a batch.
 struct Wanted {
     bool relaxed = false;   ///< CcdStart::relaxed
@@ -258,11 +268,6 @@ template <class P>
 inline P start_separation(P d0, P err, P separation) {
     return select(P::all(kFloorFactor) * err <= d0, min(P::all(kKeep) * d0, separation), separation);
 }
-
-template <class P>
-struct Progress {
-    P t, separation;
-};
 
 /// Writes the results of the lanes whose bits are in `done`.
 template <class P, std::size_t kCount>
@@ -295,13 +300,19 @@ inline void rule_out(unsigned lanes, CcdResult* const* results) {
         if (((lanes >> i) & 1u) != 0) results[i]->hit = false;
 }
 
-/// One iteration of the active lanes; returns the bits of those that go on.
-template <bool kAtStart, CcdKind kKind, class P>
-inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range, const Wanted& wanted, int iterations,
-                        Progress<P>& state, unsigned active, CcdResult* const* results) {
+/// What an advance says of the active lanes, as bits.
+template <class P>
+struct Verdict {
+    unsigned proved = 0; ///< apart now, or opening
+    unsigned missed = 0, stopped = 0;
+    P reach, separation;
+};
+template <bool kAtStart, class P, std::size_t kCount>
+inline Verdict<P> judge(const Advance<P, kCount>& a, P err, unsigned in_range, const Wanted& wanted,
+                        const Progress<P>& state, unsigned active) {
     constexpr unsigned kAll = (1u << P::kWidth) - 1;
     const P one = P::all(1);
-    const auto a = look<kAtStart>(x, state.t);
+    Verdict<P> out{.reach = state.t, .separation = state.separation};
     const unsigned valid = in_range & mask_bits(P::all(kLeastSquare) < a.square) & mask_bits(a.sum <= P::all(kHuge));
     unsigned opening = 0;
     if (kAtStart && wanted.relaxed) {
@@ -309,28 +320,58 @@ inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range
         // At twice the separation start_separation() leaves it as it is, and rounding has room: most are spared the division.
         const P far = ((state.separation + err) + (state.separation + err)) * a.length;
         if (mask_bits(far <= a.least) != kAll)
-            state.separation = start_separation(a.least / a.length - err, err, state.separation);
+            out.separation = start_separation(a.least / a.length - err, err, state.separation);
     }
-    const P h = (state.separation + err) * a.length;
+    const P h = (out.separation + err) * a.length;
     const unsigned apart = valid & mask_bits(h <= a.least);
     const P least_end = least_of(a.g1);
-    unsigned missed = active & (opening | (apart & mask_bits(h <= least_end)));
-    P reach = state.t;
-    unsigned stopped = active & ~missed;
-    if (stopped != 0) {
-        const P slack = max(P::all(kSlackOfSeparation) * state.separation, P::all(kSlackOfErr) * err) * a.length;
-        reach = first_fall(a, h);
-        missed |= stopped & apart & mask_bits(one <= reach);
-        stopped &= ~missed & (~apart | mask_bits(a.least <= h + slack));
+    out.proved = apart | opening;
+    out.missed = active & (opening | (apart & mask_bits(h <= least_end)));
+    out.stopped = active & ~out.missed;
+    if (out.stopped != 0) {
+        const P slack = max(P::all(kSlackOfSeparation) * out.separation, P::all(kSlackOfErr) * err) * a.length;
+        out.reach = first_fall(a, h);
+        out.missed |= out.stopped & apart & mask_bits(one <= out.reach);
+        out.stopped &= ~out.missed & (~apart | mask_bits(a.least <= h + slack));
     }
-    if (iterations + 1 == kMaxIterations) stopped = active & ~missed;
-    const unsigned told = wanted.only_hits ? stopped : missed | stopped;
-    if (told != 0) finish_lanes(told, missed, apart | opening, a, state.t, iterations + 1, results);
-    state.t = max(reach, state.t);
-    active &= ~(missed | stopped);
+    return out;
+}
+
+/// Where rounding has more slack than the separation, it may be why lanes stopped: of features a nanometre apart and metres long, the
+/// shortest vector to an edge of the hull is normal to it as to 1e-6 rad, and the far end of the edge comes out beyond.
+template <bool kAtStart, CcdKind kKind, class P, std::size_t kCount>
+inline void look_closely(const Differences<P, kKind>& x, P err, unsigned in_range, const Wanted& wanted,
+                         const Progress<P>& state, Advance<P, kCount>& a, Verdict<P>& verdict) {
+    const auto rough = P::all(kSlackOfSeparation) * state.separation < P::all(kSlackOfErr) * err;
+    const unsigned doubtful = verdict.stopped & mask_bits(rough);
+    if (doubtful == 0) return;
+    const auto b = look<kAtStart, true>(x, state.t);
+    const Verdict<P> closer = judge<kAtStart>(b, err, in_range, wanted, state, doubtful);
+    const unsigned better = doubtful & ~closer.stopped;
+    if (better == 0) return;
+    const auto take = [lanes = P::lanes(better)](P& to, P from) { to = select(lanes, from, to); };
+    take(a.direction.x, b.direction.x), take(a.direction.y, b.direction.y), take(a.direction.z, b.direction.z);
+    take(a.length, b.length), take(verdict.reach, closer.reach), take(verdict.separation, closer.separation);
+    verdict.proved |= better & closer.proved;
+    verdict.missed |= closer.missed;
+    verdict.stopped &= ~better;
+}
+
+/// One iteration of the active lanes; returns the bits of those that go on.
+template <bool kAtStart, CcdKind kKind, class P>
+inline unsigned iterate(const Differences<P, kKind>& x, P err, unsigned in_range, const Wanted& wanted, int iterations,
+                        Progress<P>& state, unsigned active, CcdResult* const* results) {
+    auto a = look<kAtStart, false>(x, state.t);
+    Verdict<P> v = judge<kAtStart>(a, err, in_range, wanted, state, active);
+    if (v.stopped != 0) look_closely<kAtStart>(x, err, in_range, wanted, state, a, v);
+    if (iterations + 1 == kMaxIterations) v.stopped = active & ~v.missed;
+    const unsigned told = wanted.only_hits ? v.stopped : v.missed | v.stopped;
+    if (told != 0) finish_lanes(told, v.missed, v.proved, a, state.t, iterations + 1, results);
+    state = {max(v.reach, state.t), v.separation};
+    active &= ~(v.missed | v.stopped);
     if (!wanted.only_hits) return active;
     const unsigned late = active & mask_bits(P::all(wanted.latest) < state.t);
-    rule_out<P>(missed | late, results);
+    rule_out<P>(v.missed | late, results);
     return active & ~late;
 }
 

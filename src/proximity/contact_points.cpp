@@ -139,7 +139,8 @@ class Finder {
           b_(b),
           proximity_(proximity),
           angle_cos_(angle_cos),
-          reach_(proximity, std::max(a.max_abs(), b.max_abs())),
+          largest_(std::max(a.max_abs(), b.max_abs())),
+          reach_(proximity, largest_),
           scratch_(scratch),
           pair_(pair) {}
 
@@ -211,7 +212,7 @@ class Finder {
             ++scratch_.counters.end_points;
             return;
         }
-        const Vec3 normal = normalized(p.b - p.a);
+        const Vec3 normal = direction_between(p.b - p.a, largest_, p.e, p.f);
         if (normal == Vec3{} || !pair_.meets(p.a, p.b, normal, distance)) return;
         scratch_.found.push_back({f, p.a, p.b, normal, distance});
     }
@@ -220,19 +221,26 @@ class Finder {
         Vec3 a, b;
         double distance_sq;
         bool interior; ///< not at the end of an edge of an edge-edge pair
+        Vec3 e, f;     ///< edges of the face, or both edges
     };
     [[nodiscard]] ClosestPoints closest(const FeaturePair& f) const {
         if (f.kind == FeatureKind::edge_edge) {
             const Edge &ea = a_.shape->topology.edges[at(f.a)], &eb = b_.shape->topology.edges[at(f.b)];
             const auto c =
                 closest_edge_edge(a_.at0.x[at(ea[0])], a_.at0.x[at(ea[1])], b_.at0.x[at(eb[0])], b_.at0.x[at(eb[1])]);
-            return {c.p, c.q, c.distance_sq, c.s > 0 && c.s < 1 && c.t > 0 && c.t < 1};
+            return {c.p,
+                    c.q,
+                    c.distance_sq,
+                    c.s > 0 && c.s < 1 && c.t > 0 && c.t < 1,
+                    a_.at0.x[at(ea[1])] - a_.at0.x[at(ea[0])],
+                    b_.at0.x[at(eb[1])] - b_.at0.x[at(eb[0])]};
         }
         const bool vertex_first = f.kind == FeatureKind::vertex_face;
         const Vec3& v = vertex_first ? a_.at0.x[at(f.a)] : b_.at0.x[at(f.b)];
         const auto face = vertex_first ? corners(b_, f.b) : corners(a_, f.a);
         const auto c = closest_vertex_triangle(v, face[0], face[1], face[2]);
-        return {vertex_first ? v : c.point, vertex_first ? c.point : v, c.distance_sq, true};
+        return {vertex_first ? v : c.point, vertex_first ? c.point : v, c.distance_sq, true,
+                face[1] - face[0],          face[2] - face[0]};
     }
 
     /// Of the faces near one vertex in one direction, to within theta, the nearest stays (the lowest number, at equal distance).
@@ -264,7 +272,7 @@ class Finder {
     }
 
     const BodyMotion &a_, &b_;
-    double proximity_, angle_cos_;
+    double proximity_, angle_cos_, largest_;
     CoarseReach reach_;
     ProximityScratch& scratch_;
     Pair pair_;

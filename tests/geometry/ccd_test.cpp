@@ -112,6 +112,16 @@ TEST(Ccd, DistanceFromTheOriginDoesNotMatter) {
     }
 }
 
+TEST(Ccd, LongEdgesPassEachOtherANanometreApart) {
+    // The diagonal of a box's side falls past the diagonal of a plate of 80 m, whose direction rounding turns by more than the gap.
+    const Vec3 a0{-0.49999999999999806, 0.49999999999999994, -9.7640624999999979}, a1{0.5, 0.5, -8.7640624999999979};
+    const Vec3 b0{-0.50000000100000885, -2, 40}, b1{-0.50000000099999109, 2, -40}, way{0, 0, -0.5614583};
+    const CcdQuery q{{a0, a1, b0, b1}, {a0 + way, a1 + way, b0, b1}};
+    EXPECT_FALSE(ccd(kEe, q, {.separation = 2e-11, .start = CcdStart::relaxed}).hit);
+    const CcdQuery through{{a0, a1, b0, b1}, {a0 + way + Vec3{-2.5e-9, 0, 0}, a1 + way, b0, b1}};
+    EXPECT_TRUE(ccd(kEe, through, {.separation = 2e-11, .start = CcdStart::relaxed}).hit);
+}
+
 TEST(Ccd, TheWitnessOfAOneStepMissCertifiesIt) {
     std::mt19937_64 rng(5);
     std::normal_distribution<double> n;

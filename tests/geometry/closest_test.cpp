@@ -147,5 +147,24 @@ TEST(SegmentTriangle, ASegmentInThePlaneOfATriangleThatItLeavesPiercesNothing) {
     EXPECT_GT(ill, 100) << "the plain test divides noise by noise";
 }
 
+TEST(Closest, DirectionsOfPointsNearEachOtherAreTheFeatures) {
+    // 40 m from the origin rounding moves the foot of the perpendicular by a good part of 1e-14 m, a hundred-thousandth of the gap.
+    const Quat turn = rotation_from_vector({0.3, 1.1, -0.7});
+    const Vec3 f0 = rotate(turn, {40, -40, 7}), f1 = rotate(turn, {40, 40, 7}), f2 = rotate(turn, {-40, 40, 7});
+    const Vec3 n = normalized(cross(f1 - f0, f2 - f0));
+    for (const double gap : {1e-9, 1e-7, 1e-3}) {
+        for (const double side : {-1.0, 1.0}) {
+            const Vec3 v = rotate(turn, {13.7, 29.3, 7 + side * gap});
+            const Vec3 d = v - closest_vertex_triangle(v, f0, f1, f2).point;
+            const Vec3 direction = direction_between(d, 60, f1 - f0, f2 - f0);
+            EXPECT_LT(length(direction - side * n), gap > 1e-4 ? 1e-9 : 1e-14) << gap;
+        }
+    }
+    // A point beside the face is not above it, and a face without area has no normal.
+    EXPECT_EQ(direction_between({1e-9, 0, 0}, 60, {1, 0, 0}, {0, 1, 0}), (Vec3{1, 0, 0}));
+    EXPECT_EQ(direction_between({0, 0, 1e-9}, 60, {1, 0, 0}, {2, 0, 0}), (Vec3{0, 0, 1}));
+    EXPECT_EQ(direction_between({}, 60, {1, 0, 0}, {2, 0, 0}), Vec3{});
+}
+
 } // namespace
 } // namespace flotilla
