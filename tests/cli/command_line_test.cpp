@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// What the command prints about itself and about command lines that it does not understand.
+#include <gtest/gtest.h>
+
+#include "support/command.hpp"
+
+namespace flotilla::test {
+namespace {
+
+/// Lines of text: no byte below a space but the line's end.
+bool is_text(const std::string& bytes) {
+    for (const char c : bytes)
+        if (c != '\n' && static_cast<unsigned char>(c) < ' ') return false;
+    return true;
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(CommandLine, HelpAndComplaintsAreText) {
+    const CommandOutput all = run_flotilla("--help");
+    EXPECT_EQ(all.exit_code, 0);
+    for (const char* name : {"ccd", "check", "compare", "export", "info", "picture", "plan", "report", "run", "scene",
+                             "trace", "verify"}) {
+        EXPECT_TRUE(contains(all.out, std::string("\n  ") + name + " ")) << name;
+        const CommandOutput help = run_flotilla(std::string(name) + " --help");
+        EXPECT_EQ(help.exit_code, 0) << name;
+        EXPECT_TRUE(is_text(help.out)) << help.out;
+    }
+    for (const char* line : {"ccd f.csv --method exact", "verify d --motion some", "trace f.json --growth slow",
+                             "export d --format stl"}) {
+        const CommandOutput refused = run_flotilla(line);
+        EXPECT_EQ(refused.exit_code, 2) << line;
+        EXPECT_TRUE(is_text(refused.err)) << refused.err;
+    }
+    EXPECT_TRUE(contains(run_flotilla("export d --format stl").err, "stl not in {csv,vtp,obj,glb,usd}"));
+    EXPECT_TRUE(contains(run_flotilla("export --help").out, "{csv,vtp,obj,glb,usd}=csv"));
+}
+
+} // namespace
+} // namespace flotilla::test
