@@ -47,6 +47,7 @@ EMBEDDERS = {"cli", "python"}
 PUBLIC_HEADERS = {
     "types": "base",
     "error": "base",
+    "build_info": "base",
     "settings": "scene",
     "scene": "scene",
     "scene_file": "io",

@@ -4,7 +4,10 @@
 
 #include <exception>
 #include <iostream>
+#include <string>
+#include <vector>
 
+#include <flotilla/build_info.hpp>
 #include <flotilla/error.hpp>
 #include <flotilla/world.hpp>
 
@@ -38,11 +41,19 @@ int run(const cli::Action& action) {
     }
 }
 
+std::string version_text() {
+    const BuildInfo build = build_info();
+    std::string text = "flotilla " + std::string(build.version);
+    ((text += "\ncommit:   ") += build.commit) += "\ncompiler: ";
+    return ((text += build.compiler) += "\nflags:    ") += build.flags;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     CLI::App app{"flotilla: interpenetration-free rigid bodies without thickness", "flotilla"};
     app.require_subcommand(1);
+    app.set_version_flag("--version", version_text(), "Print version, commit, compiler and flags, and exit");
     cli::Action action;
     cli::register_ccd(app, action);
     cli::register_check(app, action);

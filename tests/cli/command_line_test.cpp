@@ -2,6 +2,8 @@
 // What the command prints about itself and about command lines that it does not understand.
 #include <gtest/gtest.h>
 
+#include <flotilla/build_info.hpp>
+
 #include "support/command.hpp"
 
 namespace flotilla::test {
@@ -34,6 +36,15 @@ TEST(CommandLine, HelpAndComplaintsAreText) {
     }
     EXPECT_TRUE(contains(run_flotilla("export d --format stl").err, "stl not in {csv,vtp,obj,glb,usd}"));
     EXPECT_TRUE(contains(run_flotilla("export --help").out, "{csv,vtp,obj,glb,usd}=csv"));
+}
+
+TEST(CommandLine, VersionSaysWhatTheCommandWasBuiltFrom) {
+    const CommandOutput r = run_flotilla("--version");
+    const BuildInfo build = build_info();
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_TRUE(r.out.starts_with("flotilla " + std::string(build.version) + "\ncommit:   ")) << r.out;
+    for (const std::string_view part : {build.commit, build.compiler, build.flags})
+        EXPECT_TRUE(contains(r.out, std::string(part))) << r.out;
 }
 
 } // namespace
