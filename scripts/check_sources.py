@@ -48,6 +48,7 @@ PUBLIC_HEADERS = {
     "types": "base",
     "error": "base",
     "build_info": "base",
+    "names": "base",
     "settings": "scene",
     "scene": "scene",
     "scene_file": "io",

@@ -2,6 +2,8 @@
 // What the command prints about itself and about command lines that it does not understand.
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include <flotilla/build_info.hpp>
 
 #include "support/command.hpp"
@@ -45,6 +47,21 @@ TEST(CommandLine, VersionSaysWhatTheCommandWasBuiltFrom) {
     EXPECT_TRUE(r.out.starts_with("flotilla " + std::string(build.version) + "\ncommit:   ")) << r.out;
     for (const std::string_view part : {build.commit, build.compiler, build.flags})
         EXPECT_TRUE(contains(r.out, std::string(part))) << r.out;
+}
+
+TEST(CommandLine, UnknownWordsNameTheNearestKnownOne) {
+    for (const auto& [line, complaint] :
+         {std::pair{"rn", "unknown command \"rn\"; did you mean \"run\"?"},
+          {"exprot --format obj d", "unknown command \"exprot\"; did you mean \"export\"?"},
+          {"simulate s.json", "unknown command \"simulate\" (flotilla --help lists them)"},
+          {"scene stak", "unknown scene \"stak\"; did you mean \"stack\"?"},
+          {"scene bowl", "unknown scene \"bowl\"; did you mean \"boats-in-bowl\"?"}}) {
+        const CommandOutput r = run_flotilla(line);
+        EXPECT_EQ(r.exit_code, 2) << line;
+        EXPECT_EQ(r.out, "") << line;
+        EXPECT_TRUE(contains(r.err, complaint)) << r.err;
+    }
+    EXPECT_EQ(run_flotilla("").exit_code, 2);
 }
 
 } // namespace
