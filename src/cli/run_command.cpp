@@ -8,11 +8,9 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include <flotilla/error.hpp>
 #include <flotilla/run.hpp>
-#include <flotilla/scene_file.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
@@ -113,13 +111,6 @@ void print_summary(const RunTotals& s) {
     print_threads(s.threads);
 }
 
-std::string file_text(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
 int run_run(const RunArguments& arguments) {
     const auto needs_output = [&](bool given, const char* option, const char* what) {
         if (given && arguments.output.empty())
@@ -130,9 +121,9 @@ int run_run(const RunArguments& arguments) {
     needs_output(!arguments.time_limit.empty(), "--time-limit", "the folder for the checkpoint");
     SceneFileOptions options = arguments.options.resolve();
     if (arguments.dt > 0) options.overrides.emplace_back("time_step", exact_text(arguments.dt));
-    const SceneDescription scene = read_scene(arguments.scene, options);
+    const auto [source, scene_json, scene] = load_scene(arguments.scene, options);
     for (const std::string& text : arguments.options.overridden_by_scene(scene.settings))
-        std::cerr << "flotilla: " << arguments.scene << ": " << text << '\n';
+        std::cerr << "flotilla: " << source << ": " << text << '\n';
     StopRequest stop(parse_time_limit(arguments.time_limit), !arguments.output.empty());
     RunOptions run;
     run.output = arguments.output;
@@ -143,7 +134,7 @@ int run_run(const RunArguments& arguments) {
     run.steps = total_steps(arguments, scene.settings.time_step);
     run.frame_every = arguments.frame_every;
     run.command_line = arguments.command_line;
-    run.scene_json = file_text(arguments.scene);
+    run.scene_json = scene_json;
     run.world.threads = arguments.threads;
     run.world.executor = arguments.executor == "serial" ? Executor::serial : Executor::parallel;
     run.trace = arguments.trace;
@@ -156,7 +147,7 @@ int run_run(const RunArguments& arguments) {
             progress.update(r.step, note(r));
             return !stop.asked(r.total_ms / 1000);
         };
-        summary = run_scene(scene, arguments.scene, run);
+        summary = run_scene(scene, source, run);
     }
     print_summary(summary);
     if (!arguments.trace.empty())
@@ -175,7 +166,7 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
     auto arguments = std::make_shared<RunArguments>();
     arguments->command_line = command_line;
     CLI::App* command = app.add_subcommand("run", "Simulate a scene");
-    command->add_option("scene", arguments->scene, "scene file")->required();
+    command->add_option("scene", arguments->scene, "scene file, or - for standard input")->required();
     add_scene_options(*command, arguments->options);
     command->add_option("--output", arguments->output, "run folder; without it nothing is written");
     auto* steps =

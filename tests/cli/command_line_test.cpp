@@ -20,6 +20,11 @@ bool is_text(const std::string& bytes) {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+std::string bytes_of(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
 TEST(CommandLine, HelpAndComplaintsAreText) {
     const CommandOutput all = run_flotilla("--help");
     EXPECT_EQ(all.exit_code, 0);
@@ -62,6 +67,24 @@ TEST(CommandLine, UnknownWordsNameTheNearestKnownOne) {
         EXPECT_TRUE(contains(r.err, complaint)) << r.err;
     }
     EXPECT_EQ(run_flotilla("").exit_code, 2);
+}
+
+TEST(CommandLine, ScenesComeFromStandardInputToo) {
+    const TemporaryFolder folder;
+    const std::string scene = folder.write("scene.json", run_flotilla("scene stack").out);
+    const std::string to = (folder.path() / "run").string();
+    const std::string run = "run - --steps 2 --quiet --output " + to;
+    const CommandOutput piped = run_flotilla(run + " <" + scene), file = run_flotilla("run --steps 2 --quiet " + scene);
+    ASSERT_EQ(piped.exit_code, 0) << piped.err;
+    const auto hash = [](const CommandOutput& r) { return r.out.substr(r.out.find("state hash: "), 28); };
+    EXPECT_EQ(hash(piped), hash(file));
+    EXPECT_EQ(bytes_of(folder.path() / "run" / "scene.json"), bytes_of(scene));
+    EXPECT_EQ(run_flotilla("run - --steps 3 --resume --quiet --output " + to + " <" + scene).exit_code, 0);
+    EXPECT_EQ(run_flotilla("check - <" + scene).out, run_flotilla("check " + scene).out);
+    EXPECT_EQ(run_flotilla("plan - <" + scene).out, run_flotilla("plan " + scene).out);
+    const CommandOutput nothing = run_flotilla("run - --steps 1");
+    EXPECT_EQ(nothing.exit_code, 2);
+    EXPECT_TRUE(nothing.err.starts_with("flotilla: standard input: ")) << nothing.err;
 }
 
 } // namespace
