@@ -2,11 +2,14 @@
 // flotilla run: simulates a scene into a run folder.
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 #include <flotilla/error.hpp>
@@ -52,10 +55,30 @@ std::string exact_text(double value) {
     return text;
 }
 
-std::string note(const StepReport& r) {
+/// Mean time of the last steps, as single ones differ too much to be read.
+class StepTimes {
+  public:
+    void add(double ms) {
+        last_[count_ % last_.size()] = ms;
+        ++count_;
+    }
+    [[nodiscard]] double mean() const {
+        const std::size_t n = std::min(count_, last_.size());
+        return std::accumulate(last_.begin(), last_.begin() + static_cast<std::ptrdiff_t>(n), 0.0) /
+               static_cast<double>(std::max<std::size_t>(n, 1));
+    }
+
+  private:
+    std::array<double, 24> last_{}; // ms
+    std::size_t count_ = 0;
+};
+
+std::string note(const StepReport& r, double mean_ms) {
     char text[96];
-    std::snprintf(text, sizeof text, "t = %.3f s, %.0f ms/step, %ld contacts", r.time, r.total_ms,
-                  static_cast<long>(r.contacts));
+    const char* const format = mean_ms < 1    ? "t = %.3f s, mean %.2g ms/step, %ld contacts"
+                               : mean_ms < 10 ? "t = %.3f s, mean %.1f ms/step, %ld contacts"
+                                              : "t = %.3f s, mean %.0f ms/step, %ld contacts";
+    std::snprintf(text, sizeof text, format, r.time, mean_ms, static_cast<long>(r.contacts));
     return text;
 }
 
@@ -143,8 +166,10 @@ int run_run(const RunArguments& arguments) {
     RunTotals summary;
     {
         Progress progress("step", run.steps, arguments.quiet);
+        StepTimes times;
         run.after_step = [&](const StepReport& r) {
-            progress.update(r.step, note(r));
+            times.add(r.total_ms);
+            progress.update(r.step, note(r, times.mean()));
             return !stop.asked(r.total_ms / 1000);
         };
         summary = run_scene(scene, source, run);

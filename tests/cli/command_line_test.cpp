@@ -2,6 +2,7 @@
 // What the command prints about itself and about command lines that it does not understand.
 #include <gtest/gtest.h>
 
+#include <regex>
 #include <utility>
 
 #include <flotilla/build_info.hpp>
@@ -85,6 +86,19 @@ TEST(CommandLine, ScenesComeFromStandardInputToo) {
     const CommandOutput nothing = run_flotilla("run - --steps 1");
     EXPECT_EQ(nothing.exit_code, 2);
     EXPECT_TRUE(nothing.err.starts_with("flotilla: standard input: ")) << nothing.err;
+}
+
+TEST(RunCommand, ProgressShowsTheMeanOfTheLastSteps) {
+    const TemporaryFolder folder;
+    const std::string scene = folder.write("scene.json", run_flotilla("scene falling-boats").out);
+    const CommandOutput r = run_flotilla("run --steps 3 --threads 1 " + scene);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    std::smatch shown;
+    ASSERT_TRUE(std::regex_search(r.err, shown, std::regex("step 3 of 3, .* mean ([0-9.e-]+) ms/step, "))) << r.err;
+    const double mean = std::stod(shown[1]);
+    ASSERT_TRUE(std::regex_search(r.out, shown, std::regex("time per step: mean ([0-9.]+) ms"))) << r.out;
+    EXPECT_GT(mean, 0);
+    EXPECT_NEAR(mean, std::stod(shown[1]), 0.05 * mean + 0.005) << "two digits of one, two decimals of the other";
 }
 
 } // namespace
