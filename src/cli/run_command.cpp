@@ -99,6 +99,23 @@ std::optional<double> peak_memory() {
     return std::nullopt;
 }
 
+/// The stages first, which make up a step; then what some of them do, in the units that Phase says.
+void print_phases(const RunTotals& s, double n) {
+    const auto row = [&](std::size_t p, const char* clock) {
+        if (s.phase_ms[p] / n >= 0.005)
+            std::printf("  %-24s %9.2f ms%s\n", std::string(kPhaseNames[p]).c_str(), s.phase_ms[p] / n, clock);
+    };
+    constexpr auto kSplit = static_cast<std::size_t>(Phase::detection);
+    for (std::size_t p = 0; p < kSplit; ++p) row(p, "");
+    const auto split = s.phase_ms.begin() + kSplit;
+    if (std::none_of(split, s.phase_ms.end(), [&](double ms) { return ms / n >= 0.005; })) return;
+    std::printf("of these:\n");
+    for (const Phase p : {Phase::detection, Phase::response})
+        row(static_cast<std::size_t>(p), ", stages 1 and 5, sum over threads");
+    for (const Phase p : {Phase::static_detection, Phase::static_response})
+        row(static_cast<std::size_t>(p), ", stages 3 and 7, wall time");
+}
+
 void print_summary(const RunTotals& s) {
     const double n = s.steps > 0 ? static_cast<double>(s.steps) : 1;
     std::printf("%ld bodies, %ld steps", static_cast<long>(s.bodies), static_cast<long>(s.steps));
@@ -108,10 +125,8 @@ void print_summary(const RunTotals& s) {
         return;
     }
     std::printf(", %.3f s simulated\n", s.last.time);
-    std::printf("time per step: mean %.2f ms, slowest %.2f ms\n", s.total_ms / n, s.worst_ms);
-    for (std::size_t p = 0; p < kNumPhases; ++p)
-        if (s.phase_ms[p] / n >= 0.005)
-            std::printf("  %-24s %9.2f ms\n", std::string(kPhaseNames[p]).c_str(), s.phase_ms[p] / n);
+    std::printf("time per step: mean %.2f ms, slowest %.2f ms; wall time of its stages:\n", s.total_ms / n, s.worst_ms);
+    print_phases(s, n);
     if (s.output_ms > 0)
         std::printf("output: %.2f ms per step (%.2f %% of the steps' time)\n", s.output_ms / n,
                     100 * s.output_ms / s.total_ms);

@@ -26,6 +26,10 @@ std::string bytes_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+std::string boats(const TemporaryFolder& folder) {
+    return folder.write("boats.json", run_flotilla("scene boats-in-bowl --bodies 12 --seed 3").out);
+}
+
 TEST(CommandLine, HelpAndComplaintsAreText) {
     const CommandOutput all = run_flotilla("--help");
     EXPECT_EQ(all.exit_code, 0);
@@ -99,6 +103,21 @@ TEST(RunCommand, ProgressShowsTheMeanOfTheLastSteps) {
     ASSERT_TRUE(std::regex_search(r.out, shown, std::regex("time per step: mean ([0-9.]+) ms"))) << r.out;
     EXPECT_GT(mean, 0);
     EXPECT_NEAR(mean, std::stod(shown[1]), 0.05 * mean + 0.005) << "two digits of one, two decimals of the other";
+}
+
+TEST(RunCommand, PhaseTableSaysWhichTimesAreSumsOverThreads) {
+    const TemporaryFolder folder;
+    const std::string scene = folder.write("scene.json", run_flotilla("scene stack").out);
+    const CommandOutput r = run_flotilla("run --steps 3 --threads 2 " + scene);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const auto matches = [&](const char* line) { return std::regex_search(r.out, std::regex(line)); };
+    EXPECT_TRUE(matches("slowest .* ms; wall time of its stages:\n  stage")) << r.out;
+    EXPECT_TRUE(matches("\n  stage7_static_contact +[0-9.]+ ms\n")) << r.out;
+    EXPECT_TRUE(matches("\nof these:\n  ")) << r.out;
+    EXPECT_TRUE(matches("\n  static_response +[0-9.]+ ms, stages 3 and 7, wall time\n")) << r.out;
+    EXPECT_FALSE(matches("\n  (static_)?(detection|response) +[0-9.]+ ms\n")) << r.out;
+    EXPECT_TRUE(std::regex_search(run_flotilla("run --steps 30 --threads 2 " + boats(folder)).out,
+                                  std::regex("\n  detection +[0-9.]+ ms, stages 1 and 5, sum over threads\n")));
 }
 
 } // namespace
