@@ -162,6 +162,8 @@ int run_run(const RunArguments& arguments) {
     const auto [source, scene_json, scene] = load_scene(arguments.scene, options);
     for (const std::string& text : arguments.options.overridden_by_scene(scene.settings))
         std::cerr << "flotilla: " << source << ": " << text << '\n';
+    if (!arguments.quiet && arguments.output.empty() && arguments.trace.empty() && arguments.contacts.empty())
+        std::cerr << "flotilla: nothing of this run is kept; --output DIR keeps it\n";
     StopRequest stop(parse_time_limit(arguments.time_limit), !arguments.output.empty());
     RunOptions run;
     run.output = arguments.output;

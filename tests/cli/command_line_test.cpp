@@ -105,6 +105,16 @@ TEST(RunCommand, ProgressShowsTheMeanOfTheLastSteps) {
     EXPECT_NEAR(mean, std::stod(shown[1]), 0.05 * mean + 0.005) << "two digits of one, two decimals of the other";
 }
 
+TEST(RunCommand, SaysWhereNothingIsKept) {
+    const TemporaryFolder folder;
+    const std::string run = "run --steps 1 " + boats(folder), in = folder.path().string(),
+                      kept = "nothing of this run is kept";
+    EXPECT_TRUE(contains(run_flotilla(run).err, kept));
+    EXPECT_FALSE(contains(run_flotilla(run + " --quiet").err, kept));
+    EXPECT_FALSE(contains(run_flotilla(run + " --output " + in + "/run").err, kept));
+    EXPECT_FALSE(contains(run_flotilla(run + " --contacts " + in + "/contacts.csv").err, kept));
+}
+
 TEST(RunCommand, PhaseTableSaysWhichTimesAreSumsOverThreads) {
     const TemporaryFolder folder;
     const std::string scene = folder.write("scene.json", run_flotilla("scene stack").out);
