@@ -191,8 +191,8 @@ int run_run(const RunArguments& arguments) {
         };
         summary = run_scene(scene, source, run);
     }
-    print_summary(summary);
-    if (!arguments.trace.empty())
+    if (!arguments.quiet) print_summary(summary);
+    if (!arguments.quiet && !arguments.trace.empty())
         std::printf("trace of %ld steps: %s\n", static_cast<long>(summary.traced_steps), arguments.trace.c_str());
     if (!summary.complete) {
         std::cerr << "flotilla: stopped after step " << summary.last.step << " of " << run.steps << " ("
@@ -248,7 +248,8 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
         [] { throw CLI::ValidationError("--pin", "is gone: OMP_PROC_BIND=true binds threads, OMP_PLACES says where"); },
         "gone: OMP_PROC_BIND=true binds threads, OMP_PLACES says where");
     command->add_flag("--audit", arguments->audit, "prove the written frames free of intersections afterwards");
-    command->add_flag("--quiet", arguments->quiet, "no progress");
+    command->add_flag("--quiet", arguments->quiet,
+                      "no progress and no summary; problems and the report of --audit are printed");
     command->callback([arguments, &action] { action = [arguments] { return run_run(*arguments); }; });
 }
 

@@ -78,10 +78,11 @@ TEST(CommandLine, ScenesComeFromStandardInputToo) {
     const TemporaryFolder folder;
     const std::string scene = folder.write("scene.json", run_flotilla("scene stack").out);
     const std::string to = (folder.path() / "run").string();
-    const std::string run = "run - --steps 2 --quiet --output " + to;
-    const CommandOutput piped = run_flotilla(run + " <" + scene), file = run_flotilla("run --steps 2 --quiet " + scene);
+    const std::string run = "run - --steps 2 --output " + to;
+    const CommandOutput piped = run_flotilla(run + " <" + scene), file = run_flotilla("run --steps 2 " + scene);
     ASSERT_EQ(piped.exit_code, 0) << piped.err;
     const auto hash = [](const CommandOutput& r) { return r.out.substr(r.out.find("state hash: "), 28); };
+    ASSERT_TRUE(contains(piped.out, "state hash: ")) << piped.out;
     EXPECT_EQ(hash(piped), hash(file));
     EXPECT_EQ(bytes_of(folder.path() / "run" / "scene.json"), bytes_of(scene));
     EXPECT_EQ(run_flotilla("run - --steps 3 --resume --quiet --output " + to + " <" + scene).exit_code, 0);
@@ -113,6 +114,20 @@ TEST(RunCommand, SaysWhereNothingIsKept) {
     EXPECT_FALSE(contains(run_flotilla(run + " --quiet").err, kept));
     EXPECT_FALSE(contains(run_flotilla(run + " --output " + in + "/run").err, kept));
     EXPECT_FALSE(contains(run_flotilla(run + " --contacts " + in + "/contacts.csv").err, kept));
+}
+
+TEST(RunCommand, QuietIsQuietButForProblems) {
+    const TemporaryFolder folder;
+    const std::string scene = boats(folder), to = (folder.path() / "run").string();
+    const std::string run = "run --quiet --steps 3 --output " + to + " " + scene;
+    for (const std::string& line : {run, "run --quiet --steps 3 " + scene, "report --quiet --verify " + to}) {
+        const CommandOutput r = run_flotilla(line);
+        EXPECT_EQ(r.exit_code, 0) << line;
+        EXPECT_EQ(r.out + r.err, "") << line;
+    }
+    const CommandOutput again = run_flotilla(run);
+    EXPECT_EQ(again.exit_code, 2);
+    EXPECT_NE(again.err, "");
 }
 
 TEST(RunCommand, PhaseTableSaysWhichTimesAreSumsOverThreads) {

@@ -103,7 +103,7 @@ TEST(CheckCommand, AnOverlapCanBeRepaired) {
     const CommandOutput check = run_flotilla("check " + scene + option);
     EXPECT_EQ(check.exit_code, 0) << check.err;
     EXPECT_NE(check.err.find("intersects another at t = 0 and will be moved by "), std::string::npos) << check.err;
-    const std::string run = "run " + scene + " --quiet --output " + (folder.path() / "run").string();
+    const std::string run = "run " + scene + " --output " + (folder.path() / "run").string();
     EXPECT_EQ(run_flotilla(run + " --steps 2").exit_code, 4);
     const CommandOutput repaired = run_flotilla(run + " --audit --steps 3" + option);
     EXPECT_EQ(repaired.exit_code, 0) << repaired.err;
