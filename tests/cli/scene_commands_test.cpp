@@ -178,6 +178,34 @@ TEST(PlanCommand, SaysWhatWillBeModelledOfAScene) {
     EXPECT_EQ(run_flotilla("plan --settings " + scene).exit_code, 2);
 }
 
+// A body falls from rest: in step k, of 1/24 s, by g dt^2 (k - 1/2).
+TEST(PlanCommand, SaysHowFarBodiesMoveBeforeTheyTouch) {
+    const TemporaryFolder folder;
+    const auto first_contact = [&](double height) {
+        const CommandOutput r = run_flotilla(
+            "plan " + folder.write("s.json", R"({"flotilla_scene": 1,
+          "shapes": [{"name": "t", "mass": 1, "vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}],
+          "bodies": [{"name": "a", "shape": "t", "position": [0, 0, )" +
+                                                 std::to_string(height) +
+                                                 R"(]}, {"name": "b", "shape": "t", "type": "static"}]})"));
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        const std::size_t at = r.out.find("impact: ");
+        return at == std::string::npos ? r.out : r.out.substr(at, r.out.find('\n', at) - at);
+    };
+    const double fall = 9.8 / (24 * 24); // m, g dt^2
+    char expected[80];
+    std::snprintf(expected, sizeof expected, "move by up to %.4g m in step 9, the last before they touch", fall * 8.5);
+    EXPECT_NE(first_contact(0.5 * fall * 9.5 * 9.5).find(expected), std::string::npos)
+        << first_contact(0.5 * fall * 9.5 * 9.5);
+    std::snprintf(expected, sizeof expected, "touch in the first step, in which they are to move by up to %.4g m",
+                  fall / 2);
+    EXPECT_NE(first_contact(0.25 * fall).find(expected), std::string::npos) << first_contact(0.25 * fall);
+    EXPECT_NE(first_contact(-1).find("touch nothing in 240 steps"), std::string::npos) << first_contact(-1);
+    const CommandOutput crossing = run_flotilla("plan " + folder.write("x.json", kCrossing));
+    EXPECT_EQ(crossing.exit_code, 0) << crossing.err;
+    EXPECT_NE(crossing.out.find("some intersect at t = 0"), std::string::npos) << crossing.out;
+}
+
 TEST(RunCommand, SaysWhatTheSceneOverridesOfThePreset) {
     const TemporaryFolder folder;
     const std::string scene = (folder.path() / "scene.json").string(), to = (folder.path() / "run").string();
