@@ -47,6 +47,8 @@ EMBEDDERS = {"cli", "python"}
 PUBLIC_HEADERS = {
     "types": "base",
     "error": "base",
+    "build_info": "base",
+    "names": "base",
     "settings": "scene",
     "scene": "scene",
     "scene_file": "io",

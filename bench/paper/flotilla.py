@@ -49,7 +49,7 @@ class Flotilla:
         """Runs `scene` (a path), verifies it frame by frame and in between, and returns a Run."""
         folder = os.path.join(self.folder, label)
         arguments = [word for key, value in (settings or {}).items() for word in ("--set", f"{key}={value}")]
-        text = self.call("run", scene, "--output", folder, "--overwrite", "--quiet", "--steps", steps, "--threads", self.threads,
+        text = self.call("run", scene, "--output", folder, "--overwrite", "--steps", steps, "--threads", self.threads,
                          *arguments, *options)
         if self.commit is None:
             with open(os.path.join(folder, "run.json"), encoding="utf-8") as file:

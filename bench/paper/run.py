@@ -10,6 +10,7 @@ usage: run.py --flotilla COMMAND --output DIR [--baseline COMMAND] [--fast] [--o
 exit code: 0 every claim holds, 1 one fails or a command failed, 2 usage
 """
 import argparse
+import difflib
 import os
 import shutil
 import sys
@@ -83,6 +84,12 @@ def run_example(context, example):
                         context.flotilla.threads, seconds)
 
 
+def unknown_example(name, known):
+    """What to say of it, with the nearest name that there is."""
+    near = difflib.get_close_matches(name, known, 1) or [other for other in known if name in other]
+    return f"unknown example {name}" + (f"; did you mean {near[0]}?" if near else " (--list prints them)")
+
+
 def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n", 1)[1])
     parser.add_argument("--flotilla")
@@ -100,7 +107,7 @@ def main():
         return 0
     unknown = [name for name in arguments.only if name not in examples]
     if unknown or not arguments.flotilla or not arguments.output:
-        parser.error(f"unknown example {unknown[0]}" if unknown else "--flotilla and --output are needed")
+        parser.error(unknown_example(unknown[0], examples) if unknown else "--flotilla and --output are needed")
     os.makedirs(arguments.output, exist_ok=True)
     runs = os.path.join(arguments.output, "runs") if arguments.keep else tempfile.mkdtemp(prefix="flotilla-paper-")
     about = {"machine": page.machine(), "mode": "fast" if arguments.fast else "full",

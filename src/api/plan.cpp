@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <limits>
 
+#include <flotilla/world.hpp>
+
 #include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "io/run_folder.hpp"
@@ -29,10 +31,54 @@ struct Range {
     }
 };
 
+/// What happens before anything touches.
+struct FreeFlight {
+    std::int64_t first_contact = 0; ///< step; 0: none was found
+    double way =
+        0; ///< m, longest of a body in the last step without contact, or what gravity and its velocity give in step 1
+    bool intersecting = false; ///< at the start: there are no steps
+};
+
+constexpr std::int64_t kLongestFlight = 240; // steps, 10 s of the default time step
+
+double longest_way(const World& world, std::vector<Vec3>& places) {
+    double way = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const Vec3 now = world.body(i).center_of_mass;
+        way = std::max(way, length(now - places[i]));
+        places[i] = now;
+    }
+    return way;
+}
+
+FreeFlight fly(const SceneDescription& scene, const std::string& source, double first_way) {
+    FreeFlight flight{0, first_way, false};
+    try {
+        World world(scene, source);
+        std::vector<Vec3> places(scene.bodies.size());
+        longest_way(world, places);
+        for (std::int64_t step = 1; step <= kLongestFlight; ++step) {
+            const StepReport report = world.step();
+            if (report.collisions > 0 || report.contacts > 0) {
+                flight.first_contact = step;
+                break;
+            }
+            flight.way = longest_way(world, places);
+        }
+    } catch (const OverlapError&) {
+        flight.intersecting = true;
+    }
+    return flight;
+}
+
 class Planner {
   public:
-    explicit Planner(const Scene& scene)
-        : scene_(scene), model_(make_model(scene)), state_(initial_state(scene, model_)) {}
+    Planner(const SceneDescription& description, const Scene& scene, const std::string& source)
+        : description_(description),
+          source_(source),
+          scene_(scene),
+          model_(make_model(scene)),
+          state_(initial_state(scene, model_)) {}
 
     std::vector<PlanLine> run() {
         bodies();
@@ -84,16 +130,27 @@ class Planner {
     }
     void speeds() {
         const double dt = model_.settings.time_step, gravity = length(model_.gravity) * dt;
-        Range size, way;
+        Range size, first_way;
         for (std::size_t i = 0; i < model_.size(); ++i) {
             if (!model_.bodies[i].dynamic()) continue;
             size.add(model_.bodies[i].size);
-            way.add(dt * length(state_.motion[i].velocity));
+            first_way.add(dt * length(state_.motion[i].velocity + 0.5 * dt * model_.gravity));
         }
         if (size.empty()) return;
         add("time step", number(dt) + " s; gravity adds " + number(gravity) + " m/s in a step");
-        add("first step", "bodies of " + size.text("m") + " move by up to " + number(way.high) +
-                              " m: contact on the way is found continuously, whatever the speed");
+        const FreeFlight flight = fly(description_, source_, first_way.high);
+        const std::string way = " by up to " + number(flight.way) + " m";
+        std::string text = "bodies of " + size.text("m");
+        if (flight.intersecting)
+            text += " would move" + way + " in the first step, but some intersect at t = 0";
+        else if (flight.first_contact == 0)
+            text += " touch nothing in " + std::to_string(kLongestFlight) + " steps and move" + way + " in the last";
+        else if (flight.first_contact == 1)
+            text += " touch in the first step, in which they are to move" + way;
+        else
+            text +=
+                " move" + way + " in step " + std::to_string(flight.first_contact - 1) + ", the last before they touch";
+        add("impact", text + ": contact on the way is found continuously, whatever the speed");
     }
     void contact_law() {
         Range friction, restitution;
@@ -135,6 +192,8 @@ class Planner {
         add("settings", text.empty() ? "all at their defaults" : text);
     }
 
+    const SceneDescription& description_;
+    const std::string& source_;
     const Scene& scene_;
     Model model_;
     State state_;
@@ -145,7 +204,7 @@ class Planner {
 
 std::vector<PlanLine> plan_scene(const SceneDescription& scene, const std::string& source) {
     const Scene built = build_scene(scene, source);
-    return Planner(built).run();
+    return Planner(scene, built, source).run();
 }
 
 } // namespace flotilla

@@ -49,6 +49,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return last[b.size()];
 }
 
+// Whole words of a longer name are what people remember of it.
+std::string_view shortest_containing(std::string_view part, std::span<const std::string_view> candidates) {
+    std::string_view best;
+    if (part.size() < 3) return best;
+    for (const std::string_view candidate : candidates)
+        if (candidate.find(part) != std::string_view::npos && (best.empty() || candidate.size() < best.size()))
+            best = candidate;
+    return best;
+}
+
 } // namespace
 
 std::string_view nearest_name(std::string_view name, std::span<const std::string_view> candidates) {
@@ -62,7 +72,7 @@ std::string_view nearest_name(std::string_view name, std::span<const std::string
             best_distance = distance;
         }
     }
-    return best;
+    return best.empty() ? shortest_containing(name, candidates) : best;
 }
 
 std::string unknown_name(std::string_view kind, std::string_view name, std::span<const std::string_view> known) {

@@ -2,9 +2,10 @@
 // Small text helpers for messages and files.
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
+
+#include <flotilla/names.hpp>
 
 namespace flotilla {
 
@@ -13,13 +14,5 @@ namespace flotilla {
 
 /// `"name"`, with control characters and quotes made visible.
 [[nodiscard]] std::string in_quotes(std::string_view name);
-
-/// The candidate that a misspelt name most likely meant, or an empty view: at most a third of the letters (and at least
-/// two) inserted, deleted, replaced or swapped with a neighbour. Ties go to the earlier candidate.
-[[nodiscard]] std::string_view nearest_name(std::string_view name, std::span<const std::string_view> candidates);
-
-/// `unknown <kind> "name"`, with the nearest known name where there is one.
-[[nodiscard]] std::string unknown_name(std::string_view kind, std::string_view name,
-                                       std::span<const std::string_view> known);
 
 } // namespace flotilla

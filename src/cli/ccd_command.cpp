@@ -12,6 +12,7 @@
 #include <flotilla/ccd.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/enum_option.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -93,12 +94,9 @@ void register_ccd(CLI::App& app, Action& action) {
                      "Distance in m that counts as a hit (cubic: its tolerance, 1e-4 where 0)")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    const std::map<std::string, CcdMethod> methods{{"conservative", CcdMethod::conservative},
-                                                   {"cubic", CcdMethod::cubic}};
-    command
-        ->add_option("--method", arguments->options.method, "conservative (proved) or cubic (baseline, proves nothing)")
-        ->transform(CLI::CheckedTransformer(methods))
-        ->default_str("conservative");
+    add_enum_option<CcdMethod>(*command, "--method", arguments->options.method,
+                               {{"conservative", CcdMethod::conservative}, {"cubic", CcdMethod::cubic}},
+                               "conservative (proved) or cubic (baseline, proves nothing)");
     command->add_flag("--csv", arguments->csv, "Print CSV instead of an aligned table");
     command->callback([arguments, &action] { action = [arguments] { return run_ccd(*arguments); }; });
 }

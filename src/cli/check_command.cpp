@@ -11,7 +11,6 @@
 
 #include <flotilla/error.hpp>
 #include <flotilla/scene_check.hpp>
-#include <flotilla/scene_file.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/scene_options.hpp"
@@ -59,12 +58,13 @@ void print_repairs(const std::vector<InitialRepair>& repairs) {
 
 std::filesystem::path overlap_file(const CheckArguments& arguments) {
     if (!arguments.output.empty()) return arguments.output;
-    return std::filesystem::path(arguments.scene).replace_extension(".overlap.obj");
+    const bool piped = arguments.scene == kStandardInput;
+    return std::filesystem::path(piped ? "scene.json" : arguments.scene).replace_extension(".overlap.obj");
 }
 
 int run_check(const CheckArguments& arguments) {
-    const SceneDescription scene = read_scene(arguments.scene, arguments.options.resolve());
-    const SceneCheck check = check_scene(scene, arguments.scene);
+    const LoadedScene loaded = load_scene(arguments.scene, arguments.options.resolve());
+    const SceneCheck check = check_scene(loaded.scene, loaded.source);
     for (const std::string& warning : check.warnings) std::cerr << "warning: " << warning << '\n';
     print_pairs("warning", check.ignored_intersections);
     print_repairs(check.repairs);
@@ -89,7 +89,7 @@ void register_check(CLI::App& app, Action& action) {
     const auto arguments = std::make_shared<CheckArguments>();
     CLI::App* command =
         app.add_subcommand("check", "Validate a scene; exit code 2 where it is invalid, 4 where bodies intersect");
-    command->add_option("SCENE", arguments->scene, "Scene file (JSON)")->required();
+    command->add_option("SCENE", arguments->scene, "Scene file (JSON), or - for standard input")->required();
     add_scene_options(*command, arguments->options);
     command->add_option("--output", arguments->output,
                         "OBJ file for intersecting triangles (default: SCENE with .overlap.obj)");

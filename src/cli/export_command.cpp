@@ -4,13 +4,13 @@
 
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <string>
 
 #include <flotilla/run_folder.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/enum_option.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -19,15 +19,6 @@ struct ExportArguments {
     std::string folder, output;
     ExportFormat format = ExportFormat::csv;
 };
-
-const std::map<std::string, ExportFormat>& formats() {
-    static const std::map<std::string, ExportFormat> all{{"csv", ExportFormat::csv},
-                                                         {"vtp", ExportFormat::vtp},
-                                                         {"obj", ExportFormat::obj},
-                                                         {"glb", ExportFormat::glb},
-                                                         {"usd", ExportFormat::usd}};
-    return all;
-}
 
 /// Beside the run's own files: DIR/vtp, DIR/obj, DIR/run.glb, DIR/run.usda.
 std::filesystem::path default_output(const ExportArguments& arguments) {
@@ -61,9 +52,13 @@ void register_export(CLI::App& app, Action& action) {
     CLI::App* command =
         app.add_subcommand("export", "Convert a run: csv, vtp (ParaView), obj, glb (glTF) or usd (usda text)");
     command->add_option("DIR", arguments->folder, "Run folder")->required();
-    command->add_option("--format", arguments->format, "csv, vtp, obj, glb or usd")
-        ->transform(CLI::CheckedTransformer(formats()))
-        ->default_str("csv");
+    add_enum_option<ExportFormat>(*command, "--format", arguments->format,
+                                  {{"csv", ExportFormat::csv},
+                                   {"vtp", ExportFormat::vtp},
+                                   {"obj", ExportFormat::obj},
+                                   {"glb", ExportFormat::glb},
+                                   {"usd", ExportFormat::usd}},
+                                  "What to write");
     command->add_option("--output", arguments->output,
                         "File (csv, glb, usd) or folder (vtp, obj); default: stdout for csv, else inside DIR");
     command->callback([arguments, &action] { action = [arguments] { return run_export(*arguments); }; });

@@ -2,10 +2,16 @@
 // The flotilla command: arguments and exit codes. Everything it does goes through the public headers.
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <exception>
 #include <iostream>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include <flotilla/build_info.hpp>
 #include <flotilla/error.hpp>
+#include <flotilla/names.hpp>
 #include <flotilla/world.hpp>
 
 #include "cli/commands.hpp"
@@ -38,11 +44,29 @@ int run(const cli::Action& action) {
     }
 }
 
+std::string version_text() {
+    const BuildInfo build = build_info();
+    std::string text = "flotilla " + std::string(build.version);
+    ((text += "\ncommit:   ") += build.commit) += "\ncompiler: ";
+    return ((text += build.compiler) += "\nflags:    ") += build.flags;
+}
+
+/// CLI11 takes an unknown first word for a missing subcommand. Empty where the word is known, or an option.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+    if (argc < 2 || argv[1][0] == '-') return {};
+    std::vector<std::string_view> known;
+    for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+    const std::string_view word = argv[1];
+    if (std::find(known.begin(), known.end(), word) != known.end()) return {};
+    return unknown_name("command", word, known) + " (flotilla --help lists them)";
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     CLI::App app{"flotilla: interpenetration-free rigid bodies without thickness", "flotilla"};
     app.require_subcommand(1);
+    app.set_version_flag("--version", version_text(), "Print version, commit, compiler and flags, and exit");
     cli::Action action;
     cli::register_ccd(app, action);
     cli::register_check(app, action);
@@ -56,6 +80,10 @@ int main(int argc, char** argv) {
     cli::register_scene(app, action);
     cli::register_trace(app, action);
     cli::register_verify(app, action);
+    if (const std::string complaint = unknown_command(app, argc, argv); !complaint.empty()) {
+        std::cerr << "flotilla: " << complaint << '\n';
+        return cli::kBadInput;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

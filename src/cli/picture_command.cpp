@@ -2,12 +2,16 @@
 // flotilla picture: a PNG of a frame of a run, or of a scene.
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdint>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include <flotilla/error.hpp>
 #include <flotilla/picture.hpp>
 
 #include "cli/commands.hpp"
@@ -21,7 +25,17 @@ struct PictureArguments {
     PictureOptions options;
 };
 
+bool names_png(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension == ".png";
+}
+
 int run_picture(const PictureArguments& arguments) {
+    if (!names_png(arguments.output))
+        throw InputError("picture: --output " + arguments.output +
+                         ": pictures are PNG; give a name that ends with .png");
     const PictureReport r = write_picture(arguments.source, arguments.output, arguments.options, arguments.frame);
     std::cerr << arguments.output << ": frame " << r.frame << " of " << r.frames << ", t = " << r.time << " s, "
               << r.bodies << " bodies\n";

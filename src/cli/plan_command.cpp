@@ -9,7 +9,6 @@
 
 #include <flotilla/error.hpp>
 #include <flotilla/plan.hpp>
-#include <flotilla/scene_file.hpp>
 #include <flotilla/settings.hpp>
 
 #include "cli/commands.hpp"
@@ -46,8 +45,8 @@ void print_presets() {
 }
 
 int print_plan(const PlanArguments& arguments) {
-    const SceneDescription scene = read_scene(arguments.scene, arguments.options.resolve());
-    for (const PlanLine& line : plan_scene(scene, arguments.scene)) {
+    const LoadedScene loaded = load_scene(arguments.scene, arguments.options.resolve());
+    for (const PlanLine& line : plan_scene(loaded.scene, loaded.source)) {
         std::string topic = line.topic + ':';
         topic.resize(std::max<std::size_t>(topic.size() + 1, 14), ' ');
         std::cout << topic << line.text << '\n';
@@ -68,7 +67,7 @@ int run_plan(const PlanArguments& arguments) {
 void register_plan(CLI::App& app, Action& action) {
     const auto arguments = std::make_shared<PlanArguments>();
     CLI::App* command = app.add_subcommand("plan", "Say what will be modelled of a scene, or list the settings");
-    command->add_option("SCENE", arguments->scene, "Scene file (JSON)");
+    command->add_option("SCENE", arguments->scene, "Scene file (JSON), or - for standard input");
     add_scene_options(*command, arguments->options);
     command->add_flag("--settings", arguments->settings, "Every key of a scene's settings and of --set, with presets");
     command->callback([arguments, &action] { action = [arguments] { return run_plan(*arguments); }; });

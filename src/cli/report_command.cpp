@@ -27,14 +27,16 @@ int run_report(ReportArguments& arguments) {
     if (arguments.options.verify && !arguments.quiet) arguments.options.verification.progress = verify_progress();
     const HtmlReport r = write_html_report(arguments.folder, output, arguments.options);
     for (const auto& problem : r.problems) std::cerr << "flotilla: " << problem << '\n';
-    std::cerr << "wrote " << output.string() << ": " << r.frames_shown << " of " << r.frames << " frames, "
-              << static_cast<double>(r.bytes) / 1e6 << " MB, positions within " << 1000 * r.position_error
-              << " mm, rotations within " << 1000 * r.rotation_error << " mrad\n";
+    if (!arguments.quiet)
+        std::cerr << "wrote " << output.string() << ": " << r.frames_shown << " of " << r.frames << " frames, "
+                  << static_cast<double>(r.bytes) / 1e6 << " MB, positions within " << 1000 * r.position_error
+                  << " mm, rotations within " << 1000 * r.rotation_error << " mrad\n";
     if (!r.verification) return kOk;
     const VerifyReport& v = *r.verification;
-    std::cerr << (!v.proved()            ? "verified: FAILED, see the report\n"
-                  : v.unreadable.empty() ? "verified: no intersection found\n"
-                                         : "verified what can be read: no intersection found\n");
+    if (!arguments.quiet || !v.proved())
+        std::cerr << (!v.proved()            ? "verified: FAILED, see the report\n"
+                      : v.unreadable.empty() ? "verified: no intersection found\n"
+                                             : "verified what can be read: no intersection found\n");
     return v.proved() ? kOk : kBrokenPromise;
 }
 
@@ -56,7 +58,7 @@ void register_report(CLI::App& app, Action& action) {
     command->add_option("--threads", arguments->options.verification.threads, "Of --verify (default: all cores)")
         ->needs(verify)
         ->check(CLI::PositiveNumber);
-    command->add_flag("--quiet", arguments->quiet, "No progress");
+    command->add_flag("--quiet", arguments->quiet, "Print problems only");
     command->callback([arguments, &action] { action = [arguments] { return run_report(*arguments); }; });
 }
 

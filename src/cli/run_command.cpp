@@ -2,17 +2,18 @@
 // flotilla run: simulates a scene into a run folder.
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <numeric>
 #include <optional>
-#include <sstream>
 
 #include <flotilla/error.hpp>
 #include <flotilla/run.hpp>
-#include <flotilla/scene_file.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
@@ -54,10 +55,30 @@ std::string exact_text(double value) {
     return text;
 }
 
-std::string note(const StepReport& r) {
+/// Mean time of the last steps, as single ones differ too much to be read.
+class StepTimes {
+  public:
+    void add(double ms) {
+        last_[count_ % last_.size()] = ms;
+        ++count_;
+    }
+    [[nodiscard]] double mean() const {
+        const std::size_t n = std::min(count_, last_.size());
+        return std::accumulate(last_.begin(), last_.begin() + static_cast<std::ptrdiff_t>(n), 0.0) /
+               static_cast<double>(std::max<std::size_t>(n, 1));
+    }
+
+  private:
+    std::array<double, 24> last_{}; // ms
+    std::size_t count_ = 0;
+};
+
+std::string note(const StepReport& r, double mean_ms) {
     char text[96];
-    std::snprintf(text, sizeof text, "t = %.3f s, %.0f ms/step, %ld contacts", r.time, r.total_ms,
-                  static_cast<long>(r.contacts));
+    const char* const format = mean_ms < 1    ? "t = %.3f s, mean %.2g ms/step, %ld contacts"
+                               : mean_ms < 10 ? "t = %.3f s, mean %.1f ms/step, %ld contacts"
+                                              : "t = %.3f s, mean %.0f ms/step, %ld contacts";
+    std::snprintf(text, sizeof text, format, r.time, mean_ms, static_cast<long>(r.contacts));
     return text;
 }
 
@@ -78,6 +99,23 @@ std::optional<double> peak_memory() {
     return std::nullopt;
 }
 
+/// The stages first, which make up a step; then what some of them do, in the units that Phase says.
+void print_phases(const RunTotals& s, double n) {
+    const auto row = [&](std::size_t p, const char* clock) {
+        if (s.phase_ms[p] / n >= 0.005)
+            std::printf("  %-24s %9.2f ms%s\n", std::string(kPhaseNames[p]).c_str(), s.phase_ms[p] / n, clock);
+    };
+    constexpr auto kSplit = static_cast<std::size_t>(Phase::detection);
+    for (std::size_t p = 0; p < kSplit; ++p) row(p, "");
+    const auto split = s.phase_ms.begin() + kSplit;
+    if (std::none_of(split, s.phase_ms.end(), [&](double ms) { return ms / n >= 0.005; })) return;
+    std::printf("of these:\n");
+    for (const Phase p : {Phase::detection, Phase::response})
+        row(static_cast<std::size_t>(p), ", stages 1 and 5, sum over threads");
+    for (const Phase p : {Phase::static_detection, Phase::static_response})
+        row(static_cast<std::size_t>(p), ", stages 3 and 7, wall time");
+}
+
 void print_summary(const RunTotals& s) {
     const double n = s.steps > 0 ? static_cast<double>(s.steps) : 1;
     std::printf("%ld bodies, %ld steps", static_cast<long>(s.bodies), static_cast<long>(s.steps));
@@ -87,10 +125,8 @@ void print_summary(const RunTotals& s) {
         return;
     }
     std::printf(", %.3f s simulated\n", s.last.time);
-    std::printf("time per step: mean %.2f ms, slowest %.2f ms\n", s.total_ms / n, s.worst_ms);
-    for (std::size_t p = 0; p < kNumPhases; ++p)
-        if (s.phase_ms[p] / n >= 0.005)
-            std::printf("  %-24s %9.2f ms\n", std::string(kPhaseNames[p]).c_str(), s.phase_ms[p] / n);
+    std::printf("time per step: mean %.2f ms, slowest %.2f ms; wall time of its stages:\n", s.total_ms / n, s.worst_ms);
+    print_phases(s, n);
     if (s.output_ms > 0)
         std::printf("output: %.2f ms per step (%.2f %% of the steps' time)\n", s.output_ms / n,
                     100 * s.output_ms / s.total_ms);
@@ -113,13 +149,6 @@ void print_summary(const RunTotals& s) {
     print_threads(s.threads);
 }
 
-std::string file_text(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
 int run_run(const RunArguments& arguments) {
     const auto needs_output = [&](bool given, const char* option, const char* what) {
         if (given && arguments.output.empty())
@@ -130,9 +159,11 @@ int run_run(const RunArguments& arguments) {
     needs_output(!arguments.time_limit.empty(), "--time-limit", "the folder for the checkpoint");
     SceneFileOptions options = arguments.options.resolve();
     if (arguments.dt > 0) options.overrides.emplace_back("time_step", exact_text(arguments.dt));
-    const SceneDescription scene = read_scene(arguments.scene, options);
+    const auto [source, scene_json, scene] = load_scene(arguments.scene, options);
     for (const std::string& text : arguments.options.overridden_by_scene(scene.settings))
-        std::cerr << "flotilla: " << arguments.scene << ": " << text << '\n';
+        std::cerr << "flotilla: " << source << ": " << text << '\n';
+    if (!arguments.quiet && arguments.output.empty() && arguments.trace.empty() && arguments.contacts.empty())
+        std::cerr << "flotilla: nothing of this run is kept; --output DIR keeps it\n";
     StopRequest stop(parse_time_limit(arguments.time_limit), !arguments.output.empty());
     RunOptions run;
     run.output = arguments.output;
@@ -143,7 +174,7 @@ int run_run(const RunArguments& arguments) {
     run.steps = total_steps(arguments, scene.settings.time_step);
     run.frame_every = arguments.frame_every;
     run.command_line = arguments.command_line;
-    run.scene_json = file_text(arguments.scene);
+    run.scene_json = scene_json;
     run.world.threads = arguments.threads;
     run.world.executor = arguments.executor == "serial" ? Executor::serial : Executor::parallel;
     run.trace = arguments.trace;
@@ -152,14 +183,16 @@ int run_run(const RunArguments& arguments) {
     RunTotals summary;
     {
         Progress progress("step", run.steps, arguments.quiet);
+        StepTimes times;
         run.after_step = [&](const StepReport& r) {
-            progress.update(r.step, note(r));
+            times.add(r.total_ms);
+            progress.update(r.step, note(r, times.mean()));
             return !stop.asked(r.total_ms / 1000);
         };
-        summary = run_scene(scene, arguments.scene, run);
+        summary = run_scene(scene, source, run);
     }
-    print_summary(summary);
-    if (!arguments.trace.empty())
+    if (!arguments.quiet) print_summary(summary);
+    if (!arguments.quiet && !arguments.trace.empty())
         std::printf("trace of %ld steps: %s\n", static_cast<long>(summary.traced_steps), arguments.trace.c_str());
     if (!summary.complete) {
         std::cerr << "flotilla: stopped after step " << summary.last.step << " of " << run.steps << " ("
@@ -175,7 +208,7 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
     auto arguments = std::make_shared<RunArguments>();
     arguments->command_line = command_line;
     CLI::App* command = app.add_subcommand("run", "Simulate a scene");
-    command->add_option("scene", arguments->scene, "scene file")->required();
+    command->add_option("scene", arguments->scene, "scene file, or - for standard input")->required();
     add_scene_options(*command, arguments->options);
     command->add_option("--output", arguments->output, "run folder; without it nothing is written");
     auto* steps =
@@ -215,7 +248,8 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
         [] { throw CLI::ValidationError("--pin", "is gone: OMP_PROC_BIND=true binds threads, OMP_PLACES says where"); },
         "gone: OMP_PROC_BIND=true binds threads, OMP_PLACES says where");
     command->add_flag("--audit", arguments->audit, "prove the written frames free of intersections afterwards");
-    command->add_flag("--quiet", arguments->quiet, "no progress");
+    command->add_flag("--quiet", arguments->quiet,
+                      "no progress and no summary; problems and the report of --audit are printed");
     command->callback([arguments, &action] { action = [arguments] { return run_run(*arguments); }; });
 }
 

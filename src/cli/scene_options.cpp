@@ -2,6 +2,9 @@
 #include "cli/scene_options.hpp"
 
 #include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 
@@ -37,6 +40,22 @@ std::vector<std::string> SceneArguments::overridden_by_scene(const Settings& set
                             " asks for " + wanted);
     }
     return lines;
+}
+
+LoadedScene load_scene(const std::string& argument, const SceneFileOptions& options) {
+    LoadedScene loaded{argument, {}, {}};
+    std::ostringstream text;
+    if (argument == kStandardInput) {
+        loaded.source = "standard input";
+        text << std::cin.rdbuf();
+        loaded.text = text.str();
+        loaded.scene = parse_scene(loaded.text, loaded.source, ".", options);
+        return loaded;
+    }
+    loaded.scene = read_scene(argument, options);
+    text << std::ifstream(argument, std::ios::binary).rdbuf();
+    loaded.text = text.str();
+    return loaded;
 }
 
 void add_scene_options(CLI::App& command, SceneArguments& arguments) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// --preset and --set, the same for every command that reads a scene.
+// The scene that a command reads, with --preset and --set; the same for every command that reads one.
 #pragma once
 
 #include <string>
@@ -22,6 +22,18 @@ struct SceneArguments {
     /// What the preset asks for and the scene's own settings replaced, a line each.
     [[nodiscard]] std::vector<std::string> overridden_by_scene(const Settings& settings) const;
 };
+
+/// A scene as it was read.
+struct LoadedScene {
+    std::string source; ///< names it in messages
+    std::string text;   ///< JSON
+    SceneDescription scene;
+};
+
+inline constexpr const char* kStandardInput =
+    "-"; ///< instead of a file; mesh paths are then relative to the current folder
+
+[[nodiscard]] LoadedScene load_scene(const std::string& argument, const SceneFileOptions& options);
 
 void add_scene_options(CLI::App& command, SceneArguments& arguments);
 

@@ -13,6 +13,7 @@
 #include <flotilla/trace.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/enum_option.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -166,12 +167,9 @@ void register_trace(CLI::App& app, Action& action) {
         ->check(CLI::PositiveNumber)
         ->delimiter(',')
         ->allow_extra_args(false);
-    const std::map<std::string, CostGrowth> growths{{"log2", CostGrowth::log2}, {"linear", CostGrowth::linear}};
-    command
-        ->add_option("--growth", arguments->options.growth,
-                     "Of fork-join and barrier beyond the measured cores: log2 or linear in them")
-        ->transform(CLI::CheckedTransformer(growths))
-        ->default_str("log2");
+    add_enum_option<CostGrowth>(*command, "--growth", arguments->options.growth,
+                                {{"log2", CostGrowth::log2}, {"linear", CostGrowth::linear}},
+                                "Of fork-join and barrier beyond the measured cores: log2 or linear in them");
     command->callback([arguments, &action] { action = [arguments] { return run_trace(*arguments); }; });
 }
 

@@ -14,6 +14,7 @@
 #include <flotilla/verify.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/enum_option.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -112,17 +113,14 @@ void register_verify(CLI::App& app, Action& action) {
         app.add_subcommand("verify", "Prove a trajectory free of intersections; exit code 3 where it is not");
     command->add_option("DIR", arguments->subject, "Run folder, or the scene file of --poses")->required();
     command->add_option("--poses", arguments->poses, "Trajectory of the scene in the CSV export format");
-    const std::map<std::string, VerifyMotion> motions{
-        {"auto", VerifyMotion::automatic}, {"always", VerifyMotion::always}, {"never", VerifyMotion::never}};
-    command
-        ->add_option("--motion", arguments->options.motion,
-                     "Check the motion between frames: auto (frames one time step apart), always, never")
-        ->transform(CLI::CheckedTransformer(motions))
-        ->default_str("auto");
+    add_enum_option<VerifyMotion>(
+        *command, "--motion", arguments->options.motion,
+        {{"auto", VerifyMotion::automatic}, {"always", VerifyMotion::always}, {"never", VerifyMotion::never}},
+        "Check the motion between frames: auto (frames one time step apart), always, never");
     command->add_option("--threads", arguments->options.threads, "Threads (default: all cores)")
         ->check(CLI::PositiveNumber);
     command->add_flag("!--no-distance", arguments->options.distance, "Do not measure the smallest distance");
-    command->add_flag("--quiet", arguments->quiet, "No progress");
+    command->add_flag("--quiet", arguments->quiet, "No progress; the report is printed");
     command->callback([arguments, &action] { action = [arguments] { return run_verify(*arguments); }; });
 }
 

@@ -12,9 +12,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <flotilla/build_info.hpp>
 #include <flotilla/error.hpp>
 
-#include "base/build_info.hpp"
 #include "io/number.hpp"
 
 namespace flotilla::io {

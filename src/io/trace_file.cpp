@@ -9,9 +9,9 @@
 #include <optional>
 #include <string_view>
 
+#include <flotilla/build_info.hpp>
 #include <flotilla/error.hpp>
 
-#include "base/build_info.hpp"
 #include "io/file_stream.hpp"
 #include "io/json_document.hpp"
 #include "io/number.hpp"

@@ -175,7 +175,8 @@ SceneDescription make_scene(std::string_view name, int bodies, std::uint64_t see
     std::vector<std::string_view> names;
     for (const Entry& entry : kEntries) names.push_back(entry.info.name);
     const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) throw InputError(unknown_name("scene", name, names));
+    if (found == names.end())
+        throw InputError(unknown_name("scene", name, names) + " (flotilla scene --list prints them)");
     const Entry& entry = kEntries[static_cast<std::size_t>(found - names.begin())];
     if (bodies == 0) bodies = entry.info.default_bodies;
     if (bodies < entry.info.min_bodies || bodies > entry.info.max_bodies)

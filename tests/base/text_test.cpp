@@ -25,11 +25,14 @@ TEST(Text, FindsTheNearestName) {
     EXPECT_EQ(nearest_name("poistion", kNames), "position"); // neighbours swapped
     EXPECT_EQ(nearest_name("angular_velocty", kNames), "angular_velocity");
     EXPECT_EQ(nearest_name("tpye", kNames), "type");
+    EXPECT_EQ(nearest_name("angular", kNames), "angular_velocity");
+    EXPECT_EQ(nearest_name("loci", kNames), "velocity") << "the shortest that contains it";
 }
 
 TEST(Text, OffersNothingForNamesThatResembleNone) {
     EXPECT_EQ(nearest_name("colour", kNames), "");
     EXPECT_EQ(nearest_name("", kNames), "");
+    EXPECT_EQ(nearest_name("on", kNames), "");
     EXPECT_EQ(nearest_name("xy", std::array{"ab"sv}), "");
 }
 

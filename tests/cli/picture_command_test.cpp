@@ -100,5 +100,17 @@ TEST(PictureCommand, TellsBadOptionsFromFailures) {
     EXPECT_FALSE(std::filesystem::exists(out + "/a.png"));
 }
 
+TEST(PictureCommand, WritesNoPngUnderAnotherName) {
+    const TemporaryFolder folder;
+    const std::string scene = folder.write("scene.json", kScene), out = folder.path();
+    for (const char* name : {"/a.jpg", "/a", "/png", "/a.png.gz", "/.png"}) {
+        const CommandOutput r = run_flotilla("picture " + scene + " --output " + out + name + kSmall);
+        EXPECT_EQ(r.exit_code, 2) << name;
+        EXPECT_NE(r.err.find("ends with .png"), std::string::npos) << r.err;
+        EXPECT_FALSE(std::filesystem::exists(out + name)) << name;
+    }
+    EXPECT_EQ(run_flotilla("picture " + scene + " --output " + out + "/A.PNG" + kSmall).exit_code, 0);
+}
+
 } // namespace
 } // namespace flotilla::test

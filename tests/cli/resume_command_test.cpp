@@ -31,7 +31,7 @@ class Resume : public testing::Test {
   protected:
     Resume() { scene_ = folder_.write("boats.json", run_flotilla("scene boats-in-bowl --bodies 12 --seed 3").out); }
     [[nodiscard]] std::string options(int steps) const {
-        return "run " + scene_ + " --quiet --threads 1 --checkpoint-every 5 --output " + run().string() + " --steps " +
+        return "run " + scene_ + " --threads 1 --checkpoint-every 5 --output " + run().string() + " --steps " +
                std::to_string(steps) + " ";
     }
     [[nodiscard]] fs::path run() const { return folder_.path() / "run"; }

@@ -103,7 +103,7 @@ TEST(CheckCommand, AnOverlapCanBeRepaired) {
     const CommandOutput check = run_flotilla("check " + scene + option);
     EXPECT_EQ(check.exit_code, 0) << check.err;
     EXPECT_NE(check.err.find("intersects another at t = 0 and will be moved by "), std::string::npos) << check.err;
-    const std::string run = "run " + scene + " --quiet --output " + (folder.path() / "run").string();
+    const std::string run = "run " + scene + " --output " + (folder.path() / "run").string();
     EXPECT_EQ(run_flotilla(run + " --steps 2").exit_code, 4);
     const CommandOutput repaired = run_flotilla(run + " --audit --steps 3" + option);
     EXPECT_EQ(repaired.exit_code, 0) << repaired.err;
@@ -176,6 +176,34 @@ TEST(PlanCommand, SaysWhatWillBeModelledOfAScene) {
     const std::string bad = folder.write("bad.json", R"({"flotilla_scene": 1, "shapes": [], "bodies": 3})");
     EXPECT_EQ(run_flotilla("plan " + bad).exit_code, 2);
     EXPECT_EQ(run_flotilla("plan --settings " + scene).exit_code, 2);
+}
+
+// A body falls from rest: in step k, of 1/24 s, by g dt^2 (k - 1/2).
+TEST(PlanCommand, SaysHowFarBodiesMoveBeforeTheyTouch) {
+    const TemporaryFolder folder;
+    const auto first_contact = [&](double height) {
+        const CommandOutput r = run_flotilla(
+            "plan " + folder.write("s.json", R"({"flotilla_scene": 1,
+          "shapes": [{"name": "t", "mass": 1, "vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}],
+          "bodies": [{"name": "a", "shape": "t", "position": [0, 0, )" +
+                                                 std::to_string(height) +
+                                                 R"(]}, {"name": "b", "shape": "t", "type": "static"}]})"));
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        const std::size_t at = r.out.find("impact: ");
+        return at == std::string::npos ? r.out : r.out.substr(at, r.out.find('\n', at) - at);
+    };
+    const double fall = 9.8 / (24 * 24); // m, g dt^2
+    char expected[80];
+    std::snprintf(expected, sizeof expected, "move by up to %.4g m in step 9, the last before they touch", fall * 8.5);
+    EXPECT_NE(first_contact(0.5 * fall * 9.5 * 9.5).find(expected), std::string::npos)
+        << first_contact(0.5 * fall * 9.5 * 9.5);
+    std::snprintf(expected, sizeof expected, "touch in the first step, in which they are to move by up to %.4g m",
+                  fall / 2);
+    EXPECT_NE(first_contact(0.25 * fall).find(expected), std::string::npos) << first_contact(0.25 * fall);
+    EXPECT_NE(first_contact(-1).find("touch nothing in 240 steps"), std::string::npos) << first_contact(-1);
+    const CommandOutput crossing = run_flotilla("plan " + folder.write("x.json", kCrossing));
+    EXPECT_EQ(crossing.exit_code, 0) << crossing.err;
+    EXPECT_NE(crossing.out.find("some intersect at t = 0"), std::string::npos) << crossing.out;
 }
 
 TEST(RunCommand, SaysWhatTheSceneOverridesOfThePreset) {

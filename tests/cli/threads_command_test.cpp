@@ -26,7 +26,7 @@ class RunThreads : public testing::Test {
     std::vector<std::string> run(const std::string& options) {
         const std::string output = (folder_.path() / "run").string();
         const CommandOutput r = run_flotilla("run " + (folder_.path() / "boats.json").string() +
-                                             " --steps 30 --quiet --overwrite --output " + output + " " + options);
+                                             " --steps 30 --overwrite --output " + output + " " + options);
         EXPECT_EQ(r.exit_code, 0) << r.err;
         last_ = r.out;
         return step_hashes(output);

@@ -87,7 +87,7 @@ std::string hash_line(const std::string& out) {
 TEST(RunTrace, RecordsWhatAnalysisAndViewersUnderstand) {
     const TemporaryFolder folder;
     const std::string scene = write_boats(folder), file = (folder.path() / "t.json").string();
-    const std::string run = "run --quiet --steps 40 --threads ";
+    const std::string run = "run --steps 40 --threads ";
     const CommandOutput plain = run_flotilla(run + "1 " + scene);
     const CommandOutput traced = run_flotilla(run + "1 --trace " + file + " " + scene);
     ASSERT_EQ(traced.exit_code, 0) << traced.err;
@@ -133,9 +133,8 @@ TEST(RunTrace, RecordsWhatAnalysisAndViewersUnderstand) {
 TEST(RunTrace, EveryKthStepOnSeveralThreads) {
     const TemporaryFolder folder;
     const std::string scene = write_boats(folder), file = (folder.path() / "t.json.gz").string();
-    const CommandOutput one = run_flotilla("run --quiet --steps 10 --threads 1 " + scene);
-    const CommandOutput two =
-        run_flotilla("run --quiet --steps 10 --threads 2 --trace-every 4 --trace " + file + " " + scene);
+    const CommandOutput one = run_flotilla("run --steps 10 --threads 1 " + scene);
+    const CommandOutput two = run_flotilla("run --steps 10 --threads 2 --trace-every 4 --trace " + file + " " + scene);
     ASSERT_EQ(two.exit_code, 0) << two.err;
     EXPECT_EQ(hash_line(one.out), hash_line(two.out));
     const io::Trace trace = io::read_trace(file);

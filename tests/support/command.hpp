@@ -22,7 +22,7 @@ struct CommandOutput {
     std::string out, err;
 };
 
-/// arguments: as typed after `flotilla`, for the shell.
+/// arguments: as typed after `flotilla`, for the shell; standard input is empty where they do not redirect it.
 inline CommandOutput run_flotilla(const std::string& arguments) {
     const TemporaryFolder folder;
     const auto read = [&](const char* name) {
@@ -31,7 +31,7 @@ inline CommandOutput run_flotilla(const std::string& arguments) {
     };
     const std::string to = folder.path().string();
     const std::string line =
-        std::string(FLOTILLA_COMMAND) + " " + arguments + " >" + to + "/out 2>" + to + "/err </dev/null";
+        "</dev/null " + std::string(FLOTILLA_COMMAND) + " " + arguments + " >" + to + "/out 2>" + to + "/err";
     const int status = std::system(line.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out"), read("err")};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What this library was built from, for the provenance of a run.
+// What this library was built from; a run folder and a trace say it too.
 #pragma once
 
 #include <string_view>
