@@ -78,7 +78,7 @@ struct StateReport {
 
 /// How vertices move from one frame to the next.
 enum class Motion : std::uint8_t {
-    linear, ///< on a straight segment; that of a body which turns by 2 rad or more as if rigid
+    linear, ///< on a straight segment
     rigid,  ///< centre of mass on a straight segment, orientation R(t w) q
 };
 
@@ -96,7 +96,7 @@ struct MotionReport {
     std::vector<Passage> passages;  ///< the first of each body pair, sorted by (a, b)
     std::vector<BadPose> bad_paths; ///< Motion::rigid: the turn does not lead to the next frame's rotation
 };
-/// `turns` holds the rotation vector (rad) of every body over the interval; of Motion::linear it may be empty: none turns far.
+/// `turns` holds the rotation vector (rad) of every body over the interval; used by Motion::rigid only.
 [[nodiscard]] MotionReport check_motion(const Scene& scene, const Placement& from, const Placement& to, Motion motion,
                                         std::span<const Vec3> turns, int threads);
 

@@ -23,9 +23,6 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 constexpr double kLargestDeviation = 0.05;
 constexpr int kMaxPieces = 1 << 16;
 
-/// rad; a body that turns farther does so on the way even where vertices move straight (state/trajectories.cpp).
-constexpr double kLargestStraightTurn = 2;
-
 /// m; a turn that misses the next frame's pose by more is reported. A solver's own rounding stays far below.
 constexpr double kLargestMismatch = 1e-7;
 
@@ -235,16 +232,14 @@ PairResult check_pair(const Bodies& bodies, BodyPair pair) {
 
 BodyPath make_path(const Shape& shape, const Placement& from, const Placement& to, std::size_t body, Motion motion,
                    std::span<const Vec3> turns) {
-    const Vec3 turn = turns.empty() ? Vec3{} : turns[body];
-    if (motion == Motion::linear && !(length_sq(turn) >= kLargestStraightTurn * kLargestStraightTurn))
-        return {from.vertices[body], to.vertices[body]};
+    if (motion == Motion::linear) return {from.vertices[body], to.vertices[body]};
     const auto center = [&](const Placement& placement) {
         Vec3 c;
         const Pose& pose = placement.poses[body];
         world_vertices(std::span(&shape.center_of_mass, 1), pose.position, pose.rotation, std::span(&c, 1));
         return c;
     };
-    return {from.vertices[body], to.vertices[body], center(from), center(to), turn, shape.radius};
+    return {from.vertices[body], to.vertices[body], center(from), center(to), turns[body], shape.radius};
 }
 
 /// A box that holds the body during the whole step.

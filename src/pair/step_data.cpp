@@ -160,10 +160,8 @@ PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod me
     const double separation = method == CcdMethod::cubic ? cubic_tolerance(data.model.settings) : r.lengths.separation;
     const bool turns = !a.straight() || !b.straight();
     const PathCut cut = turns ? cut_path(a, b, {r.lengths.rest, start_distance(data, worker, r)}) : PathCut{};
-    // Lists have room for arcs where all bodies turn.
-    const bool listed = cut.segments == 1 && (!turns || data.model.settings.trajectory == Trajectory::rigid);
     return earliest_hit_on_path(a, b, {separation, CcdStart::relaxed, method}, cut,
-                                listed ? candidates(data, worker, r, a, b) : CoveringList{}, worker.ccd);
+                                cut.segments == 1 ? candidates(data, worker, r, a, b) : CoveringList{}, worker.ccd);
 }
 
 constexpr std::size_t kBodyGrain = 128, kPairGrain = 256; // items of a task

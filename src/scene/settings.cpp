@@ -171,8 +171,7 @@ const std::vector<SettingRow>& table() {
          0,
          0,
          {},
-         "path of a step that is certified: straight lines of the vertices (below a turn of 2 rad), or the bodies' own "
-         "turning motion",
+         "path of a step that is certified: straight lines of the vertices, or the bodies' own turning motion",
          "rigid: exact for fast spins, cut into up to 64 segments a step, and that many times slower there"},
         {"ccd",
          choice<&Settings::ccd>(kCcdMethods),

@@ -14,11 +14,6 @@ namespace {
 // coordinates have three components. Together below 200 u (M + l (1 + |w|)).
 constexpr double kPathRounding = 0x1p-45; // 256 u
 
-/// rad. On straight paths a body that turns by w shrinks to cos(w/2) of its size on the way, to a point at half a turn, and one that turns
-/// more goes through itself: it meets little of what it would sweep, or what it would not. The audit has the same limit, and so have
-/// rigid clusters (kLargestRigidTurn).
-constexpr double kLargestStraightTurn = 2;
-
 } // namespace
 
 Pose BodyMotion::pose(double t) const {
@@ -98,7 +93,7 @@ void Trajectories::set_end(std::size_t body, const Pose& end, const Vec3& turn) 
     Entry& e = entries_[body];
     e.turn = turn;
     // A turn below one radian that ends in the same bits is none; a whole turn is one where bodies really turn.
-    const bool same = end == e.at0.pose && length_sq(turn) < 1;
+    const bool same = end == e.at0.pose && (!rigid_ || length_sq(turn) < 1);
     stamps_[body] = {version(body) + 1, same};
     if (!same) e.at1.place(*e.shape, end);
 }
@@ -107,8 +102,8 @@ void Trajectories::hold(std::size_t body) { set_end(body, entries_[body].at0.pos
 
 BodyMotion Trajectories::motion(std::size_t body) const {
     const Entry& e = entries_[body];
-    const bool stays = still(body), turns = rigid_ || length_sq(e.turn) >= kLargestStraightTurn * kLargestStraightTurn;
-    return {e.shape, e.at0.view(), (stays ? e.at0 : e.at1).view(), turns && !stays ? e.turn : Vec3{}};
+    const bool stays = still(body);
+    return {e.shape, e.at0.view(), (stays ? e.at0 : e.at1).view(), rigid_ && !stays ? e.turn : Vec3{}};
 }
 
 BodyMotion Trajectories::at_start(std::size_t body) const {

@@ -175,20 +175,6 @@ TEST(RigidPath, MissesWhatOnlyTheChordMeets) {
     EXPECT_FALSE(hits.rigid);
 }
 
-TEST(RigidPath, WhatTurnsFarTurnsOnTheWayWhateverTheSetting) {
-    TriangleMesh plate;
-    add_strip(plate, -1, 1, 0.5);
-    Pair pair(make_shape(plate), make_shape(particle()));
-    pair.start[1] = make_pose(pair.model.shapes[1], {0, 0.85, 0}, {}); // met after a quarter of a turn
-    PathCut cut;
-    for (const double angle : {1.9, 2.1, 3.14, 6.3, 40.0}) {
-        pair.turn[0] = {0, 0, angle};
-        pair.move(Trajectory::linear);
-        EXPECT_EQ(pair.motion(0).straight(), angle < 2) << angle;
-        EXPECT_EQ(pair.query(pair.nearest(0).distance, cut).hit, angle > 2) << angle;
-    }
-}
-
 TEST(RigidPath, CostsNothingWhereNothingTurns) {
     Random random(7);
     Pair pair(make_shape(soup(random)), make_shape(make_sphere(0.7, 1)));
