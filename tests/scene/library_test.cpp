@@ -161,7 +161,8 @@ TEST(SceneLibrary, RefusesUnknownNamesAndNumbers) {
         }
         return "accepted";
     };
-    EXPECT_EQ(refusal("boats-in-bowel", 0), "unknown scene \"boats-in-bowel\"; did you mean \"boats-in-bowl\"?");
+    EXPECT_EQ(refusal("boats-in-bowel", 0),
+              "unknown scene \"boats-in-bowel\"; did you mean \"boats-in-bowl\"? (flotilla scene --list prints them)");
     EXPECT_EQ(refusal("boats-in-bowl", 2), "scene boats-in-bowl has 3 to 1000000 bodies, not 2");
     EXPECT_EQ(refusal("stack", -1), "scene stack has 2 to 10000 bodies, not -1");
 }
