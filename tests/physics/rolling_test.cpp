@@ -129,6 +129,9 @@ void rolls_where_friction_is_enough(const Run& run, const Roller& roller, double
     const std::vector<Run> once = runs({24});
     add_runs("Rolling", "Cylinder512KeepsItsSpeed", runs(), true,
              [](const Run& r) { keeps_rolling(r, kCylinder, 0.5); });
+    // Several steps to a side: the corner that lands next must not carry before it does.
+    add_runs("Rolling", "Cylinder512KeepsItsSpeedInSmallSteps", {{"balanced", 480}}, true,
+             [](const Run& r) { keeps_rolling(r, kCylinder, 0.5); });
     static constexpr Roller kSides[] = {{"Cylinder256", cylinder<256>, true, 0.5, 256},
                                         {"Cylinder1024", cylinder<1024>, true, 0.5, 1024},
                                         {"Cylinder4096", cylinder<4096>, true, 0.5, 4096}};
