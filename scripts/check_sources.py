@@ -60,10 +60,9 @@ PUBLIC_HEADERS = {
 # Libraries beside std and Eigen, which every module but the embedders' headers may use.
 LIBRARIES = {
     "parallel": ["openmp", "tbb", "threads", "locks", "posix"],
-    "io": ["locks", "nlohmann", "hdf5", "xxhash", "random123", "png", "zlib", "zstd", "tinyobj", "tinygltf", "posix"],
+    "io": ["locks", "nlohmann", "hdf5", "xxhash", "png", "zlib", "posix"],
     "report": ["nlohmann", "zlib"],
-    "api": ["xxhash", "random123"],
-    "cli": ["cli11", "nlohmann", "png", "posix"],
+    "cli": ["cli11", "posix"],
     "python": ["pybind11"],
 }
 LIBRARY_OF = [
@@ -74,12 +73,8 @@ LIBRARY_OF = [
     (r"(hdf5(_hl)?\.h|H5\w*\.h|hdf5/)", "hdf5"),
     (r"CLI/", "cli11"),
     (r"xxh\w*\.h$", "xxhash"),
-    (r"Random123/", "random123"),
     (r"png(conf)?\.h$", "png"),
     (r"zlib\.h$", "zlib"),
-    (r"zstd\w*\.h$", "zstd"),
-    (r"tiny_obj_loader", "tinyobj"),
-    (r"tiny_gltf", "tinygltf"),
     (r"pybind11/", "pybind11"),
     (r"(mutex|shared_mutex)$", "locks"),
     (r"(thread|condition_variable|future|execution|barrier|latch|semaphore|stop_token)$", "threads"),

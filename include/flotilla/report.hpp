@@ -36,12 +36,11 @@ inline constexpr std::array<std::string_view, kNumPhases> kPhaseNames{
 
 /// Reasons to look at a step; a set of bits. Each names the setting to raise.
 enum StepWarning : std::uint32_t {
-    kCollisionLimit = 1u << 0,  ///< collision_iterations ended stage 1 before it was quiet
-    kDynamicLimit = 1u << 1,    ///< dynamic_iterations ended Algorithm 2: the failsafe had to finish
-    kStaticLimit = 1u << 2,     ///< PGS ended at static_iterations, or gave up, above static_tolerance
-    kScriptDelayed = 1u << 3,   ///< a scripted body was held for this step (DESIGN 4.6)
-    kReboundLost = 1u << 4,     ///< a held body lost a rebound of stage 1 (DESIGN 4.5)
-    kInfiniteOverlap = 1u << 5, ///< two infinite-mass bodies overlap
+    kCollisionLimit = 1u << 0, ///< collision_iterations ended stage 1 before it was quiet
+    kDynamicLimit = 1u << 1,   ///< dynamic_iterations ended Algorithm 2: the failsafe had to finish
+    kStaticLimit = 1u << 2,    ///< PGS ended at static_iterations, or gave up, above static_tolerance
+    kScriptDelayed = 1u << 3,  ///< a scripted body was held for this step (DESIGN 4.6)
+    kReboundLost = 1u << 4,    ///< a held body lost a rebound of stage 1 (DESIGN 4.5)
 };
 
 struct StepReport {

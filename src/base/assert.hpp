@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // FLOTILLA_ASSERT checks for bugs, not for input: on in debug and RelWithDebInfo builds (no NDEBUG or FLOTILLA_ASSERTIONS).
-// FLOTILLA_VALIDATE is for whole-structure checks that cost more than the work itself: debug builds only.
 #pragma once
 
 namespace flotilla {
@@ -12,10 +11,4 @@ namespace flotilla {
     ((condition) ? static_cast<void>(0) : ::flotilla::assertion_failed(#condition, __FILE__, __LINE__))
 #else
 #define FLOTILLA_ASSERT(condition) static_cast<void>(0)
-#endif
-
-#if !defined(NDEBUG)
-#define FLOTILLA_VALIDATE(condition) FLOTILLA_ASSERT(condition)
-#else
-#define FLOTILLA_VALIDATE(condition) static_cast<void>(0)
 #endif

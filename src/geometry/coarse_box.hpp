@@ -79,20 +79,8 @@ inline bool coarse_overlap(const CoarseBox& a, const CoarseBox& b, const CoarseR
     return !any((load4(a.lower) + load4(b.neg_upper) > r) | (load4(b.lower) + load4(a.neg_upper) > r));
 }
 
-/// Whether two moving boxes may come within a distance that goes linearly from `reach0` to `reach1`, judged by one axis at a
-/// time.
-inline bool coarse_overlap_by_axis(const MovingCoarseBox& a, const MovingCoarseBox& b, const CoarseReach& reach0,
-                                   const CoarseReach& reach1) {
-    const Float4 r0 = reach0.value(), r1 = reach1.value();
-    const auto apart = [&](const float* p0, const float* q0, const float* p1, const float* q1) {
-        return (load4(p0) + load4(q0) > r0) & (load4(p1) + load4(q1) > r1);
-    };
-    return !any(apart(a.at0.lower, b.at0.neg_upper, a.at1.lower, b.at1.neg_upper) |
-                apart(b.at0.lower, a.at0.neg_upper, b.at1.lower, a.at1.neg_upper));
-}
-
-/// Whether they come within it, all axes at once, at some t in [0, t_max]. `entry_time` becomes a lower bound of the first such
-/// time, in [0, 1]; it means nothing where the result is false. `slack` is at least kCoarseTimeSlack.
+/// Whether two moving boxes come within a distance that goes from `reach0` to `reach1`, linearly, at some t in [0, t_max].
+/// `entry_time` becomes a lower bound of the first, in [0, 1], if they do. `slack` is at least kCoarseTimeSlack.
 inline bool coarse_overlap(const MovingCoarseBox& a, const MovingCoarseBox& b, const CoarseReach& reach0,
                            const CoarseReach& reach1, float& entry_time, float t_max = 1,
                            float slack = kCoarseTimeSlack) {

@@ -190,26 +190,6 @@ void for_each_overlapping_leaf_pair(const Bvh& bvh_a, const MovingBoxes& boxes_a
                                    std::forward<Callback>(callback));
 }
 
-/// Like for_each_overlapping_leaf_pair, for an earliest-hit query: callback returns the earliest hit so far (at most
-/// what it returned before; `t_max` to begin with), and pairs that cannot meet by then are skipped. Of two children the
-/// one that enters earlier is visited first.
-template <class Callback>
-void for_each_leaf_pair_until(const BvhView& a, const BvhView& b, double inflation, double t_max, Callback&& callback) {
-    const OutwardInflation outward(inflation,
-                                   std::max(bvh_detail::max_abs_coordinate(a), bvh_detail::max_abs_coordinate(b)));
-    double earliest = t_max;
-    bvh_detail::traverse(
-        a.bvh, b.bvh, a.t1, b.t1,
-        [&](std::int32_t i, std::int32_t j, double& entry_time) {
-            const auto k = static_cast<std::size_t>(i), l = static_cast<std::size_t>(j);
-            return moving_boxes_overlap(a.t0[k], a.t1[k], b.t0[l], b.t1[l], outward, entry_time, earliest);
-        },
-        [&](double entry_time) { return !(entry_time > earliest); },
-        [&](std::int32_t la, std::int32_t lb, double entry_time) {
-            earliest = callback(a.bvh.leaf_triangles(la), b.bvh.leaf_triangles(lb), entry_time);
-        });
-}
-
 /// Calls callback(triangles_a, triangles_b) for every pair of leaves whose boxes, at rest, come within `inflation` (m)
 /// of each other. Conservative as above. No allocation.
 template <class Callback>

@@ -2,9 +2,7 @@
 #include "mesh/mesh_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -19,19 +17,18 @@
 namespace flotilla {
 namespace {
 
-[[noreturn]] void io_failure(const std::filesystem::path& path, const char* verb) {
-    throw IoError(std::string("cannot ") + verb + " " + path.string() + ": " +
-                  (errno != 0 ? std::strerror(errno) : "unknown reason"));
+[[noreturn]] void cannot_read(const std::filesystem::path& path) {
+    throw IoError("cannot read " + path.string() + ": " + (errno != 0 ? std::strerror(errno) : "unknown reason"));
 }
 
 std::string read_file(const std::filesystem::path& path) {
     errno = 0;
     std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) errno = EISDIR, io_failure(path, "read");
+    if (std::filesystem::is_directory(path, ignored)) errno = EISDIR, cannot_read(path);
     std::ifstream file(path, std::ios::binary);
-    if (!file) io_failure(path, "read");
+    if (!file) cannot_read(path);
     std::string data(std::istreambuf_iterator<char>(file), {});
-    if (file.bad()) io_failure(path, "read");
+    if (file.bad()) cannot_read(path);
     return data;
 }
 
@@ -40,13 +37,6 @@ std::string lower_case_extension(const std::filesystem::path& path) {
     for (char& c : extension)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     return extension;
-}
-
-/// The shortest text that reads back as the same double.
-void append_number(std::string& text, double x) {
-    std::array<char, 32> buffer;
-    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), x).ptr;
-    text.append(buffer.data(), end);
 }
 
 } // namespace
@@ -59,39 +49,6 @@ TriangleMesh read_mesh(const std::filesystem::path& path) {
     if (extension == ".obj") return read_obj(path, data);
     if (extension == ".stl") return read_stl(path, data);
     return read_ply(path, data);
-}
-
-void validate_mesh(const TriangleMesh& mesh, const std::string& name) {
-    const std::string shape = "shape '" + name + "': ";
-    if (mesh.vertices.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-        throw InputError(shape + "too many vertices");
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-        if (!is_finite(mesh.vertices[i])) throw InputError(shape + "vertex " + std::to_string(i) + " is not finite");
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (std::int32_t v : mesh.triangles[t])
-            if (v < 0 || static_cast<std::size_t>(v) >= mesh.vertices.size())
-                throw InputError(shape + "triangle " + std::to_string(t) + ": " +
-                                 out_of_range_text(v, mesh.vertices.size()));
-    if (mesh.triangles.empty()) throw InputError(shape + "it has no triangles");
-}
-
-void write_obj(const std::filesystem::path& path, const TriangleMesh& mesh) {
-    std::string text;
-    for (const Vec3& v : mesh.vertices) {
-        text += "v";
-        for (double x : {v.x, v.y, v.z}) append_number(text += ' ', x);
-        text += '\n';
-    }
-    for (const Triangle& t : mesh.triangles) {
-        text += "f";
-        for (std::int32_t i : t) text += ' ' + std::to_string(i + 1);
-        text += '\n';
-    }
-    errno = 0;
-    std::ofstream file(path, std::ios::binary);
-    file.write(text.data(), static_cast<std::streamsize>(text.size()));
-    file.close();
-    if (!file) io_failure(path, "write");
 }
 
 TriangleMesh merge_equal_vertices(const TriangleMesh& mesh) {

@@ -19,13 +19,6 @@ namespace flotilla {
 /// the file cannot be read.
 [[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path);
 
-/// Throws an InputError naming the shape and the vertex or triangle (counted from 0) unless every coordinate is finite,
-/// every index is in range and there is a triangle.
-void validate_mesh(const TriangleMesh& mesh, const std::string& name);
-
-/// Writes a mesh so that read_mesh returns the same bits. Throws IoError.
-void write_obj(const std::filesystem::path& path, const TriangleMesh& mesh);
-
 /// The mesh with vertices at equal positions (0 and -0 are equal) made one, in order of first appearance.
 [[nodiscard]] TriangleMesh merge_equal_vertices(const TriangleMesh& mesh);
 

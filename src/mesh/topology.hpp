@@ -41,7 +41,6 @@ struct Closedness {
     bool oriented = false; ///< implies closed
 };
 [[nodiscard]] Closedness closedness(const TriangleMesh& mesh);
-[[nodiscard]] inline bool is_closed(const TriangleMesh& mesh) { return closedness(mesh).closed; }
 
 /// |(b - a) x (c - a)| below 2^-80 |b - a| |c - a|: no area, to far beyond the rounding of any coordinates.
 [[nodiscard]] bool is_zero_area(const Vec3& a, const Vec3& b, const Vec3& c);

@@ -76,7 +76,6 @@ constexpr std::array kWarnings{
     WarningText{kScriptDelayed, "a scripted body was held for the step, because bodies were in its way",
                 "see unsatisfiable_script"},
     WarningText{kReboundLost, "a held body lost a rebound", "raise dynamic_iterations"},
-    WarningText{kInfiniteOverlap, "two bodies of infinite mass overlap", "move them apart in the scene"},
 };
 
 std::string joined(const std::vector<std::string>& words) {

@@ -22,9 +22,4 @@ struct Contact {
     bool sticks = false; ///< hardly slid in the last step: random tangents stay what they were
 };
 
-/// What a contact did in the last solve, as data that outlives frames and tangents.
-struct ContactImpulse {
-    Vec3 impulse; ///< N s, world, on b; a gets its opposite
-};
-
 } // namespace flotilla

@@ -39,8 +39,6 @@ class Stepper {
     [[nodiscard]] const ContactSet& contacts() const { return contacts_; }
     /// Cluster state and cost of every body in the last step; contacts are not counted.
     [[nodiscard]] const std::vector<BodyActivity>& activity() const { return activity_; }
-    /// Bodies that a failsafe event of the last step touched, as flags.
-    [[nodiscard]] const std::vector<std::uint8_t>& failsafe_bodies() const { return failsafe_bodies_; }
     [[nodiscard]] QueryCounters query_counters() const;
     [[nodiscard]] Team& team() { return team_; }
 
@@ -104,9 +102,9 @@ class Stepper {
     std::vector<BodyPair> touching_;
     std::vector<WarmImpulse> waiting_; ///< of contacts between sleeping bodies
     std::vector<Vec3> turns_;
-    std::vector<std::uint8_t> failsafe_bodies_;
-    std::vector<std::uint8_t> disturbed_;      ///< bodies that may not fall asleep
-    std::vector<std::uint64_t> first_version_; ///< of the bodies' end states in this step
+    std::vector<std::uint8_t> failsafe_bodies_; ///< those that a failsafe event of the step touched, as flags
+    std::vector<std::uint8_t> disturbed_;       ///< bodies that may not fall asleep
+    std::vector<std::uint64_t> first_version_;  ///< of the bodies' end states in this step
     std::vector<BodyActivity> activity_;
 };
 

@@ -20,22 +20,6 @@ double above(double x) { return std::nextafter(x, std::numeric_limits<double>::i
 
 Corners moved(const Corners& t, const Vec3& by) { return {t[0] + by, t[1] + by, t[2] + by}; }
 
-TEST(ClassifyDegeneracy, TellsPointSegmentTriangle) {
-    const Vec3 p{0.1, 0.2, 0.3};
-    EXPECT_EQ(classify_degeneracy({p, p, p}), Degeneracy::point);
-    EXPECT_EQ(classify_degeneracy({p, p, Vec3{}}), Degeneracy::segment);
-    EXPECT_EQ(classify_degeneracy({Vec3{1, 2, 3}, Vec3{2, 4, 6}, Vec3{-3, -6, -9}}), Degeneracy::segment);
-    EXPECT_EQ(classify_degeneracy({Vec3{1, 2, 3}, Vec3{2, 4, 6}, Vec3{-3, -6, above(-9)}}), Degeneracy::triangle);
-    for (const int axis : {0, 1, 2}) {
-        Corners t{};
-        for (std::size_t i = 0; i < 3; ++i) {
-            const Vec3& c = kUnit[i];
-            t[i] = axis == 0 ? Vec3{7, c.x, c.y} : axis == 1 ? Vec3{c.x, 7, c.y} : Vec3{c.x, c.y, 7};
-        }
-        EXPECT_EQ(classify_degeneracy(t), Degeneracy::triangle);
-    }
-}
-
 TEST(TrianglesIntersect, SeparatesByOneUlpOfHeight) {
     const Corners upright{Vec3{0.25, 0.25, 0}, Vec3{0.25, 0.25, 1}, Vec3{0.5, 0.25, 1}};
     const double least = std::numeric_limits<double>::denorm_min();

@@ -186,33 +186,6 @@ TEST(Bvh, MovingTraversalMissesNoPairThatComesNearAndEntersInTime) {
     EXPECT_LT(reported_count, all_pairs / 2);
 }
 
-TEST(Bvh, OrderedTraversalFindsTheEarliestOfAllPairs) {
-    std::mt19937_64 rng(4);
-    std::size_t visited = 0, total = 0;
-    for (int trial = 0; trial < 50; ++trial) {
-        const Instance a(random_soup(rng, 80, 0.1), rng, {-4, 0, 0}, {5, 0, 0}, 0.3, 1),
-            b(random_soup(rng, 80, 0.1), rng, {4, 0, 0}, {-5, 0, 0}, 0.3, 1);
-        // A stand-in for the hit time of a pair: somewhat after its boxes meet, or never.
-        const auto hit_time = [](std::int32_t i, std::int32_t j, double entry) {
-            return (i + j) % 3 == 0 ? entry + 0.01 * ((i * 7 + j) % 5) : 2.0;
-        };
-        double expected = 1;
-        const auto all = reported_pairs(a, b, 0.01);
-        for (const auto& [pair, entry] : all) expected = std::min(expected, hit_time(pair.first, pair.second, entry));
-        double earliest = 1;
-        for_each_leaf_pair_until(view(a.bvh, a.boxes), view(b.bvh, b.boxes), 0.01, earliest,
-                                 [&](auto ta, auto tb, double entry) {
-                                     EXPECT_LE(entry, earliest);
-                                     EXPECT_TRUE(all.contains({ta[0], tb[0]}));
-                                     ++visited;
-                                     return earliest = std::min(earliest, hit_time(ta[0], tb[0], entry));
-                                 });
-        EXPECT_EQ(earliest, expected);
-        total += all.size();
-    }
-    EXPECT_LT(visited, total / 2);
-}
-
 TEST(Bvh, StaticTraversalReportsWhatTheMovingOneDoesAtRest) {
     std::mt19937_64 rng(5);
     for (int trial = 0; trial < 10; ++trial) {

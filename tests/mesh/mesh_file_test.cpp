@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <clocale>
 #include <cmath>
 #include <filesystem>
@@ -67,6 +68,33 @@ class MeshFile : public ::testing::Test {
 };
 
 const TriangleMesh kQuad{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+
+/// With the shortest texts that read back as the same doubles.
+std::string obj_text(const TriangleMesh& mesh) {
+    std::string text;
+    for (const Vec3& v : mesh.vertices) {
+        text += 'v';
+        for (const double x : {v.x, v.y, v.z}) {
+            char number[32];
+            (text += ' ').append(number, std::to_chars(number, number + sizeof number, x).ptr);
+        }
+        text += '\n';
+    }
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k)
+            text += (k == 0 ? "f " : " ") + std::to_string(t[k] + 1) + (k == 2 ? "\n" : "");
+    return text;
+}
+
+/// Whether every coordinate is finite, every index is in range and there is a triangle.
+bool is_valid(const TriangleMesh& mesh) {
+    const auto count = static_cast<std::int64_t>(mesh.vertices.size());
+    return !mesh.triangles.empty() &&
+           std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& v) { return is_finite(v); }) &&
+           std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+               return std::all_of(t.begin(), t.end(), [&](std::int32_t v) { return v >= 0 && v < count; });
+           });
+}
 
 void expect_equal(const TriangleMesh& a, const TriangleMesh& b) {
     EXPECT_EQ(a.vertices, b.vertices);
@@ -182,19 +210,18 @@ TEST_F(MeshFile, AcceptsDegenerateAndNonManifoldGeometry) {
     EXPECT_EQ(m.triangles.size(), 5u);
 }
 
-TEST_F(MeshFile, WritesObjThatReadsBackBitForBit) {
+TEST_F(MeshFile, ReadsTheShortestTextsOfDoublesBitForBit) {
     std::mt19937_64 rng(1);
     std::normal_distribution<double> n;
     TriangleMesh m = make_sphere(1, 2);
     for (Vec3& v : m.vertices) v = {v.x * std::exp(20 * n(rng)), v.y + n(rng), -v.z / 3};
     m.vertices[0] = {-0.0, 5e-324, 1.7976931348623157e308};
-    write_obj(folder_ / "out.obj", m);
-    const TriangleMesh back = read_mesh(folder_ / "out.obj");
+    const TriangleMesh back = read("out.obj", obj_text(m));
     expect_equal(back, m);
     EXPECT_TRUE(std::signbit(back.vertices[0].x));
 }
 
-TEST_F(MeshFile, ReadsAndWritesTheSameInALocaleWithDecimalCommas) {
+TEST_F(MeshFile, ReadsTheSameInALocaleWithDecimalCommas) {
     struct Commas : std::numpunct<char> {
         char do_decimal_point() const override { return ','; }
         char do_thousands_sep() const override { return '.'; }
@@ -205,8 +232,7 @@ TEST_F(MeshFile, ReadsAndWritesTheSameInALocaleWithDecimalCommas) {
     for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"}) // installed or not
         if (std::setlocale(LC_ALL, name) != nullptr) break;
     TriangleMesh m{{{0.5, 1.25, 0}, {1000000.25, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-    write_obj(folder_ / "a.obj", m);
-    const TriangleMesh back = read_mesh(folder_ / "a.obj");
+    const TriangleMesh back = read("a.obj", obj_text(m));
     std::setlocale(LC_ALL, c_old.c_str());
     std::locale::global(old);
     expect_equal(back, m);
@@ -347,9 +373,6 @@ TEST_F(MeshFile, ReportsUnreadableFilesAsSuch) {
     fs::create_directory(folder_ / "folder.ply");
     const std::string folder = (folder_ / "folder.ply").string();
     EXPECT_EQ(io_message([&] { (void)read_mesh(folder); }), "cannot read " + folder + ": Is a directory");
-    const std::string nowhere = (folder_ / "no" / "where.obj").string();
-    EXPECT_EQ(io_message([&] { write_obj(nowhere, kQuad); }),
-              "cannot write " + nowhere + ": No such file or directory");
 }
 
 TEST(MeshReaders, EveryTruncationAndEveryFlippedByteIsReadOrRefusedCleanly) {
@@ -367,8 +390,9 @@ TEST(MeshReaders, EveryTruncationAndEveryFlippedByteIsReadOrRefusedCleanly) {
     int accepted = 0;
     const auto attempt = [&](auto reader, const std::string& content) {
         try {
-            validate_mesh(reader("memory", content), "memory");
-            ++accepted;
+            const TriangleMesh mesh = reader("memory", content);
+            EXPECT_TRUE(mesh.triangles.empty() || is_valid(mesh));
+            accepted += is_valid(mesh) ? 1 : 0;
         } catch (const InputError&) {
         }
     };
@@ -384,33 +408,6 @@ TEST(MeshReaders, EveryTruncationAndEveryFlippedByteIsReadOrRefusedCleanly) {
         }
     }
     EXPECT_GT(accepted, 100);
-}
-
-// ---- inline meshes
-
-std::string validation_error(const TriangleMesh& mesh) {
-    try {
-        validate_mesh(mesh, "hull");
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "(no error)";
-}
-
-TEST(ValidateMesh, NamesTheShapeAndTheOffendingItem) {
-    EXPECT_EQ(validation_error(kQuad), "(no error)");
-    EXPECT_EQ(validation_error({kQuad.vertices, {}}), "shape 'hull': it has no triangles");
-    EXPECT_EQ(validation_error({{}, {{0, 0, 0}}}),
-              "shape 'hull': triangle 0: index 0 is out of range, there are 0 vertices");
-    EXPECT_EQ(validation_error({kQuad.vertices, {{0, 1, 2}, {0, 1, 4}}}),
-              "shape 'hull': triangle 1: index 4 is out of range, there are 4 vertices");
-    EXPECT_EQ(validation_error({kQuad.vertices, {{0, 1, -1}}}),
-              "shape 'hull': triangle 0: index -1 is out of range, there are 4 vertices");
-    TriangleMesh bad = kQuad;
-    bad.vertices[2].y = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_EQ(validation_error(bad), "shape 'hull': vertex 2 is not finite");
-    bad.vertices[2].y = std::numeric_limits<double>::infinity();
-    EXPECT_EQ(validation_error(bad), "shape 'hull': vertex 2 is not finite");
 }
 
 // ---- real files
@@ -458,7 +455,7 @@ TEST(ExternalMeshes, AllLoadAndAgreeWithTheirManifest) {
         for (std::size_t i = 0; i < names.size(); ++i) row[names[i]] = fields[i];
         SCOPED_TRACE(row["file"]);
         const TriangleMesh m = read_mesh(folder / row["file"]);
-        validate_mesh(m, row["file"]);
+        EXPECT_TRUE(is_valid(m));
         const MeshStatistics s = mesh_statistics(m);
         const auto expected = [&](const char* name) { return std::stod(row[name]); };
         const auto near = [&](double value, const char* name) {

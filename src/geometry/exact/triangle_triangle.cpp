@@ -195,11 +195,6 @@ bool crossing_triangles_intersect(const Corners& a, const Signs& s_a, const Corn
 
 } // namespace
 
-Degeneracy classify_degeneracy(const std::array<Vec3, 3>& t) {
-    const std::size_t size = hull_of(t).size;
-    return size == 1 ? Degeneracy::point : size == 2 ? Degeneracy::segment : Degeneracy::triangle;
-}
-
 /// A strict side proves that the plane is one (its three points are not collinear), so the early exits need no look at
 /// degeneracy, and all degenerate or coplanar cases have an all_zero.
 bool triangles_intersect_unboxed(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {

@@ -13,11 +13,6 @@
 
 namespace flotilla::exact {
 
-/// What the convex hull of three points is.
-enum class Degeneracy { point, segment, triangle };
-
-[[nodiscard]] Degeneracy classify_degeneracy(const std::array<Vec3, 3>& t);
-
 /// Whether the bounding boxes of two sets of points have no common point. Exact: comparisons only.
 template <std::size_t N, std::size_t M>
 [[nodiscard]] bool boxes_disjoint(const std::array<Vec3, N>& a, const std::array<Vec3, M>& b) {
