@@ -1,6 +1,15 @@
 # SPDX-License-Identifier: MIT
 # Dependencies of the library and the installed package.
 
+# Before 1.0 a minor version may change the interface, and with it what a program that is linked already would call.
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(FLOTILLA_COMPATIBILITY SameMinorVersion)
+  set(FLOTILLA_SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+else()
+  set(FLOTILLA_COMPATIBILITY SameMajorVersion)
+  set(FLOTILLA_SOVERSION ${PROJECT_VERSION_MAJOR})
+endif()
+
 # flotilla_link_package(Package [VERSION v] [COMPONENTS c...] TARGETS t...)
 # Finds a package that the library needs at link time and links it privately. A program that links the installed static
 # library needs it too, so the package configuration will look for it; headers never do. (A header-only dependency is
@@ -32,8 +41,7 @@ function(flotilla_install)
   endif()
   configure_package_config_file("${PROJECT_SOURCE_DIR}/scripts/cmake/flotillaConfig.cmake.in" flotillaConfig.cmake
     INSTALL_DESTINATION "${folder}")
-  # Before 1.0 a minor version may change the interface.
-  write_basic_package_version_file(flotillaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  write_basic_package_version_file(flotillaConfigVersion.cmake COMPATIBILITY ${FLOTILLA_COMPATIBILITY})
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/flotillaConfig.cmake" "${CMAKE_CURRENT_BINARY_DIR}/flotillaConfigVersion.cmake"
     DESTINATION "${folder}")
   install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

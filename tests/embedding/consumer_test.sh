@@ -18,6 +18,15 @@ build_consumer() {
     "$work/consumer/consumer"
 }
 
+# A program linked with one minor version of 0.x must not start with another.
+check_soname() {
+    local version soname
+    version=$(find "$work/installed" -name flotillaConfigVersion.cmake -exec \
+        sed -n 's/^set(PACKAGE_VERSION "\(.*\)")$/\1/p' {} +)
+    soname=$(readelf -d "$(find "$work/installed" -name libflotilla.so)" | sed -n 's/.*SONAME.*\[\(.*\)\].*/\1/p')
+    [ "$soname" = "libflotilla.so.${version%.*}" ] || { echo "soname $soname of version $version"; return 1; }
+}
+
 install_and_use() {
     "$cmake" --install "$1" --prefix "$work/installed"
     build_consumer -DCMAKE_PREFIX_PATH="$work/installed"
@@ -31,6 +40,7 @@ shared)
         -DBUILD_SHARED_LIBS=ON -DFLOTILLA_BUILD_TESTS=OFF -DFLOTILLA_BUILD_BENCH=OFF
     "$cmake" --build "$work/build"
     install_and_use "$work/build"
+    check_soname
     ;;
 embedded) build_consumer -DFLOTILLA_SOURCE="$root" -DCMAKE_BUILD_TYPE=Release -DFLOTILLA_BUILD_CLI=OFF ;;
 *) exit 2 ;;
