@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Checks that every include follows the module table and that every source file carries its licence.
+"""Checks that every include follows the module table, that every source file carries its licence, and that the notice
+of third parties names every library that sources include.
 
 usage: check_sources.py [ROOT]
 Prints one line per violation, FILE:LINE: REASON. Exit code: 0 none, 1 some, 2 usage.
@@ -85,6 +86,7 @@ LIBRARY_OF = [
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 OPENMP_PRAGMA = re.compile(r"^\s*#\s*pragma\s+omp\b|\b_Pragma\s*\(\s*\"omp\b")
+NOTICE = "scripts/cmake/NOTICE.txt"
 SPDX = "SPDX-License-Identifier: MIT"
 CODE_SUFFIXES = (".hpp", ".cpp", ".h", ".inl")
 TEXT_SUFFIXES = CODE_SUFFIXES + (".py", ".sh", ".cmake", ".in", "CMakeLists.txt")
@@ -183,6 +185,24 @@ def check_code(root, path):
             yield number, reason
 
 
+NAME_IN_NOTICE = {"nlohmann": "nlohmann/json", "tbb": "oneTBB", "png": "libpng"}  # where it is not the library's own
+OF_THE_SYSTEM = {"std", "posix", "locks", "threads", "unknown"}
+
+
+def check_notice(root):
+    """Libraries that files of src include and the notice does not name, as messages."""
+    with open(os.path.join(root, NOTICE), encoding="utf-8") as file:
+        notice = file.read().lower()
+    used = set()
+    for path in source_files(root):
+        if os.path.relpath(path, root).startswith("src" + os.sep) and path.endswith(CODE_SUFFIXES):
+            matches = filter(None, map(INCLUDE.match, read_lines(path)))
+            used |= {library_of(m[2]) for m in matches if m[1] == "<" and not m[2].startswith("flotilla/")}
+    for library in sorted(used - OF_THE_SYSTEM):
+        if NAME_IN_NOTICE.get(library, library).lower() not in notice:
+            yield f"{NOTICE}: does not name {library}, which sources include"
+
+
 def check_licence(path):
     if not any(SPDX in line for line in read_lines(path)[:3]):
         yield 1, f'no "{SPDX}" in the first three lines'
@@ -211,7 +231,7 @@ def check_tree(root):
         if in_library and path.endswith(CODE_SUFFIXES):
             found += check_code(root, path)
         violations += [f"{os.path.relpath(path, root)}:{line}: {reason}" for line, reason in found]
-    return violations
+    return violations + list(check_notice(root))
 
 
 def main(arguments):

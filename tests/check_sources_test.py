@@ -23,10 +23,12 @@ class CheckSources(unittest.TestCase):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
         shutil.copy(os.path.join(ROOT, "CMakeLists.txt"), self.folder)
+        os.makedirs(os.path.join(self.folder, "scripts", "cmake"))
+        shutil.copy(os.path.join(ROOT, check_sources.NOTICE), os.path.join(self.folder, "scripts", "cmake"))
 
     def copy_sources(self):
         for name in [".ci", "include", "scripts", "src"]:
-            shutil.copytree(os.path.join(ROOT, name), os.path.join(self.folder, name))
+            shutil.copytree(os.path.join(ROOT, name), os.path.join(self.folder, name), dirs_exist_ok=True)
 
     def check(self):
         violations = check_sources.check_tree(self.folder)
@@ -56,6 +58,12 @@ class CheckSources(unittest.TestCase):
         with contextlib.redirect_stdout(io.StringIO()) as output:
             self.assertEqual(check_sources.main([self.folder]), 1)
         self.assertEqual(output.getvalue(), 'src/base/planted.hpp:2: base may not include "geometry/closest.hpp"\n')
+
+    def test_names_a_library_that_the_notice_leaves_out(self):
+        self.plant("src/io/planted.cpp", LICENCE + "#include <hdf5.h>\n#include <CLI/CLI.hpp>\n")
+        self.plant(check_sources.NOTICE, "CLI11 and Eigen\n")
+        self.assertEqual(list(check_sources.check_notice(self.folder)),
+                         ["scripts/cmake/NOTICE.txt: does not name hdf5, which sources include"])
 
     def test_refuses_an_include_against_the_data_flow(self):
         self.expect_refused("src/base/planted.hpp", '#include "geometry/closest.hpp"')

@@ -44,5 +44,6 @@ function(flotilla_install)
   write_basic_package_version_file(flotillaConfigVersion.cmake COMPATIBILITY ${FLOTILLA_COMPATIBILITY})
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/flotillaConfig.cmake" "${CMAKE_CURRENT_BINARY_DIR}/flotillaConfigVersion.cmake"
     DESTINATION "${folder}")
-  install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+  install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/scripts/cmake/NOTICE.txt"
+    DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 endfunction()

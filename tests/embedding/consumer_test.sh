@@ -18,6 +18,15 @@ build_consumer() {
     "$work/consumer/consumer"
 }
 
+# NOTICE.txt names every library that the command needs at run time.
+check_notice() {
+    local notice=$work/installed/share/doc/flotilla/NOTICE.txt library
+    for library in $(readelf -d "$work/installed/bin/flotilla" | sed -n 's/.*NEEDED.*\[\(lib[a-z]*+*\).*/\1/p'); do
+        [ "$library" = libflotilla ] || grep -qE "[( ]${library//+/[+]}[0-9]*[),]" "$notice" ||
+            { echo "NOTICE.txt does not name $library"; return 1; }
+    done
+}
+
 # A program linked with one minor version of 0.x must not start with another.
 check_soname() {
     local version soname
@@ -29,6 +38,7 @@ check_soname() {
 
 install_and_use() {
     "$cmake" --install "$1" --prefix "$work/installed"
+    check_notice
     build_consumer -DCMAKE_PREFIX_PATH="$work/installed"
     "$work/installed/bin/flotilla" --help
 }
