@@ -9,26 +9,14 @@
 #include <cstddef>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <flotilla/error.hpp>
 #include <flotilla/report.hpp>
 #include <flotilla/scene.hpp>
 
 namespace flotilla {
-
-/// The end of a step could not be proved free of intersections. It is thrown instead of leaving such a state.
-class BrokenPromise : public std::logic_error {
-  public:
-    using std::logic_error::logic_error;
-};
-
-/// Bodies intersect at the start; the message names them.
-class OverlapError : public std::runtime_error {
-  public:
-    using std::runtime_error::runtime_error;
-};
 
 struct BodyState {
     Vec3 position;         ///< of the mesh's own origin, m

@@ -22,6 +22,14 @@ std::string name_of(const Scene& scene, std::int32_t body) {
     return in_quotes(scene.bodies[static_cast<std::size_t>(body)].name);
 }
 
+std::vector<OverlapError::Pair> pairs_of(const Scene& scene, const std::vector<BodyOverlap>& overlaps) {
+    std::vector<OverlapError::Pair> pairs;
+    const auto name = [&](std::int32_t body) { return scene.bodies[static_cast<std::size_t>(body)].name; };
+    for (const BodyOverlap& o : overlaps)
+        pairs.push_back({{o.a, o.b, name(o.a), name(o.b)}, static_cast<std::int64_t>(o.triangles.size())});
+    return pairs;
+}
+
 [[noreturn]] void refuse(const Scene& scene, const std::string& source, const std::vector<BodyOverlap>& overlaps) {
     std::string message;
     for (const BodyOverlap& o : overlaps) {
@@ -29,17 +37,17 @@ std::string name_of(const Scene& scene, std::int32_t body) {
         message += source + ": bodies " + name_of(scene, o.a) + " and " + name_of(scene, o.b) +
                    " intersect at t = 0 (" + std::to_string(o.triangles.size()) + " triangle pairs)";
     }
-    throw OverlapError(message);
+    throw OverlapError(message, pairs_of(scene, overlaps));
 }
 
-std::vector<MovedBody> separate(Scene& scene, const std::string& source) {
+std::vector<MovedBody> separate(const Scene& described, Scene& scene, const std::string& source) {
     const SeparatedStart start = separate_overlaps(scene);
     if (!start.not_freed.empty()) {
         std::string message;
         for (const std::int32_t body : start.not_freed)
             message += (message.empty() ? "" : "\n") + source + ": body " + name_of(scene, body) +
                        " intersects others at t = 0, and no move of at most its own size frees it";
-        throw OverlapError(message);
+        throw OverlapError(message, pairs_of(scene, find_initial_overlaps(described).movable));
     }
     std::vector<MovedBody> moved;
     for (const InitialMove& m : start.moves) moved.push_back({m.body, m.by});
@@ -51,7 +59,7 @@ std::vector<MovedBody> separate(Scene& scene, const std::string& source) {
 struct CheckedStart {
     CheckedStart(const SceneDescription& description, const std::string& source)
         : described(build_scene(description, source)), scene(described) {
-        if (scene.settings.initial_overlap == InitialOverlap::separate) moved = separate(scene, source);
+        if (scene.settings.initial_overlap == InitialOverlap::separate) moved = separate(described, scene, source);
         const InitialOverlaps overlaps = find_initial_overlaps(scene);
         if (!overlaps.movable.empty()) refuse(scene, source, overlaps.movable);
     }
@@ -60,6 +68,12 @@ struct CheckedStart {
 };
 
 std::uint64_t hash_of(const Scene& scene, const Model& model) { return scene_hash(model, initial_state(scene, model)); }
+
+std::vector<std::string> names_of(const Scene& scene) {
+    std::vector<std::string> names;
+    for (const auto& body : scene.bodies) names.push_back(body.name);
+    return names;
+}
 
 constexpr int kMostThreads = 1024;
 
@@ -80,16 +94,23 @@ StepperOptions stepper_options(const WorldOptions& options) {
 struct World::Impl {
     Impl(const CheckedStart& start, const WorldOptions& options)
         : model(make_model(start.scene)),
+          names(names_of(start.scene)),
           scene_hash(hash_of(start.described, model)),
           moved(start.moved),
           stepper(model, initial_state(start.scene, model), stepper_options(options)) {}
     Impl(const Scene& scene, std::span<const std::byte> snapshot, const WorldOptions& options)
         : model(make_model(scene)),
+          names(names_of(scene)),
           scene_hash(hash_of(scene, model)),
           stepper(model, read_snapshot(snapshot, scene_hash), stepper_options(options)) {}
 
+    [[nodiscard]] BodyNames pair(std::int32_t a, std::int32_t b) const {
+        return {a, b, names[static_cast<std::size_t>(a)], names[static_cast<std::size_t>(b)]};
+    }
+
     Model model;
-    std::uint64_t scene_hash; ///< of the scene as it was described
+    std::vector<std::string> names; ///< of the bodies
+    std::uint64_t scene_hash;       ///< of the scene as it was described
     std::vector<MovedBody> moved;
     Stepper stepper;
 };
@@ -109,7 +130,10 @@ StepReport World::step() {
     try {
         return impl_->stepper.step();
     } catch (const CertificateError& e) {
-        throw BrokenPromise(e.what());
+        const BodyNames pair = impl_->pair(e.pair.a, e.pair.b);
+        throw BrokenPromise("step " + std::to_string(steps() + 1) + ": bodies " + in_quotes(pair.name_a) + " and " +
+                                in_quotes(pair.name_b) + " could not be proved apart",
+                            steps() + 1, pair);
     }
 }
 

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include <flotilla/error.hpp>
-
 namespace flotilla {
 
 void ErrorList::add(std::string where, std::string reason) {
@@ -30,7 +28,7 @@ std::string ErrorList::message() const {
 }
 
 void ErrorList::throw_if_any() const {
-    if (!empty()) throw InputError(message());
+    if (!empty()) throw InputError(message(), problems_);
 }
 
 } // namespace flotilla

@@ -8,13 +8,9 @@
 #include <unordered_set>
 #include <vector>
 
-namespace flotilla {
+#include <flotilla/error.hpp>
 
-/// One problem: where in the input (a JSON pointer such as "/bodies/3/position", "" for the input as a whole) and why.
-struct InputProblem {
-    std::string where;
-    std::string reason;
-};
+namespace flotilla {
 
 class ErrorList {
   public:

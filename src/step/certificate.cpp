@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "step/certificate.hpp"
 
-#include <string>
-
 namespace flotilla {
 namespace {
 
@@ -25,10 +23,7 @@ void certify(StepData& data) {
     data.team.for_each("certify", pairs.size(), kGrain,
                        [&](std::size_t i, int) { data.lists.flags[i] = certified(data, pairs[i]) ? 1 : 0; });
     for (std::size_t i = 0; i < pairs.size(); ++i)
-        if (data.lists.flags[i] == 0)
-            throw CertificateError("step " + std::to_string(data.state.step + 1) + ": bodies " +
-                                   std::to_string(pairs[i].a) + " and " + std::to_string(pairs[i].b) +
-                                   " could not be proved apart");
+        if (data.lists.flags[i] == 0) throw CertificateError(pairs[i]);
 }
 
 } // namespace flotilla

@@ -2,19 +2,19 @@
 // The end-of-step check: every pair is proved apart in one of the four ways of DESIGN 4.2, and no other.
 #pragma once
 
-#include <stdexcept>
+#include <exception>
 
 #include "pair/step_data.hpp"
 
 namespace flotilla {
 
-/// A step whose end could not be proved free of intersections. It never leaves silently.
-class CertificateError : public std::logic_error {
-  public:
-    using std::logic_error::logic_error;
+/// Thrown where the end of a step could not be proved free of intersections: the first pair of bodies without a proof.
+struct CertificateError : std::exception {
+    explicit CertificateError(const CandidatePair& bodies) : pair(bodies) {}
+    CandidatePair pair;
 };
 
-/// Throws CertificateError with the pair that has no proof.
+/// Throws CertificateError.
 void certify(StepData& data);
 
 } // namespace flotilla

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// What the library refuses, and what its exceptions say besides their text.
+#include <flotilla/error.hpp>
+
+#include <flotilla/verify.hpp>
+
+#include "step/scenario.hpp"
+
+namespace flotilla::scenario {
+namespace {
+
+/// Boxes of 1 m at the given heights, above ground.
+SceneDescription boxes(std::initializer_list<double> heights) {
+    SceneDescription scene = empty_scene();
+    const auto box = add_shape(scene, make_box(1, 1, 1), 10);
+    for (const double z : heights) add_body(scene, box, BodyType::dynamic, {0, 0, z});
+    return scene;
+}
+
+TEST(Errors, AllHaveOneBase) {
+    SceneDescription bad = boxes({1});
+    bad.settings.friction = -1;
+    EXPECT_THROW(World{bad}, Error);
+    EXPECT_THROW(World(boxes({1, 1.5})), Error);
+    EXPECT_THROW((void)verify_run("/no such folder"), Error);
+    static_assert(std::is_base_of_v<Error, InputError> && std::is_base_of_v<Error, IoError> &&
+                  std::is_base_of_v<Error, OverlapError> && std::is_base_of_v<Error, BrokenPromise>);
+}
+
+TEST(Errors, OfAnOverlapListThePairs) {
+    try {
+        World(boxes({1, 1.5, 5, 5.5}));
+        FAIL();
+    } catch (const OverlapError& e) {
+        ASSERT_EQ(e.pairs().size(), 2u);
+        EXPECT_EQ(e.pairs()[0].a, 0);
+        EXPECT_EQ(e.pairs()[0].b, 1);
+        EXPECT_EQ(e.pairs()[1].name_a, "body2");
+        EXPECT_EQ(e.pairs()[1].name_b, "body3");
+        for (const auto& pair : e.pairs()) EXPECT_GT(pair.triangle_pairs, 0);
+    }
+    SceneDescription cannot = boxes({0});
+    const auto plate = add_shape(cannot, make_plate(8, 8)); // closer together than the box is high, beyond its own size
+    for (int i = -8; i <= 8; ++i) add_body(cannot, plate, BodyType::fixed, {0, 0, 0.4 * i});
+    cannot.settings.initial_overlap = InitialOverlap::separate;
+    try {
+        World{cannot};
+        FAIL();
+    } catch (const OverlapError& e) {
+        ASSERT_FALSE(e.pairs().empty());
+        for (const auto& pair : e.pairs()) EXPECT_EQ(pair.name_a, "body0");
+    }
+}
+
+TEST(Errors, OfASceneListItsProblems) {
+    SceneDescription scene = boxes({1, 3});
+    scene.bodies[1].friction = -1;
+    scene.bodies[1].velocity.x = std::numeric_limits<double>::quiet_NaN();
+    try {
+        World{scene};
+        FAIL();
+    } catch (const InputError& e) {
+        ASSERT_EQ(e.problems().size(), 2u);
+        EXPECT_EQ(e.problems()[0].where, "/bodies/1/velocity");
+        EXPECT_EQ(e.problems()[0].reason, "must be finite");
+        EXPECT_EQ(e.problems()[1].where, "/bodies/1/friction");
+    }
+}
+
+} // namespace
+} // namespace flotilla::scenario
