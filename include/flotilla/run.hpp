@@ -22,7 +22,7 @@ struct RunOptions {
     /// is none. Needs the same scene, settings and frame_every.
     bool resume = false;
     std::int64_t steps = 0; ///< total, the steps before a resumption included
-    int frame_every = 1;    ///< steps per frame
+    int frame_every = 1;    ///< steps per frame, >= 1
     int checkpoint_every =
         0; ///< steps per checkpoint; 0: 100, and at least one in five minutes. The last step has one in any case.
     WorldOptions world; ///< threads and their use

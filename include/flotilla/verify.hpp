@@ -22,7 +22,7 @@ enum class VerifyMotion : std::uint8_t {
 };
 
 struct VerifyOptions {
-    int threads = 0; ///< 0: FLOTILLA_NUM_THREADS, OMP_NUM_THREADS or all cores
+    int threads = 0; ///< 0: FLOTILLA_NUM_THREADS, OMP_NUM_THREADS or all cores; negative: InputError
     VerifyMotion motion = VerifyMotion::automatic;
     bool distance = true;                 ///< measure the smallest distance of each frame
     std::size_t max_faults = 1000;        ///< faults kept in the report; all are counted

@@ -41,10 +41,10 @@ enum class Executor : std::uint8_t {
 /// None changes a bit of the results. The threads are OpenMP's, for the time of a step: OMP_PROC_BIND and OMP_PLACES bind them,
 /// OMP_WAIT_POLICY says how they wait between steps.
 struct WorldOptions {
-    /// Up to 1024, the calling thread among them. 0: FLOTILLA_NUM_THREADS, else what OpenMP would take (OMP_NUM_THREADS, else the cores that
-    /// the process may use); less what steps of other Worlds use at the time; and one inside an active parallel region of OpenMP or a
-    /// task of TBB, whose other threads have work of their own. A number is taken as it is, inside a parallel region as far as OpenMP
-    /// allows regions within regions (OMP_MAX_ACTIVE_LEVELS).
+    /// Up to 1024, the calling thread among them; a negative number is refused. 0: FLOTILLA_NUM_THREADS, else what OpenMP would take
+    /// (OMP_NUM_THREADS, else the cores that the process may use); less what steps of other Worlds use at the time; and one inside an
+    /// active parallel region of OpenMP or a task of TBB, whose other threads have work of their own. A number is taken as it is, inside
+    /// a parallel region as far as OpenMP allows regions within regions (OMP_MAX_ACTIVE_LEVELS).
     int threads = 0;
     Executor executor = Executor::parallel;
 };
@@ -59,8 +59,8 @@ struct ThreadReport {
 
 class World {
   public:
-    /// Throws InputError for an invalid scene or number of threads and OverlapError where bodies intersect at the start and, with
-    /// `initial_overlap: separate`, no move of at most their own size frees them. `source` starts messages.
+    /// Throws InputError for an invalid scene or number of threads, and OverlapError where bodies intersect at the start
+    /// and, with `initial_overlap: separate`, no move of at most their own size frees them. `source` starts messages.
     explicit World(const SceneDescription& scene, const std::string& source = "scene",
                    const WorldOptions& options = {});
     /// Goes on from a snapshot of a World of the same scene and settings, with the same bits as that one, whatever the number of threads of
@@ -78,6 +78,7 @@ class World {
     [[nodiscard]] std::int64_t steps() const;
     [[nodiscard]] double time() const; ///< s
     [[nodiscard]] const Settings& settings() const;
+    /// InputError where there is no such body; so does turn().
     [[nodiscard]] BodyState body(std::size_t index) const;
     /// The rotation vector of a body's motion in the last step, with whole turns, radians, world axes.
     [[nodiscard]] Vec3 turn(std::size_t index) const;

@@ -264,9 +264,22 @@ class RunRecorder {
     Background jobs_{kMostJobs}; // last: ends before what its jobs use
 };
 
+void check_options(const RunOptions& options) {
+    const auto at_least = [](const char* name, std::int64_t value, int least) {
+        if (value >= least) return;
+        throw InputError(std::string(name) + " must be at least " + std::to_string(least) + ", not " +
+                         std::to_string(value));
+    };
+    at_least("steps", options.steps, 0);
+    at_least("frame_every", options.frame_every, 1);
+    at_least("checkpoint_every", options.checkpoint_every, 0);
+    at_least("trace_every", options.trace_every, 1);
+}
+
 } // namespace
 
 RunTotals run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options) {
+    check_options(options);
     std::vector<ThreadCosts> costs;
     if (!options.trace.empty()) costs = measure_costs(usable_cores());
     const std::optional<io::Checkpoint> checkpoint = find_checkpoint(options);

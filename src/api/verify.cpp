@@ -37,12 +37,17 @@ std::vector<audit::Pose> poses_of(const io::Frame& frame) {
     return poses;
 }
 
+int threads_of(const VerifyOptions& options) {
+    if (options.threads < 0) throw InputError(std::to_string(options.threads) + " threads: at least one is needed");
+    return options.threads > 0 ? options.threads : free_threads();
+}
+
 /// Takes the frames of a trajectory in order and collects what is wrong with them.
 class Verifier {
   public:
     Verifier(const io::RunScene& scene, audit::Motion motion, const VerifyOptions& options)
         : bodies_(scene.bodies),
-          threads_(options.threads > 0 ? options.threads : free_threads()),
+          threads_(threads_of(options)),
           scene_(make_audit_scene(scene, threads_)),
           motion_(motion),
           options_(options) {

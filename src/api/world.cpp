@@ -80,7 +80,8 @@ constexpr int kMostThreads = 1024;
 StepperOptions stepper_options(const WorldOptions& options) {
     StepperOptions out;
     TeamOptions& team = out.team;
-    team.yields = options.threads <= 0;
+    if (options.threads < 0) throw InputError(std::to_string(options.threads) + " threads: at least one is needed");
+    team.yields = options.threads == 0;
     team.threads = team.yields ? default_threads() : options.threads;
     if (team.threads > kMostThreads)
         throw InputError(std::to_string(team.threads) + " threads: at most " + std::to_string(kMostThreads) +
@@ -104,6 +105,10 @@ struct World::Impl {
           scene_hash(hash_of(scene, model)),
           stepper(model, read_snapshot(snapshot, scene_hash), stepper_options(options)) {}
 
+    void check(std::size_t body) const {
+        if (body < model.size()) return;
+        throw InputError("body " + std::to_string(body) + " does not exist: there are " + std::to_string(model.size()));
+    }
     [[nodiscard]] BodyNames pair(std::int32_t a, std::int32_t b) const {
         return {a, b, names[static_cast<std::size_t>(a)], names[static_cast<std::size_t>(b)]};
     }
@@ -143,6 +148,7 @@ double World::time() const { return impl_->stepper.state().time; }
 const Settings& World::settings() const { return impl_->model.settings; }
 
 BodyState World::body(std::size_t index) const {
+    impl_->check(index);
     const State& state = impl_->stepper.state();
     const Pose& pose = state.pose[index];
     const Motion& motion = state.motion[index];
@@ -152,7 +158,10 @@ BodyState World::body(std::size_t index) const {
     return {pose.origin, pose.rotation, pose.com, motion.velocity, omega};
 }
 
-Vec3 World::turn(std::size_t index) const { return impl_->stepper.turns()[index]; }
+Vec3 World::turn(std::size_t index) const {
+    impl_->check(index);
+    return impl_->stepper.turns()[index];
+}
 
 std::vector<ContactState> World::contacts() const {
     std::vector<ContactState> out;

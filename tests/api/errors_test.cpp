@@ -2,9 +2,14 @@
 // What the library refuses, and what its exceptions say besides their text.
 #include <flotilla/error.hpp>
 
+#include <fstream>
+#include <functional>
+
+#include <flotilla/run.hpp>
 #include <flotilla/verify.hpp>
 
 #include "step/scenario.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace flotilla::scenario {
 namespace {
@@ -15,6 +20,15 @@ SceneDescription boxes(std::initializer_list<double> heights) {
     const auto box = add_shape(scene, make_box(1, 1, 1), 10);
     for (const double z : heights) add_body(scene, box, BodyType::dynamic, {0, 0, z});
     return scene;
+}
+
+std::string message(const std::function<void()>& call) {
+    try {
+        call();
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "";
 }
 
 TEST(Errors, AllHaveOneBase) {
@@ -65,6 +79,36 @@ TEST(Errors, OfASceneListItsProblems) {
         EXPECT_EQ(e.problems()[0].reason, "must be finite");
         EXPECT_EQ(e.problems()[1].where, "/bodies/1/friction");
     }
+}
+
+TEST(Errors, ABodyThatIsNotThereIsNamed) {
+    const World world(boxes({1, 3}));
+    EXPECT_EQ(message([&] { (void)world.body(1); }), "");
+    for (const std::size_t index : {std::size_t{2}, std::size_t{1} << 63}) {
+        const std::string expected = "body " + std::to_string(index) + " does not exist: there are 2";
+        EXPECT_EQ(message([&] { (void)world.body(index); }), expected);
+        EXPECT_EQ(message([&] { (void)world.turn(index); }), expected);
+    }
+}
+
+TEST(Errors, NumbersOfThreadsBelowZeroAreRefused) {
+    const SceneDescription scene = boxes({1});
+    const std::string expected = "-1 threads: at least one is needed";
+    EXPECT_EQ(message([&] { World(scene, "scene", {-1}); }), expected);
+    EXPECT_EQ(message([&] { World(scene, "scene", {-1, Executor::serial}); }), expected);
+    EXPECT_EQ(message([&] { World(scene, "scene", {1025}); }), "1025 threads: at most 1024 are supported");
+    const test::TemporaryFolder folder;
+    RunOptions run;
+    run.output = folder.path() / "run";
+    run.steps = 1;
+    static_cast<void>(run_scene(scene, "scene", run));
+    VerifyOptions verify;
+    EXPECT_TRUE(verify_run(run.output, verify).proved());
+    verify.threads = -1;
+    EXPECT_EQ(message([&] { (void)verify_run(run.output, verify); }), expected);
+    run.overwrite = true;
+    run.frame_every = 0;
+    EXPECT_EQ(message([&] { (void)run_scene(scene, "scene", run); }), "frame_every must be at least 1, not 0");
 }
 
 } // namespace
