@@ -57,6 +57,8 @@ struct ThreadReport {
     std::int64_t stolen = 0; ///< of them, those first given to another thread
 };
 
+/// Its floating point environment is its own: it rounds to nearest and keeps subnormal numbers whatever the host does,
+/// on all threads that it uses, and the host's environment is as before when a call returns or throws.
 class World {
   public:
     /// Throws InputError for an invalid scene or number of threads, and OverlapError where bodies intersect at the start

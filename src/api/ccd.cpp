@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/floating_point.hpp"
 #include "geometry/ccd.hpp"
 #include "geometry/ccd_cubic.hpp"
 #include "geometry/ccd_distance.hpp"
@@ -94,6 +95,7 @@ void count_row(const CcdFileRow& row, const CcdResult& result, double separation
 } // namespace
 
 CcdFileReport evaluate_ccd_file(const std::filesystem::path& path, const CcdFileOptions& options) {
+    const DefaultFloatingPoint environment;
     if (!std::isfinite(options.separation) || options.separation < 0)
         throw InputError("separation: " + std::to_string(options.separation) + " is not a finite length >= 0");
     std::array<Batch, 2> batches = split_by_kind(read_ccd_file(path));

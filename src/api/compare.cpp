@@ -12,6 +12,7 @@
 
 #include <flotilla/error.hpp>
 
+#include "base/floating_point.hpp"
 #include "base/rotation.hpp"
 #include "io/number.hpp"
 #include "io/run_files.hpp"
@@ -207,6 +208,7 @@ void compare_frames(io::RunReader& a, io::RunReader& b, CompareReport& report) {
 } // namespace
 
 CompareReport compare_runs(const std::filesystem::path& folder_a, const std::filesystem::path& folder_b) {
+    const DefaultFloatingPoint environment;
     io::RunReader a(folder_a), b(folder_b);
     CompareReport report;
     for (auto& d : io::record_differences(a, b))

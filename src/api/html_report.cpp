@@ -5,6 +5,7 @@
 
 #include <flotilla/error.hpp>
 
+#include "base/floating_point.hpp"
 #include "io/run_folder.hpp"
 #include "report/html_report.hpp"
 #include "report/tables.hpp"
@@ -67,6 +68,7 @@ Verification verification_of(const VerifyReport& r) {
 
 HtmlReport write_html_report(const std::filesystem::path& folder, const std::filesystem::path& output,
                              const HtmlReportOptions& options) {
+    const DefaultFloatingPoint environment;
     if (options.frame_every < 0) throw InputError("report: frame_every must not be negative");
     io::RunReader run(folder); // a folder that is none is known before the proof
     HtmlReport result;

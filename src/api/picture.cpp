@@ -7,6 +7,7 @@
 #include <flotilla/error.hpp>
 #include <flotilla/scene_file.hpp>
 
+#include "base/floating_point.hpp"
 #include "io/picture.hpp"
 #include "io/run_folder.hpp"
 
@@ -62,6 +63,7 @@ PictureReport write_initial_state(const std::filesystem::path& file, const std::
 
 PictureReport write_picture(const std::filesystem::path& source, const std::filesystem::path& output,
                             const PictureOptions& options, std::optional<std::int64_t> frame) {
+    const DefaultFloatingPoint environment;
     return std::filesystem::is_directory(source) ? write_frame(source, output, options, frame)
                                                  : write_initial_state(source, output, options, frame);
 }

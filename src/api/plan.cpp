@@ -7,6 +7,7 @@
 
 #include <flotilla/world.hpp>
 
+#include "base/floating_point.hpp"
 #include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "io/run_folder.hpp"
@@ -203,6 +204,7 @@ class Planner {
 } // namespace
 
 std::vector<PlanLine> plan_scene(const SceneDescription& scene, const std::string& source) {
+    const DefaultFloatingPoint environment;
     const Scene built = build_scene(scene, source);
     return Planner(scene, built, source).run();
 }

@@ -11,6 +11,7 @@
 #include <flotilla/world.hpp>
 
 #include "api/world_access.hpp"
+#include "base/floating_point.hpp"
 #include "base/stopwatch.hpp"
 #include "base/text.hpp"
 #include "base/vec3.hpp"
@@ -279,6 +280,7 @@ void check_options(const RunOptions& options) {
 } // namespace
 
 RunTotals run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options) {
+    const DefaultFloatingPoint environment;
     check_options(options);
     std::vector<ThreadCosts> costs;
     if (!options.trace.empty()) costs = measure_costs(usable_cores());

@@ -5,6 +5,7 @@
 
 #include <flotilla/error.hpp>
 
+#include "base/floating_point.hpp"
 #include "io/checkpoint.hpp"
 #include "io/export.hpp"
 #include "io/run_folder.hpp"
@@ -59,6 +60,7 @@ RunSummary summarize_run(const std::filesystem::path& folder) {
 }
 
 void export_csv(const std::filesystem::path& folder, std::ostream& out) {
+    const DefaultFloatingPoint environment;
     io::RunReader reader(folder);
     io::export_csv(reader, [&out](std::string_view text) {
         if (!(out << text)) throw IoError("cannot write the CSV");
@@ -81,6 +83,7 @@ void export_csv_file(io::RunReader& reader, const std::filesystem::path& output)
 } // namespace
 
 void export_run(const std::filesystem::path& folder, ExportFormat format, const std::filesystem::path& output) {
+    const DefaultFloatingPoint environment;
     io::RunReader reader(folder);
     switch (format) {
     case ExportFormat::csv: return export_csv_file(reader, output);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "base/floating_point.hpp"
 #include "base/text.hpp"
 #include "io/file.hpp"
 #include "scene/initial_overlap.hpp"
@@ -84,6 +85,7 @@ bool repaired(Scene scene, std::vector<InitialRepair>& repairs) {
 } // namespace
 
 SceneCheck check_scene(const SceneDescription& scene, const std::string& source) {
+    const DefaultFloatingPoint environment;
     const Scene built = build_scene(scene, source);
     const InitialOverlaps overlaps = find_initial_overlaps(built);
     SceneCheck check;

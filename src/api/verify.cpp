@@ -9,6 +9,7 @@
 #include <flotilla/scene_file.hpp>
 
 #include "audit/audit.hpp"
+#include "base/floating_point.hpp"
 #include "base/stopwatch.hpp"
 #include "base/text.hpp"
 #include "io/poses_csv.hpp"
@@ -191,6 +192,7 @@ class Verifier {
 /// What check() reports, with the time that it took.
 template <class Check>
 VerifyReport timed(Check&& check) {
+    const DefaultFloatingPoint environment;
     VerifyReport report;
     double ms = 0;
     {

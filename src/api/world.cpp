@@ -7,6 +7,7 @@
 #include <flotilla/error.hpp>
 
 #include "api/world_access.hpp"
+#include "base/floating_point.hpp"
 #include "base/text.hpp"
 #include "parallel/threads.hpp"
 #include "scene/initial_overlap.hpp"
@@ -90,6 +91,12 @@ StepperOptions stepper_options(const WorldOptions& options) {
     return out;
 }
 
+template <class Work>
+auto in_own_environment(Work&& work) {
+    const DefaultFloatingPoint environment;
+    return work();
+}
+
 } // namespace
 
 struct World::Impl {
@@ -123,15 +130,17 @@ struct World::Impl {
 Team& WorldAccess::team(World& world) { return world.impl_->stepper.team(); }
 
 World::World(const SceneDescription& scene, const std::string& source, const WorldOptions& options)
-    : impl_(std::make_unique<Impl>(CheckedStart(scene, source), options)) {}
+    : impl_(in_own_environment([&] { return std::make_unique<Impl>(CheckedStart(scene, source), options); })) {}
 World::World(const SceneDescription& scene, std::span<const std::byte> snapshot, const std::string& source,
              const WorldOptions& options)
-    : impl_(std::make_unique<Impl>(build_scene(scene, source), snapshot, options)) {}
+    : impl_(in_own_environment([&] { return std::make_unique<Impl>(build_scene(scene, source), snapshot, options); })) {
+}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step() {
+    const DefaultFloatingPoint environment;
     try {
         return impl_->stepper.step();
     } catch (const CertificateError& e) {
@@ -149,6 +158,7 @@ const Settings& World::settings() const { return impl_->model.settings; }
 
 BodyState World::body(std::size_t index) const {
     impl_->check(index);
+    const DefaultFloatingPoint environment;
     const State& state = impl_->stepper.state();
     const Pose& pose = state.pose[index];
     const Motion& motion = state.motion[index];

@@ -8,6 +8,7 @@
 #include <flotilla/error.hpp>
 #include <flotilla/scene_file.hpp>
 
+#include "base/floating_point.hpp"
 #include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "io/file.hpp"
@@ -357,6 +358,7 @@ void SceneReader::read(const Json& document, const SceneFileOptions& options, Sc
 
 SceneDescription parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder,
                              const SceneFileOptions& options) {
+    const DefaultFloatingPoint environment;
     SceneDescription scene;
     scene.settings = preset(options.preset);
     ErrorList errors(source);
@@ -370,6 +372,7 @@ SceneDescription parse_scene(std::string_view text, const std::string& source, c
 }
 
 SceneDescription read_scene(const std::filesystem::path& file, const SceneFileOptions& options) {
+    const DefaultFloatingPoint environment;
     return parse_scene(io::read_text(file), file.string(), file.parent_path(), options);
 }
 

@@ -8,6 +8,7 @@
 
 #include <flotilla/scene_file.hpp>
 
+#include "base/floating_point.hpp"
 #include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "io/json_document.hpp"
@@ -112,6 +113,7 @@ void write_body(std::ostream& out, const BodyDescription& body, const SceneDescr
 } // namespace
 
 void write_scene(std::ostream& out, const SceneDescription& scene) {
+    const DefaultFloatingPoint environment;
     out << "{\n  \"flotilla_scene\": 1,\n  \"gravity\": " << json(scene.gravity) << ",\n";
     write_settings(out, scene.settings);
     out << "  \"shapes\": [";

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <utility>
 
+#include "base/floating_point.hpp"
 #include "parallel/beside.hpp"
 
 namespace flotilla {
@@ -26,6 +27,7 @@ struct Background::Jobs {
         held.unlock();
         std::exception_ptr thrown;
         try {
+            const DefaultFloatingPoint environment; // TBB's threads may have another one
             job();
         } catch (...) {
             thrown = std::current_exception();

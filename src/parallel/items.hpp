@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 
+#include "base/floating_point.hpp"
 #include "parallel/first_error.hpp"
 
 namespace flotilla {
@@ -16,6 +17,7 @@ class Items {
     void run(std::size_t i) {
         if (error_.before(i)) return;
         try {
+            const DefaultFloatingPoint environment; // TBB's threads may have another one
             work_(i);
         } catch (...) {
             error_.keep(i);

@@ -6,6 +6,7 @@
 #include <exception>
 #include <vector>
 
+#include "base/floating_point.hpp"
 #include "parallel/in_order.hpp"
 
 namespace flotilla {
@@ -37,6 +38,7 @@ class StageErrors {
     void guard(const std::function<void(std::size_t)>& stage, std::size_t i) {
         if (error_of(i)) return;
         try {
+            const DefaultFloatingPoint environment; // TBB's threads may have another one
             stage(i);
         } catch (...) {
             error_of(i) = std::current_exception();

@@ -8,6 +8,7 @@
 #include <flotilla/error.hpp>
 #include <flotilla/scene_library.hpp>
 
+#include "base/floating_point.hpp"
 #include "base/random.hpp"
 #include "base/rotation.hpp"
 #include "base/text.hpp"
@@ -172,6 +173,7 @@ std::vector<LibraryScene> list_scenes() {
 }
 
 SceneDescription make_scene(std::string_view name, int bodies, std::uint64_t seed) {
+    const DefaultFloatingPoint environment;
     std::vector<std::string_view> names;
     for (const Entry& entry : kEntries) names.push_back(entry.info.name);
     const auto found = std::find(names.begin(), names.end(), name);

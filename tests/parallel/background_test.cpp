@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "parallel/background.hpp"
 
+#include <atomic>
+#include <cfenv>
 #include <chrono>
 #include <stdexcept>
 #include <string>
@@ -10,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "parallel/in_order.hpp"
+#include "parallel/parallel_for.hpp"
 
 namespace flotilla {
 namespace {
@@ -52,6 +55,23 @@ TEST(Background, NothingIsDoneAfterAJobThatThrew) {
     EXPECT_THROW(jobs.add([&done] { ++done; }), std::runtime_error);
     EXPECT_THROW(jobs.finish(), std::runtime_error);
     EXPECT_EQ(done, 5);
+}
+
+/// Whoever does coarse work rounds to nearest, also where a thread of TBB, or the caller, does otherwise.
+TEST(CoarseWork, HasTheDefaultFloatingPointEnvironment) {
+    std::atomic<int> others = 0;
+    const auto look = [&](std::size_t) { others += std::fegetround() != FE_TONEAREST ? 1 : 0; };
+    std::fesetround(FE_UPWARD);
+    parallel_for(200, 3, look);
+    run_ordered_stages(50, 3, 8, {look, look, look});
+    {
+        Background jobs(4);
+        for (int i = 0; i < 50; ++i) jobs.add([&] { look(0); });
+    }
+    const int caller = std::fegetround();
+    std::fesetround(FE_TONEAREST);
+    EXPECT_EQ(caller, FE_UPWARD);
+    EXPECT_EQ(others, 0);
 }
 
 TEST(InOrder, KeepsTheOrder) {
