@@ -61,6 +61,22 @@ class OverlapError : public Error {
     std::vector<Pair> pairs_;
 };
 
+/// A script cannot make a step in full, because a body in its way cannot give way, and the scene asks for an error then
+/// (`unsatisfiable_script: error`). The World stands where the step began. The command exits with 7.
+class ScriptError : public Error {
+  public:
+    /// a: the scripted body, b: one that it would crush.
+    ScriptError(const std::string& message, std::int64_t step, std::vector<BodyNames> pairs)
+        : Error(message), step_(step), pairs_(std::move(pairs)) {}
+    [[nodiscard]] std::int64_t step() const { return step_; } ///< that could not be made, 1 for the first
+    /// Sorted by scripted body; each is there once.
+    [[nodiscard]] const std::vector<BodyNames>& pairs() const { return pairs_; }
+
+  private:
+    std::int64_t step_;
+    std::vector<BodyNames> pairs_;
+};
+
 /// The end of a step could not be proved free of intersections: a fault of the library. Thrown instead of leaving such
 /// a state. The command exits with 3.
 class BrokenPromise : public Error {

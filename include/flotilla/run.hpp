@@ -18,8 +18,9 @@ namespace flotilla {
 struct RunOptions {
     std::filesystem::path output; ///< run folder; empty: nothing is written
     bool overwrite = false;       ///< replace what an earlier run left in the folder
-    /// Go on from the last checkpoint in the folder, with the bits of a run that was never interrupted; from the beginning where there
-    /// is none. Needs the same scene, settings and frame_every.
+    /// Go on from the last checkpoint in the folder, with the bits of a run that was never interrupted; from the
+    /// beginning where there is none. Needs the same scene, settings and frame_every; a run with `unsatisfiable_script:
+    /// error` may go on with `hold`.
     bool resume = false;
     std::int64_t steps = 0; ///< total, the steps before a resumption included
     int frame_every = 1;    ///< steps per frame, >= 1
@@ -60,8 +61,8 @@ struct RunTotals {
     std::vector<ThreadReport> threads;
 };
 
-/// Simulates `scene`; `source` names it in messages. Throws InputError, OverlapError, BrokenPromise or IoError; what was written
-/// before stays readable.
+/// Simulates `scene`; `source` names it in messages. Throws InputError, OverlapError, BrokenPromise, IoError or, once the
+/// steps before are written with a checkpoint, ScriptError; what was written before stays readable.
 [[nodiscard]] RunTotals run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options);
 
 } // namespace flotilla

@@ -31,7 +31,11 @@ enum class Rigidification : std::uint8_t {
     kinematic, ///< clusters keep their members' relative motion (paper, section 4.2.2)
     rigid,     ///< clusters move as one rigid body (section 4.2.1): the paper's comparison in figure 9
 };
-enum class UnsatisfiableScript : std::uint8_t { hold, error };
+enum class UnsatisfiableScript : std::uint8_t {
+    hold,   ///< the body waits, and its script with it: jaws that jammed while closing stay shut
+    follow, ///< the script goes on, the body catches up along its path: jaws that jammed open when their script says so
+    error,  ///< World::step throws ScriptError in the first step that a script cannot make in full
+};
 enum class InitialOverlap : std::uint8_t { error, separate };
 
 /// Lengths are metres; a length of 0 means "derived per pair from body size" as the field says.

@@ -73,7 +73,8 @@ class World {
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
 
-    /// Advances by settings().time_step. Throws BrokenPromise rather than leave bodies that are not proved apart.
+    /// Advances by settings().time_step. Throws BrokenPromise rather than leave bodies that are not proved apart; with
+    /// `unsatisfiable_script: error` ScriptError, which leaves everything as it was before.
     StepReport step();
 
     [[nodiscard]] std::size_t size() const; ///< bodies

@@ -59,7 +59,12 @@ FreeFlight fly(const SceneDescription& scene, const std::string& source, double 
         std::vector<Vec3> places(scene.bodies.size());
         longest_way(world, places);
         for (std::int64_t step = 1; step <= kLongestFlight; ++step) {
-            const StepReport report = world.step();
+            StepReport report;
+            try {
+                report = world.step();
+            } catch (const ScriptError&) { // touches, and does not give way
+                report.contacts = 1;
+            }
             if (report.collisions > 0 || report.contacts > 0) {
                 flight.first_contact = step;
                 break;
@@ -70,6 +75,15 @@ FreeFlight fly(const SceneDescription& scene, const std::string& source, double 
         flight.intersecting = true;
     }
     return flight;
+}
+
+const char* script_policy(UnsatisfiableScript policy) {
+    switch (policy) {
+    case UnsatisfiableScript::follow: return "is held back and catches up as soon as it can";
+    case UnsatisfiableScript::error: return "is an error";
+    case UnsatisfiableScript::hold: break;
+    }
+    return "is held back, and comes later";
 }
 
 class Planner {
@@ -172,8 +186,7 @@ class Planner {
             if (!b.keyframes.empty()) last = std::max(last, b.keyframes.back().time);
         if (count(BodyType::kinematic) > 0)
             add("scripts", "the last keyframe is at " + number(last) + " s; a script that would crush a body " +
-                               (model_.settings.unsatisfiable_script == UnsatisfiableScript::hold ? "is held back"
-                                                                                                  : "is an error"));
+                               script_policy(model_.settings.unsatisfiable_script));
     }
     void rest() {
         add("rest", model_.settings.sleeping

@@ -297,8 +297,15 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
     std::optional<io::ContactsCsv> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
     bool goes_on = true;
+    std::optional<ScriptError> blocked;
     while (goes_on && world.steps() < options.steps) {
-        const StepReport report = trace ? trace->step() : world.step();
+        StepReport report;
+        try {
+            report = trace ? trace->step() : world.step();
+        } catch (const ScriptError& e) { // the run up to here is whole
+            blocked = e;
+            break;
+        }
         add(summary, report);
         if (contacts) contacts->add(report.step, report.time, world.contacts());
         if (recorder) recorder->after_step(report);
@@ -315,6 +322,7 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         trace->write();
         summary.traced_steps = trace->steps();
     }
+    if (blocked) throw ScriptError(*blocked);
     return summary;
 }
 

@@ -148,6 +148,16 @@ StepReport World::step() {
         throw BrokenPromise("step " + std::to_string(steps() + 1) + ": bodies " + in_quotes(pair.name_a) + " and " +
                                 in_quotes(pair.name_b) + " could not be proved apart",
                             steps() + 1, pair);
+    } catch (const BlockedScripts& e) {
+        std::string message;
+        std::vector<BodyNames> pairs;
+        for (const DelayedScript& d : e.scripts) {
+            pairs.push_back(impl_->pair(d.body, d.victim));
+            message += (message.empty() ? "step " : "\nstep ") + std::to_string(steps() + 1) + ": the script of body " +
+                       in_quotes(pairs.back().name_a) + " cannot go on: it would crush body " +
+                       in_quotes(pairs.back().name_b);
+        }
+        throw ScriptError(message, steps() + 1, std::move(pairs));
     }
 }
 

@@ -23,6 +23,7 @@ enum ExitCode : int {
     kOverlap = 4,       ///< bodies intersect at t = 0
     kIoFailure = 5,
     kResumable = 6, ///< stopped early
+    kScript = 7,    ///< a script cannot be satisfied and the scene asked for an error; resumable
 };
 
 /// What the command line asks for; returns the exit code.

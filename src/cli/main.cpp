@@ -29,6 +29,9 @@ int run(const cli::Action& action) {
     } catch (const OverlapError& e) {
         std::cerr << "flotilla: " << e.what() << '\n';
         return cli::kOverlap;
+    } catch (const ScriptError& e) {
+        std::cerr << "flotilla: " << e.what() << '\n';
+        return cli::kScript;
     } catch (const BrokenPromise& e) {
         std::cerr << "flotilla: " << e.what() << '\n';
         return cli::kBrokenPromise;

@@ -207,7 +207,9 @@ int run_run(const RunArguments& arguments) {
 void register_run(CLI::App& app, Action& action, const std::vector<std::string>& command_line) {
     auto arguments = std::make_shared<RunArguments>();
     arguments->command_line = command_line;
-    CLI::App* command = app.add_subcommand("run", "Simulate a scene");
+    CLI::App* command = app.add_subcommand("run", "Simulate a scene; exit code 6 where it stopped early and 7 where a "
+                                                  "script cannot go on and the scene asks for an "
+                                                  "error (unsatisfiable_script): --resume goes on");
     command->add_option("scene", arguments->scene, "scene file, or - for standard input")->required();
     add_scene_options(*command, arguments->options);
     command->add_option("--output", arguments->output, "run folder; without it nothing is written");

@@ -12,7 +12,7 @@ enum class RequestKind { merge_kinematic, merge_rigid, go_down, hold_script };
 
 struct Request {
     RequestKind kind;
-    std::int32_t a, b; ///< clusters; go_down and hold_script: only a
+    std::int32_t a, b; ///< clusters; go_down: only a; hold_script: the scripted body and the one in its way
     double toi = 1;    ///< hold_script: of what it would hit
 };
 
@@ -74,7 +74,8 @@ class Failsafe {
         if (!r.found) return;
         if (stats_.trigger_a < 0) stats_.trigger_a = r.first_a, stats_.trigger_b = r.first_b;
         if (infinite_a && infinite_b) {
-            request({RequestKind::hold_script, data_.model.bodies[at(pair.a)].scripted() ? pair.a : pair.b, -1, r.toi});
+            const bool first = data_.model.bodies[at(pair.a)].scripted();
+            request({RequestKind::hold_script, first ? pair.a : pair.b, first ? r.first_b : r.first_a, r.toi});
         } else if (infinite_a || infinite_b) {
             meet_infinite(infinite_a ? pair.b : pair.a, infinite_a ? pair.a : pair.b, r.resolved);
         } else {
@@ -101,7 +102,7 @@ class Failsafe {
     void apply(const Request& r) {
         switch (r.kind) {
         case RequestKind::go_down: go_down(r.a); break;
-        case RequestKind::hold_script: hold_script(r.a, r.toi); break;
+        case RequestKind::hold_script: hold_script(r.a, r.b, r.toi); break;
         default: {
             ++stats_.merges;
             const bool rigid = r.kind == RequestKind::merge_rigid;
@@ -126,7 +127,7 @@ class Failsafe {
 
     /// A script goes as far as what stands in its way, if that is anywhere, and where that is not proved either it stays at x^n. So it is
     /// held twice at most.
-    void hold_script(std::int32_t body, double toi) {
+    void hold_script(std::int32_t body, std::int32_t victim, double toi) {
         constexpr double kOfWay = 0.9, kLeastShare = 1.0 / 64; // below it a body hardly moves, and queries cost as ever
         if (data_.trajectories.still(at(body))) return;
         auto& delayed = stats_.delayed_scripts;
@@ -138,11 +139,12 @@ class Failsafe {
         else
             data_.trajectories.hold(at(body));
         const Motion& motion = data_.clusters.motion()[at(body)];
-        data_.clusters.set_script(body, {share * motion.velocity, share * motion.momentum});
+        data_.clusters.set_script(body,
+                                  share > 0 ? Motion{share * motion.velocity, share * motion.momentum} : Motion{});
         if (again)
             known->share = 0;
         else
-            delayed.push_back({body, share});
+            delayed.push_back({body, share, victim});
     }
 
     /// The first part of a body's way.

@@ -18,7 +18,8 @@ namespace flotilla {
 /// A scripted body that did not make its whole step.
 struct DelayedScript {
     std::int32_t body;
-    double share; ///< of the step that it made, in [0, 1)
+    double share;        ///< of the step that it made, in [0, 1)
+    std::int32_t victim; ///< a body that was in its way when it was first held
     friend bool operator<(const DelayedScript& p, const DelayedScript& q) { return p.body < q.body; }
 };
 

@@ -20,7 +20,7 @@ constexpr std::array kCcdMethods{"conservative"sv, "cubic"sv};
 constexpr std::array kTangents{"random"sv, "aligned"sv, "cone"sv};
 constexpr std::array kContactSolvers{"pgs"sv, "exact"sv};
 constexpr std::array kRigidifications{"kinematic"sv, "rigid"sv};
-constexpr std::array kUnsatisfiableScripts{"hold"sv, "error"sv};
+constexpr std::array kUnsatisfiableScripts{"hold"sv, "follow"sv, "error"sv};
 constexpr std::array kInitialOverlaps{"error"sv, "separate"sv};
 
 template <auto Member>
@@ -215,8 +215,10 @@ const std::vector<SettingRow>& table() {
          0,
          0,
          {},
-         "scripted motion that would crush a body: hold it back, or stop with an error",
-         "none"},
+         "scripted motion that would crush a body: hold the body back and its script with it, or follow: let the "
+         "script go "
+         "on and catch up with it at most twice as fast as it ever is, or stop with an error (exit code 7)",
+         "hold: jaws that jammed while closing stay shut; follow: they open when their script says so"},
         {"initial_overlap",
          choice<&Settings::initial_overlap>(kInitialOverlaps),
          "",

@@ -88,7 +88,8 @@ struct State {
     std::vector<Pose> pose;
     std::vector<Motion> motion;
     std::vector<Sleep> sleep;
-    std::vector<double> script_delay;         ///< s by which a body's script clock lags behind the time
+    /// s, by body: by which its script's clock lags; where it follows, since the place that it made for last was due.
+    std::vector<double> script_delay;
     std::vector<double> lift;                 ///< J of each body's energy that are lift (step/energy_account.hpp)
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
     /// The impulses of the last stage 3 and of the last stage 7, each sorted by (a, b, feature pair without a face, feature_key). The

@@ -107,8 +107,12 @@ void visit(S& state, Visit&& part) {
 
 std::uint64_t scene_hash(const Model& model, const State& initial) {
     Hasher h;
+    Settings settings = model.settings;
+    // The same bits as far as it goes: whoever was stopped by a script may go on and hold the body.
+    if (settings.unsatisfiable_script == UnsatisfiableScript::error)
+        settings.unsatisfiable_script = UnsatisfiableScript::hold;
     for (const SettingInfo& setting : list_settings())
-        for (const char c : setting_value(model.settings, setting.key)) h.add(static_cast<std::uint64_t>(c));
+        for (const char c : setting_value(settings, setting.key)) h.add(static_cast<std::uint64_t>(c));
     h.add(model.gravity);
     for (const RigidShape& shape : model.shapes) add(h, shape);
     for (const Body& body : model.bodies) add(h, body);

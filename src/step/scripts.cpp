@@ -6,9 +6,22 @@
 namespace flotilla {
 namespace {
 
+constexpr double kCatchingUp = 2;        // times the script's fastest speed
+constexpr double kFineness = 1.0 / 64.0; // of the reach: how near to it the latest place is found
+
 Quat slerp(const Quat& from, const Quat& to, double t) {
     const Vec3 turn = rotation_vector(to * conjugate(from));
     return normalized(rotation_from_vector(t * turn) * from);
+}
+
+/// m, that no point of the body is beyond between the two.
+double way(const RigidShape& shape, const Vec3& origin_a, const Quat& a, const Vec3& origin_b, const Quat& b) {
+    const double turn = a == b ? 0.0 : length(rotation_vector(b * conjugate(a)));
+    return length(origin_b - origin_a) + turn * (shape.radius + length(shape.center_of_mass));
+}
+
+double speed_between(const RigidShape& shape, const Keyframe& a, const Keyframe& b) {
+    return way(shape, a.position, a.rotation, b.position, b.rotation) / (b.time - a.time);
 }
 
 } // namespace
@@ -23,6 +36,71 @@ Pose scripted_pose(const RigidShape& shape, const Body& body, double time) {
     const double t = (time - from.time) / (after->time - from.time);
     return pose_at_origin(shape, from.position + t * (after->position - from.position),
                           slerp(from.rotation, after->rotation, t));
+}
+
+double fastest_speed(const RigidShape& shape, const Body& body) {
+    double speed = 0;
+    for (std::size_t k = 1; k < body.keyframes.size(); ++k)
+        speed = std::max(speed, speed_between(shape, body.keyframes[k - 1], body.keyframes[k]));
+    return speed;
+}
+
+double latest_within(const RigidShape& shape, const Body& body, const Pose& pose, double from, double to,
+                     double reach) {
+    const auto& keys = body.keyframes;
+    for (double time = to; time > from;) {
+        const Pose place = scripted_pose(shape, body, time);
+        const double beyond = way(shape, pose.origin, pose.rotation, place.origin, place.rotation) - reach;
+        if (!(beyond > 0)) return time;
+        // Between two keyframes no point is faster than this: nothing is within reach before so much is undone.
+        const auto after =
+            std::lower_bound(keys.begin(), keys.end(), time, [](const Keyframe& k, double t) { return k.time < t; });
+        if (after == keys.begin()) return from;
+        const double speed = after == keys.end() ? 0.0 : speed_between(shape, *(after - 1), *after);
+        const double earlier = std::max((after - 1)->time, time - std::max(beyond, kFineness * reach) / speed);
+        if (!(earlier < time)) return from; // steps below the rounding of the time
+        time = earlier;
+    }
+    return from;
+}
+
+Scripts::Scripts(const Model& model) : due_(model.size(), 0.0) {
+    if (model.settings.unsatisfiable_script != UnsatisfiableScript::follow) return;
+    speed_.assign(model.size(), 0.0);
+    for (std::size_t i = 0; i < model.size(); ++i)
+        if (model.bodies[i].scripted()) speed_[i] = fastest_speed(model.shape_of(i), model.bodies[i]);
+}
+
+void Scripts::move(const Model& model, const State& state, Trajectories& trajectories, Clusters& clusters) {
+    const double dt = model.settings.time_step, now = static_cast<double>(state.step + 1) * dt;
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        const Body& body = model.bodies[i];
+        if (!body.scripted()) continue;
+        const RigidShape& shape = model.shape_of(i);
+        const Pose& start = trajectories.start_pose(i);
+        const double delay = state.script_delay[i], last = static_cast<double>(state.step) * dt - delay;
+        const bool follows = !speed_.empty();
+        if (follows && (delay != 0 || start != scripted_pose(shape, body, last)))
+            due_[i] = latest_within(shape, body, start, last, now, kCatchingUp * speed_[i] * dt);
+        else // on time, or waited for
+            due_[i] = now - delay;
+        const Pose end = scripted_pose(shape, body, due_[i]);
+        const Vec3 turn =
+            end.rotation == start.rotation ? Vec3{} : rotation_vector(end.rotation * conjugate(start.rotation));
+        trajectories.set_end(i, end, turn);
+        clusters.set_script(static_cast<std::int32_t>(i), {(end.com - start.com) / dt, turn / dt});
+    }
+}
+
+void Scripts::commit(const Model& model, const FailsafeStats& failsafe, State& state) const {
+    const double dt = model.settings.time_step, now = static_cast<double>(state.step + 1) * dt;
+    if (!speed_.empty()) {
+        for (std::size_t i = 0; i < model.size(); ++i)
+            if (model.bodies[i].scripted()) state.script_delay[i] = now - due_[i];
+        return;
+    }
+    for (const DelayedScript& d : failsafe.delayed_scripts)
+        state.script_delay[static_cast<std::size_t>(d.body)] += (1 - d.share) * dt;
 }
 
 } // namespace flotilla

@@ -1,12 +1,50 @@
 // SPDX-License-Identifier: MIT
-// Scripted bodies: keyframes with linear position and shortest-arc slerp; the last one holds (DESIGN 4.6).
+// Scripted bodies: keyframes with linear position and shortest-arc slerp; the last one holds.
+//
+// A body that something stops (failsafe.hpp) is behind its script. With `unsatisfiable_script: hold` the script's clock
+// waits for it. With `follow` the clock goes on, and the body makes for the latest place on its path, between the one it
+// made for last and the one that is due, that is within a step's reach at twice the script's fastest speed: it catches
+// up along the path, and where the path comes back to where it stands (jaws that open again) it goes on from there. With
+// `error` no body ever is behind.
 #pragma once
 
-#include "state/model.hpp"
+#include <exception>
+#include <utility>
+
+#include "failsafe/failsafe.hpp"
 
 namespace flotilla {
 
 /// Pose of a scripted body when its own clock shows `time` (s).
 [[nodiscard]] Pose scripted_pose(const RigidShape& shape, const Body& body, double time);
+
+/// m/s, that no point of the body exceeds by its script.
+[[nodiscard]] double fastest_speed(const RigidShape& shape, const Body& body);
+
+/// The latest of the times in (from, to], to 1/64 of `reach`, at which no point of the body is farther than `reach`, m,
+/// from where it is at `pose`, by its script; else `from`. Looks at no more than 64 places for every `reach` of the
+/// path's length, and one a keyframe.
+[[nodiscard]] double latest_within(const RigidShape& shape, const Body& body, const Pose& pose, double from, double to,
+                                   double reach);
+
+/// Thrown where scripts cannot make a step in full and the settings ask for an error.
+struct BlockedScripts : std::exception {
+    explicit BlockedScripts(std::vector<DelayedScript> blocked) : scripts(std::move(blocked)) {}
+    std::vector<DelayedScript> scripts; ///< ascending
+};
+
+class Scripts {
+  public:
+    explicit Scripts(const Model& model);
+
+    /// Gives every scripted body its way in the step.
+    void move(const Model& model, const State& state, Trajectories& trajectories, Clusters& clusters);
+    /// What the step leaves of it for the next, before the step is counted.
+    void commit(const Model& model, const FailsafeStats& failsafe, State& state) const;
+
+  private:
+    std::vector<double> speed_; ///< m/s, fastest, by body; empty: nothing follows
+    std::vector<double> due_;   ///< s, by body: when the place that it makes for was or is due
+};
 
 } // namespace flotilla

@@ -8,7 +8,6 @@
 #include <tuple>
 
 #include "collision/collisions.hpp"
-#include "step/scripts.hpp"
 
 namespace flotilla {
 namespace {
@@ -73,23 +72,25 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
 } // namespace
 
 Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
-    : model_(model), options_(options), team_(options.team), state_(std::move(state)) {
+    : model_(model), options_(options), team_(options.team), state_(std::move(state)), scripts_(model_) {
     for (int k = 0; k < team_.size(); ++k) workers_.push_back(std::make_unique<Worker>());
     state_.sleep.resize(model_.size());
-    mark_asleep();
-    trajectories_.resize(model_);
-    team_.region([&] { prepare(); });
-}
-
-void Stepper::prepare() {
-    team_.for_each("place bodies", model_.size(), kBodyGrain,
-                   [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
     turns_.assign(model_.size(), {});
     disturbed_.assign(model_.size(), 0);
     activity_.resize(model_.size());
-    StepData d = data();
     looks_ahead_ = may_look_ahead(model_);
     contacts_.keeps_near = looks_ahead_;
+    team_.region([&] { prepare(); });
+}
+
+/// Everything that follows from the state.
+void Stepper::prepare() {
+    mark_asleep();
+    pairs_.clear();
+    trajectories_.resize(model_);
+    team_.for_each("place bodies", model_.size(), kBodyGrain,
+                   [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
+    StepData d = data();
     find_contacts(d, search_, contacts_);
     if (state_.step > 0) return;
     // Pairs that start closer than their rest distance keep their start distance as such (DESIGN section 3).
@@ -136,9 +137,14 @@ StepReport Stepper::step() {
     StepReport report;
     report.step = state_.step + 1;
     report.time = static_cast<double>(report.step) * model_.settings.time_step;
-    {
+    if (model_.settings.unsatisfiable_script == UnsatisfiableScript::error) before_ = state_;
+    try {
         const Stopwatch total(report.total_ms);
         team_.region([&] { advance(report); });
+    } catch (const BlockedScripts&) {
+        state_ = before_;
+        team_.region([&] { prepare(); });
+        throw;
     }
     measure(report);
     return report;
@@ -184,6 +190,8 @@ void Stepper::advance(StepReport& report) {
         }
         // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4; 5) which dynamic contact and the failsafe keep free of intersections
         failsafe = move_bodies(d, half, report);
+        if (!failsafe.delayed_scripts.empty() && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
+            throw BlockedScripts(failsafe.delayed_scripts);
         {
             const PhaseWatch watch(report, Phase::certificate, team_);
             certify(d);
@@ -268,25 +276,11 @@ void Stepper::start_clusters(std::span<const Motion> motion) {
     clusters_.resize(model_);
     team_.for_each("start clusters", model_.size(), kBodyGrain,
                    [&](std::size_t i, int) { clusters_.start(i, trajectories_, motion[i]); });
-    move_scripts();
+    scripts_.move(model_, state_, trajectories_, clusters_);
     team_.for_each("move bodies", model_.size(), kBodyGrain, [&](std::size_t i, int) {
         if (model_.bodies[i].movable())
             clusters_.evolve(static_cast<std::int32_t>(i), model_.settings.time_step, trajectories_);
     });
-}
-
-void Stepper::move_scripts() {
-    const double dt = model_.settings.time_step;
-    for (std::size_t i = 0; i < model_.size(); ++i) {
-        if (!model_.bodies[i].scripted()) continue;
-        const double time = static_cast<double>(state_.step + 1) * dt - state_.script_delay[i];
-        const Pose end = scripted_pose(model_.shape_of(i), model_.bodies[i], time);
-        const Pose& start = trajectories_.start_pose(i);
-        const Vec3 turn =
-            end.rotation == start.rotation ? Vec3{} : rotation_vector(end.rotation * conjugate(start.rotation));
-        trajectories_.set_end(i, end, turn);
-        clusters_.set_script(static_cast<std::int32_t>(i), {(end.com - start.com) / dt, turn / dt});
-    }
 }
 
 void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
@@ -570,8 +564,7 @@ void Stepper::record_activity() {
 }
 
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
-    for (const DelayedScript& d : failsafe.delayed_scripts)
-        state_.script_delay[static_cast<std::size_t>(d.body)] += (1 - d.share) * model_.settings.time_step;
+    scripts_.commit(model_, failsafe, state_);
     for (std::size_t i = 0; i < model_.size(); ++i) turns_[i] = trajectories_.turn(i);
     record_activity();
     state_.motion.assign(motion.begin(), motion.end());

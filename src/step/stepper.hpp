@@ -11,6 +11,7 @@
 #include "step/certificate.hpp"
 #include "step/energy_account.hpp"
 #include "step/look_ahead.hpp"
+#include "step/scripts.hpp"
 #include "step/static_stage.hpp"
 
 namespace flotilla {
@@ -29,7 +30,8 @@ class Stepper {
     Stepper(const Stepper&) = delete;
     Stepper& operator=(const Stepper&) = delete;
 
-    /// Advances by the settings' time step. Throws CertificateError rather than leave an unproved state.
+    /// Advances by the settings' time step. Throws CertificateError rather than leave an unproved state, and
+    /// BlockedScripts, with everything as it was before, where the settings ask for that.
     StepReport step();
 
     [[nodiscard]] const State& state() const { return state_; }
@@ -50,7 +52,6 @@ class Stepper {
     void mark_asleep();
     void put_to_sleep();
     void start_clusters(std::span<const Motion> motion);
-    void move_scripts();
     void static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                         StepReport& report);
     StaticStageStats solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
@@ -78,6 +79,8 @@ class Stepper {
     Workers workers_;
     ListBuffers lists_; ///< kept between steps
     State state_;
+    State before_; ///< the step under way, where that may have to be undone
+    Scripts scripts_;
     Trajectories trajectories_;
     Clusters clusters_;
     PairTable pairs_;

@@ -38,7 +38,8 @@ TEST(Errors, AllHaveOneBase) {
     EXPECT_THROW(World(boxes({1, 1.5})), Error);
     EXPECT_THROW((void)verify_run("/no such folder"), Error);
     static_assert(std::is_base_of_v<Error, InputError> && std::is_base_of_v<Error, IoError> &&
-                  std::is_base_of_v<Error, OverlapError> && std::is_base_of_v<Error, BrokenPromise>);
+                  std::is_base_of_v<Error, OverlapError> && std::is_base_of_v<Error, ScriptError> &&
+                  std::is_base_of_v<Error, BrokenPromise>);
 }
 
 TEST(Errors, OfAnOverlapListThePairs) {

@@ -276,5 +276,41 @@ TEST_F(Resume, ATimeLimitLeavesACheckpoint) {
         EXPECT_EQ(run_flotilla(options(1) + "--overwrite --time-limit " + bad).exit_code, 2) << bad;
 }
 
+/// A press that comes down on a box.
+constexpr const char* kPressScene = R"({"flotilla_scene": 1, "settings": {"unsatisfiable_script": "error"},
+    "shapes": [{"name": "box", "density": 500,
+                "vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]],
+                "triangles": [[0,2,1],[0,3,2],[4,5,6],[4,6,7],[0,1,5],[0,5,4],
+                              [1,2,6],[1,6,5],[2,3,7],[2,7,6],[3,0,4],[3,4,7]]},
+               {"name": "plate", "vertices": [[-3,-3,0],[4,-3,0],[4,4,0],[-3,4,0]], "triangles": [[0,1,2],[0,2,3]]}],
+    "bodies": [{"name": "crate", "shape": "box", "position": [0, 0, 0.02]},
+               {"name": "floor", "shape": "plate", "type": "static"},
+               {"name": "press", "shape": "plate", "type": "kinematic",
+                "keyframes": [{"time": 0, "position": [0, 0, 2]}, {"time": 1, "position": [0, 0, 0.5]}]}]})";
+
+TEST_F(Resume, AScriptThatCannotGoOnStopsTheRunWithWhatItHas) {
+    scene_ = folder_.write("press.json", kPressScene);
+    const CommandOutput stopped = run_flotilla(options(30));
+    EXPECT_EQ(stopped.exit_code, 7);
+    const auto hashes = step_hashes(run());
+    EXPECT_GT(hashes.size(), 10u);
+    EXPECT_LT(hashes.size(), 24u);
+    EXPECT_NE(stopped.err.find("step " + std::to_string(hashes.size() + 1) +
+                               ": the script of body \"press\" cannot go on: it would crush body \"crate\""),
+              std::string::npos)
+        << stopped.err;
+    EXPECT_EQ(run_flotilla("verify --quiet " + run().string()).exit_code, 0);
+    EXPECT_EQ(run_flotilla(options(30) + "--resume").exit_code, 7);
+    EXPECT_EQ(step_hashes(run()), hashes);
+    EXPECT_EQ(run_flotilla(options(30) + "--resume --set unsatisfiable_script=follow").exit_code, 2);
+    const CommandOutput held = run_flotilla(options(30) + "--resume --set unsatisfiable_script=hold");
+    EXPECT_EQ(held.exit_code, 0) << held.err;
+    const auto resumed = step_hashes(run());
+    ASSERT_EQ(resumed.size(), 30u);
+    ASSERT_EQ(run_flotilla(options(30) + "--overwrite --set unsatisfiable_script=hold").exit_code, 0);
+    EXPECT_EQ(step_hashes(run()), resumed);
+    EXPECT_EQ(run_flotilla(options(30) + "--overwrite --set unsatisfiable_script=follow --audit").exit_code, 0);
+}
+
 } // namespace
 } // namespace flotilla::test

@@ -89,11 +89,18 @@ TEST_P(FloatingPoint, OfTheHostChangesNoBit) {
 }
 
 TEST_P(FloatingPoint, OfTheHostIsRestoredWhereACallThrows) {
-    SceneDescription scene = one_pile(false);
+    SceneDescription scene = empty_scene();
+    scene.settings.unsatisfiable_script = UnsatisfiableScript::error;
+    add_body(scene, add_shape(scene, make_box(0.5, 0.5, 0.5), 60), BodyType::dynamic, {0, 0, 0.26});
+    add_body(scene, add_shape(scene, make_box(20, 20, 0.2)), BodyType::fixed, {0, 0, -0.1});
+    auto& lid = add_body(scene, add_shape(scene, make_box(2, 2, 0.2)), BodyType::kinematic, {0, 0, 2});
+    lid.keyframes = {{0, lid.position, {}}, {1, {0, 0, 0}, {}}};
     World world(scene, "scene", {2});
     const Host host(GetParam());
     const Observed before;
-    EXPECT_THROW((void)world.body(99), InputError);
+    EXPECT_THROW(for (int n = 0; n < 24; ++n) world.step(), ScriptError);
+    EXPECT_EQ(Observed{}, before);
+    EXPECT_THROW((void)world.body(3), InputError);
     EXPECT_EQ(Observed{}, before);
     scene.settings.time_step = -1;
     EXPECT_THROW(World{scene}, InputError);

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: MIT
+// Scripts that would crush a body, by `unsatisfiable_script`: hold, follow, error.
+#include "step/scripts.hpp"
+
+#include <optional>
+
+#include "base/rotation.hpp"
+#include "state/build_model.hpp"
+#include "step/scenario.hpp"
+#include "step/thread_scenes.hpp"
+
+namespace flotilla::scenario {
+namespace {
+
+constexpr double kSpeed = 1; // m/s, of jaws
+constexpr std::size_t kCube = 0, kRight = 3;
+
+BodyDescription& add_script(SceneDescription& scene, std::int32_t shape, std::vector<Keyframe> keyframes) {
+    BodyDescription& body = add_body(scene, shape, BodyType::kinematic, keyframes.front().position);
+    body.keyframes = std::move(keyframes);
+    return body;
+}
+
+/// Two jaws that would meet in a cube of half a metre at 1 s, and open again by 2 s.
+SceneDescription jaws(UnsatisfiableScript policy) {
+    SceneDescription scene = empty_scene();
+    scene.settings.unsatisfiable_script = policy;
+    add_body(scene, add_shape(scene, make_box(0.5, 0.5, 0.5), 60), BodyType::dynamic, {0, 0, 0.26}).name = "cube";
+    add_body(scene, add_shape(scene, make_box(20, 20, 0.2)), BodyType::fixed, {0, 0, -0.1}).name = "ground";
+    const std::int32_t jaw = add_shape(scene, make_box(0.2, 2, 2));
+    for (const double side : {-1.0, 1.0}) {
+        const Vec3 open{side * 1.1, 0, 1.2}, shut{side * 0.1, 0, 1.2};
+        add_script(scene, jaw, {{0, open, {}}, {1 / kSpeed, shut, {}}, {2 / kSpeed, open, {}}}).name =
+            side < 0 ? "left" : "right";
+    }
+    return scene;
+}
+
+/// A stack of three boxes on the ground and a press that leaves no room for it at 1 s and is up again at 2 s.
+SceneDescription press(UnsatisfiableScript policy) {
+    SceneDescription scene = empty_scene();
+    scene.settings.unsatisfiable_script = policy;
+    const auto box = add_shape(scene, make_box(0.5, 0.5, 0.5), 60);
+    for (int i = 0; i < 3; ++i) add_body(scene, box, BodyType::dynamic, {0, 0, 0.26 + 0.51 * i}, 0.5, 0);
+    add_body(scene, add_shape(scene, make_box(20, 20, 0.2)), BodyType::fixed, {0, 0, -0.1}, 0.5, 0);
+    const Vec3 up{0, 0, 3.1}, down{0, 0, 1.1};
+    add_script(scene, add_shape(scene, make_box(2, 2, 0.2)), {{0, up, {}}, {1, down, {}}, {2, up, {}}}).name = "press";
+    return scene;
+}
+
+struct Course {
+    std::vector<Vec3> place, velocity; ///< of one body, after every step
+    std::int64_t delayed = 0;          ///< steps
+};
+
+/// Runs the scene and checks what holds in every step: no intersections, and the velocity is that of the way made.
+Course watch(const SceneDescription& scene, std::size_t body, int steps) {
+    World world(scene);
+    Course out;
+    const double dt = scene.settings.time_step;
+    for (int n = 0; n < steps; ++n) {
+        const BodyState before = world.body(body);
+        const StepReport r = world.step();
+        const BodyState after = world.body(body);
+        const Vec3 made = (after.center_of_mass - before.center_of_mass) / dt;
+        EXPECT_LT(length(after.velocity - made), 1e-12) << "step " << r.step;
+        if (after.position == before.position) {
+            EXPECT_EQ(after.velocity, Vec3{}) << "step " << r.step;
+        }
+        EXPECT_EQ(count_intersections(scene, world), 0) << "step " << r.step;
+        out.place.push_back(after.position);
+        out.velocity.push_back(after.velocity);
+        out.delayed += (r.warnings & kScriptDelayed) != 0 ? 1 : 0;
+    }
+    return out;
+}
+
+double fastest(const Course& course) {
+    double speed = 0;
+    for (const Vec3& v : course.velocity) speed = std::max(speed, length(v));
+    return speed;
+}
+
+TEST(UnsatisfiableScript, JawsThatAreHeldStayShut) {
+    const Course right = watch(jaws(UnsatisfiableScript::hold), kRight, 72);
+    EXPECT_GT(right.delayed, 40);
+    EXPECT_EQ(right.place.back(), right.place[24]);
+    EXPECT_NEAR(right.place.back().x, 0.35, 0.01);
+    EXPECT_EQ(right.velocity.back(), Vec3{});
+}
+
+TEST(UnsatisfiableScript, JawsThatFollowOpenWithTheirScript) {
+    const Course right = watch(jaws(UnsatisfiableScript::follow), kRight, 72);
+    EXPECT_GT(right.delayed, 5);
+    EXPECT_NEAR(right.place[23].x, 0.35, 0.01);     // shut, were it not for the cube
+    for (std::size_t step = 36; step <= 48; ++step) // on their way out the script is 0.5 m and more from the middle
+        EXPECT_NEAR(right.place[step - 1].x, 0.1 + kSpeed * (static_cast<double>(step) / 24 - 1), 1e-12) << step;
+    EXPECT_EQ(right.place.back(), (Vec3{1.1, 0, 1.2}));
+    EXPECT_LE(fastest(right), 2 * kSpeed * (1 + 1e-12));
+}
+
+TEST(UnsatisfiableScript, APressThatIsHeldComesLate) {
+    const Course held = watch(press(UnsatisfiableScript::hold), 4, 60);
+    EXPECT_GT(held.delayed, 20);
+    EXPECT_LT(held.place.back().z, 1.7);
+    const Course follows = watch(press(UnsatisfiableScript::follow), 4, 60);
+    EXPECT_GT(follows.delayed, 5);
+    EXPECT_EQ(follows.place[47], (Vec3{0, 0, 3.1}));
+    EXPECT_LE(fastest(follows), 2 * 2.0 * (1 + 1e-12));
+}
+
+/// A pusher on a way with a corner; a block between it and a gate, which opens at 1.5 s, stops it before that.
+SceneDescription gated(UnsatisfiableScript policy) {
+    SceneDescription scene = empty_scene();
+    scene.settings.unsatisfiable_script = policy;
+    const auto cube = add_shape(scene, make_box(0.4, 0.4, 0.4), 30), slab = add_shape(scene, make_box(0.2, 1, 1));
+    add_body(scene, cube, BodyType::dynamic, {1, 0, 0.21}, 0.1, 0);
+    add_body(scene, add_shape(scene, make_box(40, 40, 0.2)), BodyType::fixed, {0, 0, -0.1}, 0.1, 0);
+    const Vec3 shut{1.4, 0, 0.6}, open{1.4, 0, 4.6};
+    add_script(scene, slab, {{0, shut, {}}, {1.5, shut, {}}, {2, open, {}}});
+    add_script(scene, slab, {{0, {0.3, 0, 0.6}, {}}, {2, {2.3, 0, 0.6}, {}}, {5, {2.3, 3, 0.6}, {}}});
+    return scene;
+}
+
+TEST(UnsatisfiableScript, ABodyThatFollowsCatchesUpAlongItsPath) {
+    const Course pusher = watch(gated(UnsatisfiableScript::follow), 3, 120);
+    EXPECT_GT(pusher.delayed, 5);
+    EXPECT_LT(pusher.place[35].x, 1.2);          // at 1.5 s it was due at 1.8 m
+    EXPECT_LE(fastest(pusher), 2 * (1 + 1e-12)); // m/s; the script has 1
+    EXPECT_GT(fastest(pusher), 1.9);
+    for (const Vec3& p : pusher.place) // round the corner, which a step may cut
+        EXPECT_TRUE(p.y == 0 || p.x > 2.3 - 2.0 / 24) << p.x << ' ' << p.y;
+    EXPECT_EQ(pusher.place.back(), (Vec3{2.3, 3, 0.6}));
+    const Course held = watch(gated(UnsatisfiableScript::hold), 3, 120);
+    EXPECT_LT(held.place.back().y, 2.7);
+    EXPECT_LE(fastest(held), 1 + 1e-12);
+}
+
+TEST(UnsatisfiableScript, AnErrorNamesTheBodiesAndLeavesTheWorldAsItWas) {
+    const SceneDescription scene = jaws(UnsatisfiableScript::error);
+    World held(jaws(UnsatisfiableScript::hold)), world(scene);
+    std::int64_t delayed = 0;
+    while (delayed == 0) {
+        const std::vector<std::byte> before = world.snapshot();
+        const std::size_t contacts = world.contacts().size();
+        const BodyState cube = world.body(kCube);
+        const Vec3 turn = world.turn(kCube);
+        if ((held.step().warnings & kScriptDelayed) == 0) {
+            EXPECT_EQ(world.step().state_hash, held.state_hash());
+            continue;
+        }
+        delayed = held.steps();
+        for (int again = 0; again < 2; ++again) {
+            try {
+                world.step();
+                FAIL() << "no exception";
+            } catch (const ScriptError& e) {
+                EXPECT_EQ(e.step(), delayed);
+                ASSERT_EQ(e.pairs().size(), 2u);
+                EXPECT_EQ(e.pairs()[0].name_a, "left");
+                EXPECT_EQ(e.pairs()[1].name_a, "right");
+                for (const BodyNames& pair : e.pairs()) EXPECT_EQ(pair.name_b, "cube");
+                const std::string step = "step " + std::to_string(delayed) + ": the script of body ";
+                EXPECT_EQ(e.what(), step + "\"left\" cannot go on: it would crush body \"cube\"\n" + step +
+                                        "\"right\" cannot go on: it would crush body \"cube\"");
+            }
+            EXPECT_EQ(world.snapshot(), before);
+            EXPECT_EQ(world.contacts().size(), contacts);
+            EXPECT_EQ(world.body(kCube).position, cube.position);
+            EXPECT_EQ(world.turn(kCube), turn);
+        }
+    }
+    World on(jaws(UnsatisfiableScript::hold), world.snapshot());
+    EXPECT_EQ(on.step().state_hash, held.state_hash());
+    EXPECT_THROW(World(jaws(UnsatisfiableScript::follow), world.snapshot()), InputError);
+    EXPECT_THROW(
+        {
+            World pressed(press(UnsatisfiableScript::error));
+            for (int n = 0; n < 60; ++n) pressed.step();
+        },
+        ScriptError);
+}
+
+TEST(UnsatisfiableScript, ThreadsAndSnapshotsChangeNoBit) {
+    for (const auto make : {jaws, gated}) {
+        const SceneDescription scene = make(UnsatisfiableScript::follow);
+        const auto expected = hashes_of_run(scene, 60, {1, Executor::serial});
+        for (const int threads : {2, 3, 8}) EXPECT_EQ(hashes_of_run(scene, 60, {threads}), expected) << threads;
+        World whole(scene);
+        for (std::size_t n = 0; n < expected.size(); ++n) {
+            std::optional<World> rest;
+            if (n % 4 == 0) rest.emplace(scene, whole.snapshot(), "scene", WorldOptions{1 + static_cast<int>(n % 3)});
+            ASSERT_EQ(whole.step().state_hash, expected[n]);
+            if (rest) {
+                ASSERT_EQ(rest->step().state_hash, expected[n]) << "step " << n;
+            }
+        }
+    }
+}
+
+TEST(UnsatisfiableScript, WhereNothingIsInTheWayAllHaveTheSameBits) {
+    const auto hashes = [](UnsatisfiableScript policy) {
+        SceneDescription scene = gated(policy);
+        scene.bodies[0].position.y = 2; // beside the pusher
+        scene.bodies[3].keyframes[1].rotation = rotation_from_vector({0, 0.3, 0});
+        return hashes_of_run(scene, 100, {1});
+    };
+    const auto expected = hashes(UnsatisfiableScript::hold);
+    EXPECT_EQ(hashes(UnsatisfiableScript::follow), expected);
+    EXPECT_EQ(hashes(UnsatisfiableScript::error), expected);
+}
+
+TEST(UnsatisfiableScript, WaysBelowTheRoundingOfPlacesAreMadeAllTheSame) {
+    const auto run = [](UnsatisfiableScript policy) {
+        SceneDescription scene = empty_scene();
+        scene.settings.unsatisfiable_script = policy;
+        const Vec3 far{1e9 - 10, 0, 0};
+        add_script(scene, add_shape(scene, make_box(1, 1, 1)), {{0, far, {}}, {1e3, far + Vec3{1e-3, 0, 0}, {}}});
+        return hashes_of_run(scene, 200, {1}); // 4e-8 m a step, where doubles are 1.2e-7 m apart
+    };
+    EXPECT_EQ(run(UnsatisfiableScript::follow), run(UnsatisfiableScript::hold));
+}
+
+struct ScriptedBody {
+    explicit ScriptedBody(std::vector<Keyframe> keyframes) : scene(empty_scene()) {
+        add_script(scene, add_shape(scene, make_box(2, 2, 2)), std::move(keyframes));
+        model = make_model(build_scene(scene));
+    }
+    [[nodiscard]] double latest(const Vec3& place, double from, double to, double reach) const {
+        return latest_within(model.shapes[0], model.bodies[0], pose_at_origin(model.shapes[0], place, {}), from, to,
+                             reach);
+    }
+    [[nodiscard]] double fastest() const { return fastest_speed(model.shapes[0], model.bodies[0]); }
+    SceneDescription scene;
+    Model model;
+};
+
+TEST(LatestWithin, FindsThePlaceOnThePath) {
+    const ScriptedBody line({{0, {}, {}}, {10, {10, 0, 0}, {}}});
+    EXPECT_EQ(line.fastest(), 1);
+    EXPECT_EQ(line.latest({3, 0, 0}, 3, 3.5, 1), 3.5); // all of it is within reach
+    EXPECT_NEAR(line.latest({3, 0, 0}, 3, 9, 1), 4, 1.0 / 64);
+    EXPECT_LE(line.latest({3, 0, 0}, 3, 9, 1), 4);
+    EXPECT_EQ(line.latest({3, 5, 0}, 3, 9, 1), 3);       // nothing is
+    EXPECT_EQ(line.latest({9, 0, 0}, 9, 1e9, 1.5), 1e9); // the last keyframe holds
+    const ScriptedBody back({{0, {}, {}}, {10, {10, 0, 0}, {}}, {1000, {10, 0, 0}, {}}, {1010, {}, {}}});
+    EXPECT_NEAR(back.latest({3, 0, 0}, 3, 1005.5, 1), 4, 1.0 / 64); // not yet
+    EXPECT_EQ(back.latest({3, 0, 0}, 3, 1007, 1), 1007);
+    EXPECT_NEAR(back.latest({3, 0, 0}, 3, 1010, 1), 1008, 1.0 / 64);
+    const ScriptedBody still({{0, {1, 2, 3}, {}}, {5, {1, 2, 3}, {}}});
+    EXPECT_EQ(still.fastest(), 0);
+    EXPECT_EQ(still.latest({1, 2, 3}, 1, 4, 0), 4);
+}
+
+TEST(LatestWithin, TurnsCountByTheFarthestPoint) {
+    const double corner = std::sqrt(3.0);
+    const ScriptedBody turning({{0, {}, {}}, {1, {}, rotation_from_vector({0, 0, 1})}});
+    EXPECT_NEAR(turning.fastest(), corner, 1e-12);
+    EXPECT_NEAR(turning.latest({}, 0, 1, 0.5 * corner), 0.5, 1.0 / 64);
+}
+
+} // namespace
+} // namespace flotilla::scenario
