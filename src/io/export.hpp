@@ -18,7 +18,7 @@ void export_obj(RunReader& run, const std::filesystem::path& folder);
 
 /// For ParaView: bodies.pvd, the collection over time of frames/bodies-<k>.vtp with one point per body, at the mesh's origin;
 /// point data body, shape, type, quaternion (w x y z), velocity, angular_velocity, speed, and
-/// where the run records them contacts, cluster (0 free, 1 kinematic, 2 rigid, 3 held) and cost. meshes/<k>-<name>.vtp are the
+/// where the run records them contacts, cluster (0 free, 1 kinematic, 2 rigid, 3 held, 4 asleep) and cost. meshes/<k>-<name>.vtp are the
 /// shapes in mesh coordinates, for glyphs turned by the quaternion.
 void export_vtp(RunReader& run, const std::filesystem::path& folder);
 

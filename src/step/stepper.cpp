@@ -90,6 +90,7 @@ void Stepper::prepare() {
     StepData d = data();
     looks_ahead_ = may_look_ahead(model_);
     contacts_.keeps_near = looks_ahead_;
+    if (state_.step > 0) find_sleeping_contacts(d);
     find_contacts(d, search_, contacts_);
     if (state_.step > 0) return;
     // Pairs that start closer than their rest distance keep their start distance as such (DESIGN section 3).
@@ -105,6 +106,19 @@ void Stepper::prepare() {
     if (state_.rest_distances.empty()) return;
     pairs_.clear(); // of other lengths
     find_contacts(d, search_, contacts_);
+}
+
+/// As the step found them in which they fell asleep: the points of a pair go by its poses alone.
+void Stepper::find_sleeping_contacts(StepData& d) {
+    const auto sleeps = [](const Body& body) { return body.asleep; };
+    if (std::none_of(model_.bodies.begin(), model_.bodies.end(), sleeps)) return;
+    for (Body& body : model_.bodies) body.asleep = false;
+    ContactSet all;
+    find_contacts(d, search_, all);
+    mark_asleep();
+    std::copy_if(all.contacts.begin(), all.contacts.end(), std::back_inserter(sleeping_contacts_),
+                 [&](const Contact& c) { return rests(c.a, c.b); });
+    pairs_.clear(); // of pairs that steps know nothing of
 }
 
 QueryCounters Stepper::query_counters() const {
@@ -207,6 +221,7 @@ void Stepper::advance(StepReport& report) {
             }
             static_contact(d, next, end, true, report);
             settle_energy(next, end, report);
+            report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
         }
     }
     team_.dismiss();
@@ -236,7 +251,15 @@ void Stepper::wake_disturbed(StepData& d) {
         woken = true;
     }
     mark_asleep();
-    if (woken) start_clusters(state_.motion);
+    if (!woken) return;
+    std::erase_if(sleeping_contacts_, [&](const Contact& c) { return !rests(c.a, c.b); });
+    start_clusters(state_.motion);
+}
+
+/// Whether neither body moves until something wakes it.
+bool Stepper::rests(std::int32_t a, std::int32_t b) const {
+    const auto movable = [&](std::int32_t i) { return model_.bodies[static_cast<std::size_t>(i)].movable(); };
+    return !movable(a) && !movable(b);
 }
 
 /// Lets islands fall asleep at the end of a step.
@@ -253,15 +276,17 @@ void Stepper::put_to_sleep() {
     fall_asleep(model_, rule, touching_, sleep_, state_);
     mark_asleep();
     // Contacts of bodies that sleep now are no longer searched for: those at hand would make the next step depend on more than State.
+    // They are put aside, for who asks.
+    const auto before = static_cast<std::ptrdiff_t>(sleeping_contacts_.size());
     contacts_.keep([&](std::size_t i) {
         const Contact& c = contacts_.contacts[i];
-        return model_.bodies[static_cast<std::size_t>(c.a)].movable() ||
-               model_.bodies[static_cast<std::size_t>(c.b)].movable();
+        if (!rests(c.a, c.b)) return true;
+        sleeping_contacts_.push_back(c);
+        return false;
     });
-    std::erase_if(contacts_.near, [&](const CandidatePair& c) {
-        return !model_.bodies[static_cast<std::size_t>(c.a)].movable() &&
-               !model_.bodies[static_cast<std::size_t>(c.b)].movable();
-    });
+    std::inplace_merge(sleeping_contacts_.begin(), sleeping_contacts_.begin() + before, sleeping_contacts_.end(),
+                       [](const Contact& x, const Contact& y) { return std::tuple(x.a, x.b) < std::tuple(y.a, y.b); });
+    std::erase_if(contacts_.near, [&](const CandidatePair& c) { return rests(c.a, c.b); });
 }
 
 void Stepper::start_clusters(std::span<const Motion> motion) {
@@ -311,10 +336,7 @@ void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<co
 StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                                             const StepReport& report) {
     // Contacts between sleeping bodies are not solved; their impulses wait for the day they wake.
-    const auto waits = [&](const WarmImpulse& w) {
-        return !model_.bodies[static_cast<std::size_t>(w.a)].movable() &&
-               !model_.bodies[static_cast<std::size_t>(w.b)].movable();
-    };
+    const auto waits = [&](const WarmImpulse& w) { return rests(w.a, w.b); };
     std::vector<WarmImpulse>& warm = final_stage ? state_.warm_final : state_.warm_half;
     waiting_.clear();
     const auto sleeps = [](const Body& body) { return body.asleep; };

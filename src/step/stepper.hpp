@@ -35,8 +35,10 @@ class Stepper {
     [[nodiscard]] const State& state() const { return state_; }
     /// The rotation vector of each body's motion in the last step, with whole turns, radians.
     [[nodiscard]] const std::vector<Vec3>& turns() const { return turns_; }
-    /// Contact points at the present poses.
+    /// Contact points at the present poses, but for those of sleeping_contacts().
     [[nodiscard]] const ContactSet& contacts() const { return contacts_; }
+    /// Those of sleeping bodies with each other and with infinite mass, sorted by bodies.
+    [[nodiscard]] const std::vector<Contact>& sleeping_contacts() const { return sleeping_contacts_; }
     /// Cluster state and cost of every body in the last step; contacts are not counted.
     [[nodiscard]] const std::vector<BodyActivity>& activity() const { return activity_; }
     /// Bodies that a failsafe event of the last step touched, as flags.
@@ -46,11 +48,13 @@ class Stepper {
 
   private:
     void prepare();
+    void find_sleeping_contacts(StepData& d);
     void advance(StepReport& report);
     StepData data();
     void wake_disturbed(StepData& d);
     void mark_asleep();
     void put_to_sleep();
+    [[nodiscard]] bool rests(std::int32_t a, std::int32_t b) const;
     void start_clusters(std::span<const Motion> motion);
     void move_scripts();
     void static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
@@ -97,7 +101,8 @@ class Stepper {
     std::vector<std::uint8_t> level_;  ///< see mark_level(); empty but in stage 3
     ContactSearchScratch search_;
     ContactSet contacts_;
-    bool looks_ahead_ = false; ///< may_look_ahead()
+    std::vector<Contact> sleeping_contacts_; ///< found when their bodies fell asleep: nobody looks at them again
+    bool looks_ahead_ = false;               ///< may_look_ahead()
     LookAheadScratch ahead_;
     std::vector<Motion> before_solve_;
     SleepScratch sleep_;

@@ -173,25 +173,30 @@ TEST(InfoCommand, DescribesARun) {
     EXPECT_NE(damaged.err.find("frames 0 to 5 are lost"), std::string::npos) << damaged.err;
 }
 
-TEST(RunCommand, WritesContactsOnRequest) {
-    const TemporaryFolder folder;
-    const std::string in = folder.path().string() + "/", scene = folder.write("block.json", R"({"flotilla_scene": 1,
-        "settings": {"time_step": 0.02, "sleeping": false},
+/// A block that comes to rest on the ground at once; `settings` as in a scene file.
+std::string resting_block(const TemporaryFolder& folder, const std::string& settings) {
+    return folder.write("block.json", R"({"flotilla_scene": 1, "settings": {"time_step": 0.02)" + settings + R"(},
         "shapes": [{"name": "block", "vertices": [[0,0,0],[1,0,0],[0,1,0],[0.3,0.3,1]], "triangles": [[0,2,1],[0,1,3],[1,2,3],[2,0,3]], "mass": 2},
                    {"name": "ground", "vertices": [[-9,-9,0],[9,-9,0],[0,9,0]], "triangles": [[0,1,2]]}],
         "bodies": [{"name": "block", "shape": "block", "position": [0, 0, 0.001]}, {"name": "ground", "shape": "ground", "type": "static"}]})");
+}
+
+TEST(RunCommand, WritesContactsOnRequest) {
+    const TemporaryFolder folder;
+    const std::string in = folder.path().string() + "/", scene = resting_block(folder, R"(, "sleeping": false)");
     ASSERT_EQ(run_flotilla("run --quiet --steps 40 --contacts " + in + "contacts.csv " + scene).exit_code, 0);
     ASSERT_EQ(run_flotilla("run --quiet --steps 40 --contacts " + in + "contacts.csv.gz " + scene).exit_code, 0);
     const std::string text = io::read_text(in + "contacts.csv");
     std::istringstream lines(text);
     std::string line;
     std::getline(lines, line);
-    EXPECT_EQ(line, "step,time,body_a,body_b,px,py,pz,nx,ny,nz,gap,normal_impulse,tangential_impulse");
+    EXPECT_EQ(line, "step,time,body_a,body_b,px,py,pz,nx,ny,nz,gap,normal_impulse,tangential_impulse,asleep");
     double carried = 0;
     int rows = 0;
     while (std::getline(lines, line)) {
         const auto fields = io::step_csv_fields(line);
-        ASSERT_EQ(fields.size(), 13u) << line;
+        ASSERT_EQ(fields.size(), 14u) << line;
+        EXPECT_EQ(fields[13], "0");
         if (fields[0] != "40") continue;
         ++rows;
         EXPECT_EQ(fields[1], "0.8");
@@ -222,6 +227,35 @@ TEST(RunCommand, WritesContactsOnRequest) {
     io::InputStream packed(in + "contacts.csv.gz");
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(packed.stream()), {}), text);
     EXPECT_EQ(run_flotilla("run --quiet --steps 1 --contacts /proc/none/contacts.csv " + scene).exit_code, 5);
+}
+
+TEST(RunCommand, ContactsOfSleepingBodiesStay) {
+    const TemporaryFolder folder;
+    const std::string in = folder.path().string() + "/", scene = resting_block(folder, "");
+    const CommandOutput r =
+        run_flotilla("run --steps 40 --output " + in + "run --contacts " + in + "contacts.csv " + scene);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE(r.out.find("contacts at the end: 3, all asleep"), std::string::npos) << r.out;
+    EXPECT_NE(r.err.find("ms/step, 3 contacts"), std::string::npos) << r.err;
+    std::istringstream lines(io::read_text(in + "contacts.csv"));
+    double carried = 0;
+    int rows = 0;
+    for (std::string line; std::getline(lines, line);) {
+        const auto fields = io::step_csv_fields(line);
+        if (fields[0] != "40") continue;
+        EXPECT_EQ(fields[13], "1");
+        carried += std::stod(std::string(fields[11]));
+        ++rows;
+    }
+    EXPECT_EQ(rows, 3);
+    EXPECT_NEAR(carried, 2 * 9.8 * 0.02, 0.01 * 2 * 9.8 * 0.02);
+    io::RunReader run(in + "run");
+    const io::Frame last = run.frame(40);
+    EXPECT_EQ(last.activity.contacts, (std::vector<std::uint16_t>{3, 3}));
+    EXPECT_EQ(last.activity.cluster, (std::vector<std::uint8_t>{4, 0})) << "the ground does not sleep";
+    const std::string steps = io::read_text(in + "run/steps.csv");
+    EXPECT_TRUE(steps.ends_with(",3\n")) << steps.substr(steps.size() - 200);
+    EXPECT_NE(steps.find(",sleeping_contacts\n"), std::string::npos);
 }
 
 TEST(RunCommand, RecordsItsCommandLine) {
