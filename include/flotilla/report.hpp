@@ -38,10 +38,11 @@ inline constexpr std::array<std::string_view, kNumPhases> kPhaseNames{
 enum StepWarning : std::uint32_t {
     kCollisionLimit = 1u << 0,  ///< collision_iterations ended stage 1 before it was quiet
     kDynamicLimit = 1u << 1,    ///< dynamic_iterations ended Algorithm 2: the failsafe had to finish
-    kStaticLimit = 1u << 2,     ///< PGS ended at static_iterations, or gave up, above static_tolerance
+    kStaticLimit = 1u << 2,     ///< a contact solve ended above its tolerance: at static_iterations, or given up
     kScriptDelayed = 1u << 3,   ///< a scripted body was held for this step (DESIGN 4.6)
     kReboundLost = 1u << 4,     ///< a held body lost a rebound of stage 1 (DESIGN 4.5)
     kInfiniteOverlap = 1u << 5, ///< two infinite-mass bodies overlap
+    kStaticLetOff = 1u << 6,    ///< another did so as loaded contacts of jams at rest are let off up to ten times it
 };
 
 struct StepReport {
@@ -54,7 +55,7 @@ struct StepReport {
     std::int64_t collisions = 0;   ///< impulses of stage 1
     std::int64_t contacts = 0;     ///< contact points of stage 7
     std::int64_t iterations = 0;   ///< sweeps of PGS, stages 3 and 7 together
-    double residual = 0;           ///< m/s, largest constraint violation left by PGS
+    double residual = 0;           ///< m/s, largest constraint violation that contact solves left, nothing let off
     std::int64_t merges = 0;       ///< failsafe: clusters merged
     std::int64_t rung_changes = 0; ///< failsafe: steps down the ladder free, kinematic, rigid, held
     std::int64_t held = 0;         ///< bodies at x^n at the end

@@ -185,7 +185,8 @@ ContactSolveStats summarize(const ContactScratch& s, int num_colors) {
         stats.iterations = std::max(stats.iterations, island.iterations);
         stats.visits += island.visits;
         stats.residual = std::max(stats.residual, island.residual);
-        stats.unsolved_islands += island.solved ? 0 : 1;
+        stats.unsolved_islands += !island.solved || island.let_off ? 1 : 0;
+        stats.let_off_islands += island.let_off ? 1 : 0;
         stats.part_rounds += island.part_rounds;
         stats.shocked_islands += island.shocked ? 1 : 0;
         stats.exact_islands += island.factorisations > 0 ? 1 : 0;

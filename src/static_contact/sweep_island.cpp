@@ -461,6 +461,7 @@ class IslandSweeps {
     void finish(const Course& course, bool solved) {
         island_.solved = solved;
         island_.residual = course.left.residual;
+        island_.let_off = solved && island_.residual > island_.tolerance;
         island_.iterations += course.sweeps();
         island_.visits += course.whole * num_swept();
         island_.part_rounds += part_rounds_;

@@ -328,9 +328,14 @@ void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<co
         stats = solve_contacts_at(motion, poses, final_stage, report);
         report.iterations += stats.solve.iterations;
     }
+    if (!final_stage) { // nothing is left of one that mark_level() discarded
+        report.residual = 0;
+        report.warnings &= ~std::uint32_t{kStaticLimit | kStaticLetOff};
+    }
     report.residual = std::max(report.residual, stats.solve.residual);
     if (final_stage) report.contacts = stats.contacts;
-    if (stats.solve.unsolved_islands > 0) report.warnings |= kStaticLimit;
+    if (stats.solve.unsolved_islands > stats.solve.let_off_islands) report.warnings |= kStaticLimit;
+    if (stats.solve.let_off_islands > 0) report.warnings |= kStaticLetOff;
 }
 
 StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
