@@ -15,9 +15,15 @@ namespace {
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+Cone cone_of(const ContactScratch& s) { return s.packed.frictionless ? Cone::none : Cone::frozen; }
+
 // The tangential bounds of PGS become constants; W is that of the masses the level sees.
-ContactRow shock_row(const ContactBlock& block, const ContactRow& row) {
+ContactRow shock_row(Cone cone, const ContactBlock& block, const ContactRow& row) {
     ContactRow r = row;
+    if (cone == Cone::none) {
+        set_normal_mass(block, r);
+        return r;
+    }
     r.local.friction = std::max(row.local.friction * row.local.impulse.x,
                                 std::max(std::abs(row.local.impulse.y), std::abs(row.local.impulse.z)));
     set_effective_mass(block, r);
@@ -88,13 +94,14 @@ void copy_level(std::int32_t first, std::int32_t end, const ContactSolveOptions&
         const ContactBlock& block = s.shock_blocks[i];
         const std::int32_t old = s.blocks[index(s.level_order[index(first) + i])].first;
         for (std::int32_t k = 0; k < block.end - block.first; ++k)
-            s.shock_rows[index(block.first + k)] = shock_row(block, s.rows[index(old + k)]);
+            s.shock_rows[index(block.first + k)] = shock_row(cone_of(s), block, s.rows[index(old + k)]);
     });
 }
 
 // Lays the copies out as packets, by colour.
 void pack_level(const ContactSolveOptions& options, ContactScratch& s) {
     s.shock_packed.clear();
+    s.shock_packed.frictionless = s.packed.frictionless;
     s.shock_groups.clear();
     lay_out_packets(s.shock_blocks, 0, static_cast<std::int32_t>(s.shock_blocks.size()), s.shock_packed,
                     s.shock_groups);
@@ -142,7 +149,7 @@ class LevelSweeps {
     [[nodiscard]] double residual() {
         return largest_of(1, [&](std::size_t, int thread) {
             const std::span<const ContactPacket> all = s_.shock_packed.packets;
-            return largest_violation(Cone::frozen, view_of(share_of(all, thread, threads_)), options_.isa);
+            return largest_violation(cone_of(s_), view_of(share_of(all, thread, threads_)), options_.isa);
         });
     }
 
@@ -150,7 +157,7 @@ class LevelSweeps {
     double sweep_groups() {
         return largest_of(s_.shock_groups.size(), [&](std::size_t g, int thread) {
             const std::int64_t begin = recorder_ != nullptr ? recorder_->now() : 0;
-            const double worst = sweep(Cone::frozen, view_of(packets_of(g).share(thread, threads_)), options_.isa);
+            const double worst = sweep(cone_of(s_), view_of(packets_of(g).share(thread, threads_)), options_.isa);
             if (recorder_ != nullptr) busy_[index(thread) * s_.shock_groups.size() + g] += recorder_->now() - begin;
             return worst;
         });
@@ -171,6 +178,7 @@ class LevelSweeps {
         return {.packets = packets.data(),
                 .num_packets = static_cast<std::int64_t>(packets.size()),
                 .rows = s_.shock_packed.rows.data(),
+                .normal_rows = s_.shock_packed.normal_rows.data(),
                 .bodies = s_.velocity.data()};
     }
     [[nodiscard]] GroupPackets packets_of(std::size_t group) const {
