@@ -2,7 +2,11 @@
 // flotilla verify, export and info on run folders written here: exit codes, verdicts and messages.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <sstream>
+
+#include <flotilla/run_folder.hpp>
 
 #include "io/file_stream.hpp"
 #include "io/run_folder.hpp"
@@ -155,6 +159,72 @@ TEST(ExportCommand, WritesEveryFormat) {
     EXPECT_EQ(run_flotilla("export " + folder + " --format xyz").exit_code, 2);
     EXPECT_EQ(run_flotilla("export " + folder + " --output /proc/none/poses.csv").exit_code, 5);
     EXPECT_EQ(run_flotilla("export " + run.folder.path().string()).exit_code, 5) << "no run folder";
+}
+
+TEST(ExportCommand, WritesARangeOfFrames) {
+    const PlateRun run; // frames 0 to 5
+    const std::string export_run = "export " + run.write();
+    const auto frames = [&](const std::string& range) {
+        std::istringstream csv(run_flotilla(export_run + " --frames " + range).out);
+        std::string line, numbers;
+        std::getline(csv, line);
+        while (std::getline(csv, line))
+            if (line.find(",0,") != std::string::npos && !numbers.ends_with(line.substr(0, line.find(','))))
+                numbers += line.substr(0, line.find(','));
+        return numbers;
+    };
+    EXPECT_EQ(frames("1:3"), "123");
+    EXPECT_EQ(frames("1::2"), "135");
+    EXPECT_EQ(frames(":2"), "012");
+    EXPECT_EQ(frames("4"), "4");
+    EXPECT_EQ(frames("4:99"), "45");
+    for (const char* bad : {"x", "1:2:0", "1:2:3:4", "1.5", "9", "3:2", "-1"})
+        EXPECT_EQ(run_flotilla(export_run + " --frames=" + bad).exit_code, 2) << bad;
+}
+
+TEST(ExportCommand, SaysHowMuchItWrites) {
+    const TemporaryFolder folder;
+    const std::string scene = (folder.path() / "scene.json").string(), run = (folder.path() / "run").string();
+    std::ofstream(scene) << run_flotilla("scene boats-in-bowl --bodies 12").out;
+    ASSERT_EQ(run_flotilla("run --quiet --steps 80 --output " + run + " " + scene).exit_code, 0);
+    for (const auto& [name, format] :
+         {std::pair("csv", ExportFormat::csv), std::pair("vtp", ExportFormat::vtp), std::pair("obj", ExportFormat::obj),
+          std::pair("glb", ExportFormat::glb), std::pair("usd", ExportFormat::usd)}) {
+        const fs::path output = folder.path() / name;
+        const CommandOutput r = run_flotilla("export " + run + " --format " + name + " --output " + output.string());
+        ASSERT_EQ(r.exit_code, 0) << r.err;
+        EXPECT_EQ(r.err, "wrote " + output.string() + "\n") << "nothing is said of little";
+        double bytes = 0;
+        if (fs::is_directory(output)) {
+            for (const auto& file : fs::recursive_directory_iterator(output))
+                if (file.is_regular_file()) bytes += static_cast<double>(file.file_size());
+        } else {
+            bytes = static_cast<double>(fs::file_size(output));
+        }
+        const ExportSize size = estimate_export(run, format);
+        EXPECT_EQ(size.frames, 81);
+        EXPECT_NEAR(static_cast<double>(size.bytes) / bytes, 1, 1.0 / 3) << name;
+    }
+}
+
+TEST(ExportCommand, WarnsBeforeItWritesGigabytes) {
+    const TemporaryFolder folder;
+    io::RunScene scene = sample_scene(3000);
+    for (int i = 0; i < 20000; ++i) scene.shapes[0].mesh.vertices.push_back({0.1 * i, 0, 0});
+    const std::string run = (folder.path() / "run").string();
+    {
+        io::RunWriter writer(run, sample_info(), scene, io::OpenRun::create);
+        write_sample(writer, 3000, 0, 1, true);
+        writer.close("complete");
+    }
+    const auto warning = [&](const std::string& options) {
+        const CommandOutput r = run_flotilla("export " + run + " --output /proc/none/out " + options);
+        EXPECT_EQ(r.exit_code, 5) << "nothing can be written there";
+        return r.err;
+    };
+    EXPECT_NE(warning("--format obj").find("export writes about 6.9 GB in 2 frames; --frames "), std::string::npos);
+    EXPECT_NE(warning("--format obj --frames 1").find("about 3.5 GB in 1 frame;"), std::string::npos);
+    EXPECT_EQ(warning("--format csv").find("writes about"), std::string::npos);
 }
 
 TEST(InfoCommand, DescribesARun) {
