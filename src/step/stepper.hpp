@@ -54,7 +54,11 @@ class Stepper {
     void wake_disturbed(StepData& d);
     void mark_asleep();
     void put_to_sleep();
-    [[nodiscard]] bool rests(std::int32_t a, std::int32_t b) const;
+    /// Whether neither body moves until something wakes it.
+    [[nodiscard]] bool rests(std::int32_t a, std::int32_t b) const {
+        return !model_.bodies[static_cast<std::size_t>(a)].movable() &&
+               !model_.bodies[static_cast<std::size_t>(b)].movable();
+    }
     void start_clusters(std::span<const Motion> motion);
     void move_scripts();
     void static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
