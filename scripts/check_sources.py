@@ -56,6 +56,7 @@ PUBLIC_HEADERS = {
     "scene_library": "scene",
     "report": "step/report",
     "picture": "io",
+    "export": "io",
 }
 
 # Libraries beside std and Eigen, which every module but the embedders' headers may use.

@@ -38,9 +38,10 @@ inline constexpr std::array<std::string_view, kNumPhases> kPhaseNames{
 enum StepWarning : std::uint32_t {
     kCollisionLimit = 1u << 0, ///< collision_iterations ended stage 1 before it was quiet
     kDynamicLimit = 1u << 1,   ///< dynamic_iterations ended Algorithm 2: the failsafe had to finish
-    kStaticLimit = 1u << 2,    ///< PGS ended at static_iterations, or gave up, above static_tolerance
+    kStaticLimit = 1u << 2,    ///< a contact solve ended above its tolerance: at static_iterations, or given up
     kScriptDelayed = 1u << 3,  ///< a scripted body was held for this step (DESIGN 4.6)
     kReboundLost = 1u << 4,    ///< a held body lost a rebound of stage 1 (DESIGN 4.5)
+    kStaticLetOff = 1u << 5,   ///< another did so as loaded contacts of jams at rest are let off up to ten times it
 };
 
 struct StepReport {
@@ -53,7 +54,7 @@ struct StepReport {
     std::int64_t collisions = 0;   ///< impulses of stage 1
     std::int64_t contacts = 0;     ///< contact points of stage 7
     std::int64_t iterations = 0;   ///< sweeps of PGS, stages 3 and 7 together
-    double residual = 0;           ///< m/s, largest constraint violation left by PGS
+    double residual = 0;           ///< m/s, largest constraint violation that contact solves left, nothing let off
     std::int64_t merges = 0;       ///< failsafe: clusters merged
     std::int64_t rung_changes = 0; ///< failsafe: steps down the ladder free, kinematic, rigid, held
     std::int64_t held = 0;         ///< bodies at x^n at the end
@@ -70,7 +71,8 @@ struct StepReport {
     std::int64_t largest_cluster = 0;  ///< bodies in the largest cluster
     std::int64_t trigger_a = -1;       ///< the pair of the first failsafe event, body indices; -1: none
     std::int64_t trigger_b = -1;
-    std::int64_t sleeping = 0; ///< bodies asleep
+    std::int64_t sleeping = 0;          ///< bodies asleep
+    std::int64_t sleeping_contacts = 0; ///< of bodies that slept through the step: `contacts` does not count them
     std::uint32_t warnings = 0;
 
     // Energy may rise by lift alone: what brings bodies to their rest distance, at most m |g| d_rest of each (G5).
@@ -89,18 +91,19 @@ struct StepReport {
     [[nodiscard]] double& ms(Phase phase) { return phase_ms[static_cast<std::size_t>(phase)]; }
 };
 
-/// How a body moved in a step: by itself, or by a rung of the failsafe's ladder.
+/// How a body moved in a step: by itself, or by a rung of the failsafe's ladder; or that it is asleep at the end.
 enum class ClusterState : std::uint8_t {
     free,
     kinematic, ///< with others, keeping their relative motion
     rigid,     ///< as one rigid body with others
     held,      ///< not at all
+    asleep,    ///< not at all: it rests, and stands still until something comes near
 };
 
 /// What a step did with one body. The same at any number of threads, and in a resumed run.
 struct BodyActivity {
-    std::int64_t contacts =
-        0; ///< contact points with other bodies at the end poses, nearer than the proximity distance
+    /// Contact points with other bodies at the end poses, nearer than the proximity distance; of sleeping bodies as well.
+    std::int64_t contacts = 0;
     ClusterState cluster = ClusterState::free;
     /// How often the step set the body's end state: 0 for bodies that rest or have infinite mass, 2 for one that nothing touched; the
     /// more, the more work it was.
@@ -115,6 +118,9 @@ struct ContactState {
     double distance = 0;                 ///< m
     Vec3
         impulse; ///< on b, N s, world; of the last step's stage 7, zero where that left the contact out. a got its opposite
+    /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse is that of the step
+    /// in which the island fell asleep.
+    bool asleep = false;
 };
 
 } // namespace flotilla

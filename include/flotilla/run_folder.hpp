@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <flotilla/export.hpp>
+
 namespace flotilla {
 
 struct RunSummary {
@@ -29,17 +31,15 @@ struct RunSummary {
 /// IoError where `folder` is not a run folder.
 [[nodiscard]] RunSummary summarize_run(const std::filesystem::path& folder);
 
-enum class ExportFormat : std::uint8_t {
-    csv, ///< one row per body and frame, 17 significant digits
-    vtp, ///< ParaView: one point per body with its rotation, the meshes, and a .pvd over time
-    obj, ///< one file per frame, all bodies in the world
-    glb, ///< one animated node per body, single precision
-    usd, ///< one point instancer with time samples, as text, single precision
-};
-/// Writes a CSV to a stream.
-void export_csv(const std::filesystem::path& folder, std::ostream& out);
-/// Writes `output`: a file for csv, glb and usd, a folder for vtp and obj. Existing files are replaced. IoError where something
-/// cannot be read or written.
-void export_run(const std::filesystem::path& folder, ExportFormat format, const std::filesystem::path& output);
+/// Writes a CSV to a stream. InputError where the run has no frame of the range.
+void export_csv(const std::filesystem::path& folder, std::ostream& out, const FrameRange& range = {});
+/// Writes `output`: a file for csv, glb and usd, a folder for vtp and obj. Existing files are replaced. InputError where the run has no
+/// frame of the range, IoError where something cannot be read or written.
+void export_run(const std::filesystem::path& folder, ExportFormat format, const std::filesystem::path& output,
+                const FrameRange& range = {});
+
+/// How much export_run writes, to within a third; nothing is read but the bodies and shapes. InputError as there.
+[[nodiscard]] ExportSize estimate_export(const std::filesystem::path& folder, ExportFormat format,
+                                         const FrameRange& range = {});
 
 } // namespace flotilla

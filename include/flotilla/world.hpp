@@ -85,7 +85,7 @@ class World {
     [[nodiscard]] BodyState body(std::size_t index) const;
     /// The rotation vector of a body's motion in the last step, with whole turns, radians, world axes.
     [[nodiscard]] Vec3 turn(std::size_t index) const;
-    /// Sorted by bodies. Contacts of sleeping bodies with each other or with infinite mass are not looked for and not among them.
+    /// Sorted by bodies. Those of sleeping bodies with each other or with infinite mass are among them, marked as asleep.
     [[nodiscard]] std::vector<ContactState> contacts() const;
     /// Of every body, in scene order; before the first step only the contacts are known.
     [[nodiscard]] std::vector<BodyActivity> activity() const;

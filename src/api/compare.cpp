@@ -44,7 +44,7 @@ const std::vector<StageColumns>& stage_columns() {
          {"contacts", "min_distance", "proximities", "pruned_end_points", "pruned_same_direction", "pruned_angle",
           "pruned_occluded"}},
         {"the end of the step (energy account, who sleeps)",
-         {"energy_corrections", "energy_removed", "lift", "sleeping"}}};
+         {"energy_corrections", "energy_removed", "lift", "sleeping", "sleeping_contacts"}}};
     return all;
 }
 

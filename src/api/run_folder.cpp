@@ -59,10 +59,10 @@ RunSummary summarize_run(const std::filesystem::path& folder) {
     return summary;
 }
 
-void export_csv(const std::filesystem::path& folder, std::ostream& out) {
+void export_csv(const std::filesystem::path& folder, std::ostream& out, const FrameRange& range) {
     const DefaultFloatingPoint environment;
     io::RunReader reader(folder);
-    io::export_csv(reader, [&out](std::string_view text) {
+    io::export_csv(reader, io::frames_of(reader, range), [&out](std::string_view text) {
         if (!(out << text)) throw IoError("cannot write the CSV");
     });
 }
@@ -70,28 +70,36 @@ void export_csv(const std::filesystem::path& folder, std::ostream& out) {
 namespace {
 
 /// Under a temporary name until it is complete: it may be too large for memory.
-void export_csv_file(io::RunReader& reader, const std::filesystem::path& output) {
+void export_csv_file(io::RunReader& reader, const FrameRange& range, const std::filesystem::path& output) {
     const std::filesystem::path temporary = output.string() + std::string(io::kTemporarySuffix);
     std::error_code error;
     std::filesystem::remove(temporary, error);
     io::AppendFile file(temporary);
-    io::export_csv(reader, [&file](std::string_view text) { file.append(text); });
+    io::export_csv(reader, range, [&file](std::string_view text) { file.append(text); });
     file.sync();
     io::replace_file(temporary, output);
 }
 
 } // namespace
 
-void export_run(const std::filesystem::path& folder, ExportFormat format, const std::filesystem::path& output) {
+void export_run(const std::filesystem::path& folder, ExportFormat format, const std::filesystem::path& output,
+                const FrameRange& range) {
     const DefaultFloatingPoint environment;
     io::RunReader reader(folder);
+    const FrameRange frames = io::frames_of(reader, range);
     switch (format) {
-    case ExportFormat::csv: return export_csv_file(reader, output);
-    case ExportFormat::vtp: return io::export_vtp(reader, output);
-    case ExportFormat::obj: return io::export_obj(reader, output);
-    case ExportFormat::glb: return io::export_glb(reader, output);
-    case ExportFormat::usd: return io::export_usd(reader, output);
+    case ExportFormat::csv: return export_csv_file(reader, frames, output);
+    case ExportFormat::vtp: return io::export_vtp(reader, frames, output);
+    case ExportFormat::obj: return io::export_obj(reader, frames, output);
+    case ExportFormat::glb: return io::export_glb(reader, frames, output);
+    case ExportFormat::usd: return io::export_usd(reader, frames, output);
     }
+}
+
+ExportSize estimate_export(const std::filesystem::path& folder, ExportFormat format, const FrameRange& range) {
+    const io::RunReader reader(folder);
+    const std::int64_t frames = io::count(io::frames_of(reader, range));
+    return {frames, io::export_bytes(reader.scene(), format, frames)};
 }
 
 } // namespace flotilla

@@ -185,23 +185,34 @@ Vec3 World::turn(std::size_t index) const {
 
 std::vector<ContactState> World::contacts() const {
     std::vector<ContactState> out;
+    const std::vector<Contact>& awake = impl_->stepper.contacts().contacts;
+    const std::vector<Contact>& asleep = impl_->stepper.sleeping_contacts();
     const std::vector<WarmImpulse>& solved = impl_->stepper.state().warm_final;
-    auto pair = solved.begin(); // both lists are sorted by bodies
-    for (const Contact& c : impl_->stepper.contacts().contacts) {
-        pair = std::find_if(pair, solved.end(),
-                            [&](const WarmImpulse& w) { return std::pair(w.a, w.b) >= std::pair(c.a, c.b); });
-        ContactState state{c.a, c.b, c.point, c.normal, c.distance, {}};
-        for (auto w = pair; w != solved.end() && w->a == c.a && w->b == c.b; ++w)
+    const auto bodies = [](const auto& x) { return std::pair(x.a, x.b); };
+    auto pair = solved.begin(); // all lists are sorted by bodies
+    const auto add = [&](const Contact& c, bool sleeps) {
+        pair = std::find_if(pair, solved.end(), [&](const WarmImpulse& w) { return bodies(w) >= bodies(c); });
+        ContactState state{c.a, c.b, c.point, c.normal, c.distance, {}, sleeps};
+        for (auto w = pair; w != solved.end() && bodies(*w) == bodies(c); ++w)
             if (w->feature_key == c.feature_key) state.impulse = w->impulse;
         out.push_back(state);
+    };
+    auto sleeper = asleep.begin();
+    for (const Contact& c : awake) {
+        for (; sleeper != asleep.end() && bodies(*sleeper) < bodies(c); ++sleeper) add(*sleeper, true);
+        add(c, false);
     }
+    for (; sleeper != asleep.end(); ++sleeper) add(*sleeper, true);
     return out;
 }
 
 std::vector<BodyActivity> World::activity() const {
     std::vector<BodyActivity> out = impl_->stepper.activity();
-    for (const Contact& c : impl_->stepper.contacts().contacts)
-        for (const std::int32_t body : {c.a, c.b}) ++out[static_cast<std::size_t>(body)].contacts;
+    for (const auto* contacts : {&impl_->stepper.contacts().contacts, &impl_->stepper.sleeping_contacts()})
+        for (const Contact& c : *contacts)
+            for (const std::int32_t body : {c.a, c.b}) ++out[static_cast<std::size_t>(body)].contacts;
+    for (std::size_t i = 0; i < out.size(); ++i)
+        if (asleep(impl_->stepper.state(), i)) out[i].cluster = ClusterState::asleep;
     return out;
 }
 

@@ -64,6 +64,8 @@ std::filesystem::path overlap_file(const CheckArguments& arguments) {
 
 int run_check(const CheckArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene, arguments.options.resolve());
+    for (const std::string& text : arguments.options.overridden_by_scene(loaded.scene.settings))
+        std::cerr << "note: " << text << '\n';
     const SceneCheck check = check_scene(loaded.scene, loaded.source);
     for (const std::string& warning : check.warnings) std::cerr << "warning: " << warning << '\n';
     print_pairs("warning", check.ignored_intersections);

@@ -2,11 +2,15 @@
 // flotilla export: a run in the formats of other programs.
 #include <CLI/CLI.hpp>
 
+#include <charconv>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include <flotilla/error.hpp>
 #include <flotilla/run_folder.hpp>
 
 #include "cli/commands.hpp"
@@ -16,7 +20,7 @@ namespace flotilla::cli {
 namespace {
 
 struct ExportArguments {
-    std::string folder, output;
+    std::string folder, output, frames;
     ExportFormat format = ExportFormat::csv;
 };
 
@@ -33,14 +37,52 @@ std::filesystem::path default_output(const ExportArguments& arguments) {
     return {};
 }
 
+/// FIRST:LAST:EVERY, of which each may be missing, or one number.
+FrameRange parse_range(const std::string& text) {
+    FrameRange range;
+    if (text.empty()) return range;
+    std::vector<std::string> parts(1);
+    for (const char c : text)
+        if (c == ':')
+            parts.emplace_back();
+        else
+            parts.back() += c;
+    const auto number = [&](std::size_t k, std::int64_t missing) {
+        if (k >= parts.size() || parts[k].empty()) return missing;
+        std::int64_t value = -1;
+        const char* const end = parts[k].data() + parts[k].size();
+        const auto parsed = std::from_chars(parts[k].data(), end, value);
+        if (parsed.ec != std::errc{} || parsed.ptr != end || value < (k == 2 ? 1 : 0) || parts.size() > 3)
+            throw InputError("export: --frames wants FIRST:LAST:EVERY, got \"" + text + "\"");
+        return value;
+    };
+    range.first = number(0, 0);
+    range.last = parts.size() == 1 ? range.first : number(1, range.last);
+    range.every = number(2, 1);
+    return range;
+}
+
+/// Before gigabytes are written.
+void warn_of_size(const ExportSize& size) {
+    constexpr double kGigabyte = 1e9;
+    const double gigabytes = static_cast<double>(size.bytes) / kGigabyte;
+    if (gigabytes < 1) return;
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g", gigabytes);
+    std::cerr << "flotilla: export writes about " << text << " GB in " << size.frames
+              << (size.frames == 1 ? " frame" : " frames") << "; --frames FIRST:LAST:EVERY takes fewer\n";
+}
+
 int run_export(const ExportArguments& arguments) {
+    const FrameRange range = parse_range(arguments.frames);
+    warn_of_size(estimate_export(arguments.folder, arguments.format, range));
     std::filesystem::path output = arguments.output;
     if (output.empty()) output = default_output(arguments);
     if (output.empty()) {
-        export_csv(arguments.folder, std::cout);
+        export_csv(arguments.folder, std::cout, range);
         return kOk;
     }
-    export_run(arguments.folder, arguments.format, output);
+    export_run(arguments.folder, arguments.format, output, range);
     std::cerr << "wrote " << output.string() << '\n';
     return kOk;
 }
@@ -61,6 +103,9 @@ void register_export(CLI::App& app, Action& action) {
                                   "What to write");
     command->add_option("--output", arguments->output,
                         "File (csv, glb, usd) or folder (vtp, obj); default: stdout for csv, else inside DIR");
+    command->add_option(
+        "--frames", arguments->frames,
+        "frames FIRST:LAST:EVERY, each may be missing, or one frame; default: all. They keep their numbers");
     command->callback([arguments, &action] { action = [arguments] { return run_export(*arguments); }; });
 }
 

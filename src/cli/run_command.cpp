@@ -78,7 +78,7 @@ std::string note(const StepReport& r, double mean_ms) {
     const char* const format = mean_ms < 1    ? "t = %.3f s, mean %.2g ms/step, %ld contacts"
                                : mean_ms < 10 ? "t = %.3f s, mean %.1f ms/step, %ld contacts"
                                               : "t = %.3f s, mean %.0f ms/step, %ld contacts";
-    std::snprintf(text, sizeof text, format, r.time, mean_ms, static_cast<long>(r.contacts));
+    std::snprintf(text, sizeof text, format, r.time, mean_ms, static_cast<long>(r.contacts + r.sleeping_contacts));
     return text;
 }
 
@@ -130,12 +130,19 @@ void print_summary(const RunTotals& s) {
     if (s.output_ms > 0)
         std::printf("output: %.2f ms per step (%.2f %% of the steps' time)\n", s.output_ms / n,
                     100 * s.output_ms / s.total_ms);
-    std::printf("collision impulses: %.1f per step; contacts at the end: %ld\n", static_cast<double>(s.collisions) / n,
-                static_cast<long>(s.last.contacts));
+    std::printf("collision impulses: %.1f per step; contacts at the end: %ld", static_cast<double>(s.collisions) / n,
+                static_cast<long>(s.last.contacts + s.last.sleeping_contacts));
+    if (s.last.sleeping_contacts > 0)
+        std::printf(s.last.contacts > 0 ? ", %ld of them asleep" : ", all asleep",
+                    static_cast<long>(s.last.sleeping_contacts));
+    std::printf("\n");
     std::printf("failsafe: %ld merges, %ld rung changes, %ld bodies held (all steps together)\n",
                 static_cast<long>(s.merges), static_cast<long>(s.rung_changes), static_cast<long>(s.held));
-    std::printf("contact solves above tolerance: in %ld of %ld steps, %.3g m/s in the last\n",
-                static_cast<long>(s.above_tolerance), static_cast<long>(s.steps), s.last.residual);
+    std::printf("contact solves above tolerance: in %ld of %ld steps", static_cast<long>(s.above_tolerance),
+                static_cast<long>(s.steps));
+    if (s.let_off > 0)
+        std::printf(" (in %ld of them loaded contacts of jams at rest alone)", static_cast<long>(s.let_off));
+    std::printf(", %.3g m/s in the last\n", s.last.residual);
     std::printf("energy taken by the last resort: %.3g J from %ld islands (all steps together); lift: %.3g J\n",
                 s.energy_removed, static_cast<long>(s.energy_corrections), s.last.lift);
     std::printf("smallest distance at the end of a step: ");
@@ -243,8 +250,10 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
     command->add_option("--trace-every", arguments->trace_every, "steps per recorded step")
         ->needs(trace)
         ->check(CLI::PositiveNumber);
-    command->add_option("--contacts", arguments->contacts,
-                        "write the contact points of every step and their impulses into FILE as CSV (.gz: compressed)");
+    command->add_option(
+        "--contacts", arguments->contacts,
+        "write the contact points of every step and their impulses into FILE as CSV (.gz: compressed); those of "
+        "sleeping bodies are marked");
     command->add_flag_callback(
         "--pin",
         [] { throw CLI::ValidationError("--pin", "is gone: OMP_PROC_BIND=true binds threads, OMP_PLACES says where"); },

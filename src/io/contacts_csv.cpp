@@ -50,7 +50,8 @@ void ContactsCsv::add(std::int64_t step, double time, std::span<const ContactSta
         text += ',';
         append_row(text, c.body_a, c.body_b,
                    {c.point.x, c.point.y, c.point.z, c.normal.x, c.normal.y, c.normal.z, c.distance, along, across});
-        out_.write(text += '\n');
+        text += c.asleep ? ",1\n" : ",0\n";
+        out_.write(text);
         for (const std::int32_t body : {c.body_a, c.body_b}) {
             Total& total = totals_[body];
             ++total.contacts;

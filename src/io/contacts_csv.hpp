@@ -2,7 +2,7 @@
 // The contact points of a run as CSV, one row per contact and step. Bodies are numbered in scene order from 0, body_a < body_b; p is the
 // point (m, world), n the unit normal from a to b, gap the distance there (m); normal_impulse and tangential_impulse (N s, along n and
 // the length of the rest) are what static contact at the end of the step, stage 7, did there to b, and the opposite to a.
-// Sleeping bodies have contacts with awake ones only. A second file has the totals of every body with contacts: how many, the sums of
+// Contacts that are asleep (1 in the last column) are those of the step in which their island fell asleep. A second file has the totals of every body with contacts: how many, the sums of
 // their normal and tangential impulses, and the net impulse on the body (N s, world).
 #pragma once
 
@@ -18,7 +18,7 @@
 namespace flotilla::io {
 
 inline constexpr std::string_view kContactsHeader =
-    "step,time,body_a,body_b,px,py,pz,nx,ny,nz,gap,normal_impulse,tangential_impulse";
+    "step,time,body_a,body_b,px,py,pz,nx,ny,nz,gap,normal_impulse,tangential_impulse,asleep";
 inline constexpr std::string_view kContactTotalsHeader =
     "step,time,body,contacts,normal_impulse,tangential_impulse,impulse_x,impulse_y,impulse_z";
 

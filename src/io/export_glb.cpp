@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Binary glTF 2.0 (Khronos specification): a JSON chunk that describes and a binary chunk that holds the arrays.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
 #include <flotilla/error.hpp>
 
 #include "base/rotation.hpp"
+#include "io/body_colour.hpp"
 #include "io/export.hpp"
 
 namespace flotilla::io {
@@ -65,7 +69,7 @@ class Glb {
         };
         const auto word = [&put](std::size_t value) {
             if (value > std::numeric_limits<std::uint32_t>::max())
-                throw IoError("the run is too long for one glTF file (4 GiB); export it with a larger --frame-every");
+                throw IoError("the run is too long for one glTF file (4 GiB); export fewer frames (--frames)");
             const auto number = static_cast<std::uint32_t>(value);
             put(std::as_bytes(std::span(&number, 1)));
         };
@@ -80,8 +84,11 @@ class Glb {
     std::vector<std::byte> binary_; ///< all elements have four bytes, so everything stays aligned
 };
 
-/// Returns the index of the mesh; nothing for a shape without triangles, which glTF cannot hold.
-std::optional<std::size_t> add_shape(Glb& glb, const RunShape& shape) {
+/// Accessors of a shape; none for one without triangles, which glTF cannot hold.
+struct ShapeArrays {
+    std::size_t position = 0, index = 0;
+};
+std::optional<ShapeArrays> add_shape(Glb& glb, const RunShape& shape) {
     if (shape.mesh.triangles.empty()) return {};
     std::vector<float> positions;
     for (const Vec3& v : shape.mesh.vertices)
@@ -89,12 +96,55 @@ std::optional<std::size_t> add_shape(Glb& glb, const RunShape& shape) {
     std::vector<std::uint32_t> indices;
     for (const Triangle& t : shape.mesh.triangles)
         for (const std::int32_t i : t) indices.push_back(static_cast<std::uint32_t>(i));
-    const std::size_t position = glb.add<float>(positions, "VEC3", kVertexArray, true);
-    const std::size_t index = glb.add<std::uint32_t>(indices, "SCALAR", kIndexArray, false);
-    const Json primitive{{"attributes", {{"POSITION", position}}}, {"indices", index}, {"material", 0}};
-    glb.json["meshes"].push_back(Json{{"name", shape.name}, {"primitives", Json::array({primitive})}});
-    return glb.json["meshes"].size() - 1;
+    return ShapeArrays{glb.add<float>(positions, "VEC3", kVertexArray, true),
+                       glb.add<std::uint32_t>(indices, "SCALAR", kIndexArray, false)};
 }
+
+/// A material for every colour that a body has, and a mesh for every shape in a colour, which share the shape's arrays.
+class Looks {
+  public:
+    Looks(Glb& glb, const RunScene& scene) : glb_(glb), scene_(scene) {
+        for (const auto& shape : scene.shapes) shapes_.push_back(add_shape(glb, shape));
+    }
+    /// The index of the body's mesh; none for a shape without triangles.
+    std::optional<std::size_t> mesh_of(std::size_t body) {
+        const auto shape = static_cast<std::size_t>(scene_.bodies[body].shape);
+        if (!shapes_[shape]) return {};
+        const std::size_t colour = scene_.bodies[body].type == BodyType::dynamic
+                                       ? colour_of(static_cast<std::uint32_t>(body)).colour
+                                       : kBodyColours.size();
+        const auto [place, is_new] = meshes_.try_emplace({shape, colour}, meshes_.size());
+        if (is_new) {
+            const Json primitive{{"attributes", {{"POSITION", shapes_[shape]->position}}},
+                                 {"indices", shapes_[shape]->index},
+                                 {"material", material(colour)}};
+            glb_.json["meshes"].push_back(
+                Json{{"name", scene_.shapes[shape].name}, {"primitives", Json::array({primitive})}});
+        }
+        return place->second;
+    }
+
+  private:
+    /// One number after the last colour: the grey of bodies that are not dynamic.
+    std::size_t material(std::size_t colour) {
+        const auto [place, is_new] = materials_.try_emplace(colour, materials_.size());
+        if (!is_new) return place->second;
+        std::array<float, 3> base = kFixedColour;
+        if (colour < kBodyColours.size())
+            for (std::size_t k = 0; k < 3; ++k) base[k] = linear_of_srgb(kBodyColours[colour][k]);
+        const Json look{{"baseColorFactor", Json::array({base[0], base[1], base[2], 1})},
+                        {"metallicFactor", 0},
+                        {"roughnessFactor", 0.8}};
+        glb_.json["materials"].push_back(Json{{"doubleSided", true}, {"pbrMetallicRoughness", look}});
+        return place->second;
+    }
+
+    Glb& glb_;
+    const RunScene& scene_;
+    std::vector<std::optional<ShapeArrays>> shapes_;
+    std::map<std::pair<std::size_t, std::size_t>, std::size_t> meshes_; ///< by shape and colour
+    std::map<std::size_t, std::size_t> materials_;                      ///< by colour
+};
 
 /// The keyframes of all bodies.
 struct Tracks {
@@ -115,10 +165,10 @@ void append_rotation(std::vector<float>& track, const Quat& rotation) {
     for (const double x : value) track.push_back(static_cast<float>(x));
 }
 
-Tracks read_tracks(RunReader& run) {
+Tracks read_tracks(RunReader& run, const FrameRange& range) {
     const std::size_t n = run.scene().bodies.size();
     Tracks tracks{{}, std::vector<std::vector<float>>(n), std::vector<std::vector<float>>(n)};
-    for (std::int64_t k = 0; k < run.frames(); ++k) {
+    for (std::int64_t k = range.first; k <= range.last; k += range.every) {
         const Frame frame = run.frame(k);
         tracks.times.push_back(static_cast<float>(frame.time));
         for (std::size_t i = 0; i < n; ++i) {
@@ -174,9 +224,6 @@ void add_frame_of_reference(Glb& glb, std::size_t bodies) {
     Json root{{"name", "z up"}, {"rotation", Json::array({-half, 0, 0, half})}};
     for (std::size_t i = 0; i < bodies; ++i) root["children"].push_back(i + 1);
     glb.json["nodes"] = Json::array({root});
-    const Json look{
-        {"baseColorFactor", Json::array({0.8, 0.6, 0.4, 1})}, {"metallicFactor", 0}, {"roughnessFactor", 0.8}};
-    glb.json["materials"] = Json::array({Json{{"doubleSided", true}, {"pbrMetallicRoughness", look}}});
 }
 
 void add_animation(Glb& glb, const Tracks& tracks) {
@@ -192,18 +239,17 @@ void add_animation(Glb& glb, const Tracks& tracks) {
 
 } // namespace
 
-void export_glb(RunReader& run, const std::filesystem::path& file) {
+void export_glb(RunReader& run, const FrameRange& range, const std::filesystem::path& file) {
     static_assert(std::endian::native == std::endian::little);
     const RunScene& scene = run.scene();
     Glb glb;
     add_frame_of_reference(glb, scene.bodies.size());
-    std::vector<std::optional<std::size_t>> meshes;
-    for (const auto& shape : scene.shapes) meshes.push_back(add_shape(glb, shape));
-    const Tracks tracks = read_tracks(run);
+    Looks looks(glb, scene);
+    const Tracks tracks = read_tracks(run, range);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         Json node = first_pose(tracks, i);
         node["name"] = scene.bodies[i].name;
-        if (const auto mesh = meshes[static_cast<std::size_t>(scene.bodies[i].shape)]) node["mesh"] = *mesh;
+        if (const auto mesh = looks.mesh_of(i)) node["mesh"] = *mesh;
         glb.json["nodes"].push_back(std::move(node));
     }
     add_animation(glb, tracks);

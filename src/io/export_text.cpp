@@ -40,16 +40,16 @@ void append_object(std::string& text, const RunShape& shape, const std::string& 
 
 } // namespace
 
-void export_csv(RunReader& run, const std::function<void(std::string_view)>& write) {
+void export_csv(RunReader& run, const FrameRange& range, const std::function<void(std::string_view)>& write) {
     std::vector<std::string> names;
     for (const auto& body : run.scene().bodies) names.push_back(body.name);
     write(std::string(kPosesHeader) + "\n");
     frames_in_order(
-        run, [&](const Frame& frame) { return poses_csv_rows(frame, names); },
+        run, range, [&](const Frame& frame) { return poses_csv_rows(frame, names); },
         [&](const std::string& rows, std::int64_t) { write(rows); });
 }
 
-void export_obj(RunReader& run, const std::filesystem::path& folder) {
+void export_obj(RunReader& run, const FrameRange& range, const std::filesystem::path& folder) {
     create_folder(folder);
     const RunScene& scene = run.scene();
     const auto make = [&](const Frame& frame) {
@@ -65,7 +65,7 @@ void export_obj(RunReader& run, const std::filesystem::path& folder) {
         }
         return text;
     };
-    frames_in_order(run, make, [&](const std::string& text, std::int64_t k) {
+    frames_in_order(run, range, make, [&](const std::string& text, std::int64_t k) {
         write_file(folder / ("frame-" + padded(k) + ".obj"), text);
     });
 }

@@ -58,11 +58,12 @@ std::string prim_name(std::size_t index, const std::string& name) {
     return safe;
 }
 
-std::string header(const RunReader& run) {
+std::string header(const RunReader& run, const FrameRange& range) {
     std::string text =
-        "#usda 1.0\n(\n    defaultPrim = \"run\"\n    metersPerUnit = 1\n    upAxis = \"Z\"\n    startTimeCode = 0\n"
-        "    endTimeCode = ";
-    append_number(text, std::max<std::int64_t>(run.frames() - 1, 0));
+        "#usda 1.0\n(\n    defaultPrim = \"run\"\n    metersPerUnit = 1\n    upAxis = \"Z\"\n    startTimeCode = ";
+    append_number(text, range.first);
+    text += "\n    endTimeCode = ";
+    append_number(text, range.last);
     text += "\n    timeCodesPerSecond = ";
     append_number(text, 1 / (run.info().time_step * run.info().frame_every));
     return text + "\n)\n\n";
@@ -100,10 +101,11 @@ std::string instances(const RunScene& scene) {
 
 /// One attribute over all frames. The file has attribute after attribute, so that a run is read once for each and never held.
 template <class Values>
-void write_samples(RunReader& run, OutputStream& out, const std::string& attribute, Values values) {
+void write_samples(RunReader& run, const FrameRange& range, OutputStream& out, const std::string& attribute,
+                   Values values) {
     out.write("        " + attribute + ".timeSamples = {\n");
     frames_in_order(
-        run, [&](const Frame& frame) { return list(values(frame)); },
+        run, range, [&](const Frame& frame) { return list(values(frame)); },
         [&](const std::string& made, std::int64_t k) {
             out.write("            " + std::to_string(k) + ": " + made + ",\n");
         });
@@ -119,16 +121,17 @@ std::vector<Vec3> in_degrees(std::vector<Vec3> values) {
 
 } // namespace
 
-void export_usd(RunReader& run, const std::filesystem::path& file) {
+void export_usd(RunReader& run, const FrameRange& range, const std::filesystem::path& file) {
     OutputStream out(file);
     const RunScene& scene = run.scene();
-    out.write(header(run) + "def Xform \"run\"\n{\n    def PointInstancer \"bodies\"\n    {\n" + instances(scene));
-    write_samples(run, out, "point3f[] positions", [](const Frame& f) { return f.position; });
+    out.write(header(run, range) + "def Xform \"run\"\n{\n    def PointInstancer \"bodies\"\n    {\n" +
+              instances(scene));
+    write_samples(run, range, out, "point3f[] positions", [](const Frame& f) { return f.position; });
     // The schema's orientations are half precision, 0.0005 rad; newer readers prefer orientationsf.
-    write_samples(run, out, "quath[] orientations", [](const Frame& f) { return f.rotation; });
-    write_samples(run, out, "quatf[] orientationsf", [](const Frame& f) { return f.rotation; });
-    write_samples(run, out, "vector3f[] velocities", [](const Frame& f) { return f.velocity; });
-    write_samples(run, out, "vector3f[] angularVelocities",
+    write_samples(run, range, out, "quath[] orientations", [](const Frame& f) { return f.rotation; });
+    write_samples(run, range, out, "quatf[] orientationsf", [](const Frame& f) { return f.rotation; });
+    write_samples(run, range, out, "vector3f[] velocities", [](const Frame& f) { return f.velocity; });
+    write_samples(run, range, out, "vector3f[] angularVelocities",
                   [](const Frame& f) { return in_degrees(f.angular_velocity); });
     out.write("\n        def Scope \"prototypes\"\n        {\n");
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) out.write(prototype(i, scene.shapes[i]));

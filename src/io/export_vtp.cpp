@@ -115,7 +115,7 @@ std::string file_name(const std::string& name) {
 
 } // namespace
 
-void export_vtp(RunReader& run, const std::filesystem::path& folder) {
+void export_vtp(RunReader& run, const FrameRange& range, const std::filesystem::path& folder) {
     create_folder(folder / "frames");
     create_folder(folder / "meshes");
     const RunScene& scene = run.scene();
@@ -131,7 +131,7 @@ void export_vtp(RunReader& run, const std::filesystem::path& folder) {
         append_number(collection, made.first);
         collection += "\" part=\"0\" file=\"" + name + "\"/>\n";
     };
-    frames_in_order(run, make, use);
+    frames_in_order(run, range, make, use);
     write_file(folder / "bodies.pvd", collection + "</Collection>\n</VTKFile>\n");
 }
 

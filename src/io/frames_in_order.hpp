@@ -3,17 +3,19 @@
 
 #include <cstdint>
 
+#include "io/export.hpp"
 #include "io/run_folder.hpp"
 #include "parallel/in_order.hpp"
 
 namespace flotilla::io {
 
-/// use(make(frame), k) for all frames of the run: read and used in order, made into something else side by side in between.
+/// use(make(frame), k) for the frames k of the range: read and used in order, made into something else side by side in between.
 template <class Make, class Use>
-void frames_in_order(RunReader& run, Make&& make, Use&& use) {
-    const auto read = [&](std::size_t k) { return run.frame(static_cast<std::int64_t>(k)); };
-    const auto use_made = [&](auto& made, std::size_t k) { use(made, static_cast<std::int64_t>(k)); };
-    in_order(static_cast<std::size_t>(run.frames()), free_threads(), read, make, use_made);
+void frames_in_order(RunReader& run, const FrameRange& range, Make&& make, Use&& use) {
+    const auto frame_of = [&](std::size_t i) { return range.first + range.every * static_cast<std::int64_t>(i); };
+    const auto read = [&](std::size_t i) { return run.frame(frame_of(i)); };
+    const auto use_made = [&](auto& made, std::size_t i) { use(made, frame_of(i)); };
+    in_order(static_cast<std::size_t>(count(range)), free_threads(), read, make, use_made);
 }
 
 } // namespace flotilla::io

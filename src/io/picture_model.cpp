@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "base/rotation.hpp"
+#include "io/body_colour.hpp"
 
 namespace flotilla::picture {
 namespace {
@@ -78,27 +79,10 @@ MeshData mesh_data(const TriangleMesh& mesh) {
     return data;
 }
 
-/// sRGB 0..255 to linear. Muted boat-shed colours that stay apart from each other and from the grey of fixed bodies.
-Float3 palette(std::uint32_t seed) {
-    static constexpr std::array<std::array<int, 3>, 12> kColours{{{201, 75, 60},
-                                                                  {226, 138, 60},
-                                                                  {236, 190, 84},
-                                                                  {126, 165, 82},
-                                                                  {58, 141, 118},
-                                                                  {63, 142, 178},
-                                                                  {54, 97, 158},
-                                                                  {123, 94, 158},
-                                                                  {190, 98, 134},
-                                                                  {229, 221, 203},
-                                                                  {156, 106, 72},
-                                                                  {98, 178, 190}}};
-    std::uint32_t h = seed * 2654435769U; // spreads neighbouring numbers over the palette
-    h ^= h >> 15U;
-    h *= 2246822519U;
-    h ^= h >> 13U;
-    const auto& c = kColours[h % kColours.size()];
-    const float shade = 0.88F + 0.24F * static_cast<float>((h >> 16U) & 255U) / 255.0F;
-    const auto linear = [&](int v) { return shade * std::pow(static_cast<float>(v) / 255.0F, 2.2F); };
+Float3 palette(std::uint32_t number) {
+    const io::BodyColour colour = io::colour_of(number);
+    const auto& c = io::kBodyColours[colour.colour];
+    const auto linear = [&](int v) { return colour.shade * io::linear_of_srgb(v); };
     return {linear(c[0]), linear(c[1]), linear(c[2])};
 }
 
@@ -209,7 +193,9 @@ Model build_model(std::span<const PictureBody> bodies) {
     const Sphere dynamic = focus_on_dynamic(spheres, model.bodies);
     const Sphere focus = focus_on_fixed(spheres, model.bodies, dynamic);
     for (BodyData& body : model.bodies)
-        if (body.fixed) body.colour = body.in_focus ? Float3{0.50F, 0.50F, 0.48F} : Float3{0.37F, 0.38F, 0.38F};
+        if (body.fixed)
+            body.colour = body.in_focus ? Float3{io::kFixedColour[0], io::kFixedColour[1], io::kFixedColour[2]}
+                                        : Float3{0.37F, 0.38F, 0.38F};
     model.origin = focus.center;
     model.scale = focus.radius > 0 ? focus.radius : 1;
     const Sphere& subject = dynamic.radius > 0 ? dynamic : focus;

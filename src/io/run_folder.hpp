@@ -12,7 +12,7 @@
 // [..][3] of the centre of mass (m/s), angular_velocity [..][3] (rad/s); step [frames], time [frames] (s), and
 // checksum [frames] over all of a frame's values, so that one flipped bit costs one frame and is never taken for data.
 // Runs of the solver also have what the step that ended at the frame did with each body, [frames][bodies]: contacts, uint16, contact
-// points of the body; cluster, uint8, 0 free, 1 kinematic, 2 rigid, 3 held by the failsafe; cost, uint16, how often the step set the
+// points of the body; cluster, uint8, 0 free, 1 kinematic, 2 rigid, 3 held by the failsafe, 4 asleep; cost, uint16, how often the step set the
 // body's end state (the counts end at 65535); and activity_checksum [frames] over these. A segment has all four or none.
 // The path of a body between two successive steps is its centre of mass on a straight line and the orientation R(t w) q.
 // w is the shortest arc between the two stored rotations, except for the rows of path_index [rows][2] (frame in the segment,

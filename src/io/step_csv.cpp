@@ -15,7 +15,7 @@ constexpr std::string_view kColumnsAfterPhases =
     "min_distance,state_hash,angular_momentum_x,angular_momentum_y,angular_momentum_z,kinetic_energy,kinematic_bodies,"
     "rigid_bodies,largest_cluster,trigger_a,trigger_b,sleeping,warnings,"
     "proximities,pruned_end_points,pruned_same_direction,pruned_angle,pruned_occluded,"
-    "energy_corrections,energy_removed,lift";
+    "energy_corrections,energy_removed,lift,sleeping_contacts";
 
 std::string hex(std::uint64_t value) {
     char buffer[16];
@@ -56,6 +56,7 @@ std::string step_csv_row(const StepReport& row) {
     add(row.proximities), add(row.pruned_end_points), add(row.pruned_same_direction), add(row.pruned_angle);
     add(row.pruned_occluded);
     add(row.energy_corrections), add(row.energy_removed), add(row.lift);
+    add(row.sleeping_contacts);
     return text.append("\n");
 }
 

@@ -256,34 +256,42 @@ ContactBlock make_block(const BodyPair& pair, const ContactBodies& bodies, const
 /// The step of tangents that outlive it.
 constexpr std::uint64_t kNoStep = ~std::uint64_t{0};
 
-TangentPair choose_tangents(const Contact& c, const ContactSolveOptions& options) {
-    if (cone_of(options) == Cone::disc) return any_tangents(c.normal);
+TangentPair choose_tangents(const Contact& c, Cone cone, const ContactSolveOptions& options) {
+    if (cone != Cone::pyramid) return any_tangents(c.normal);
     return keyed_tangents(c, options.seed, c.sticks ? kNoStep : options.step);
 }
 
+void set_mass(Cone cone, const ContactBlock& block, ContactRow& row) {
+    switch (cone) {
+    case Cone::none: return set_normal_mass(block, row);
+    case Cone::disc: return set_principal_mass(block, row);
+    case Cone::pyramid:
+    case Cone::frozen: break;
+    }
+    set_effective_mass(block, row);
+}
+
 ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBodies& bodies, const Vec3& warm_impulse,
-                    const ContactSolveOptions& options) {
+                    Cone cone, const ContactSolveOptions& options) {
     ContactRow row;
     row.normal = c.normal;
     row.arm_a = c.point - bodies.position[index(c.a)];
     row.arm_b = row.arm_a + block.offset;
-    const TangentPair t = choose_tangents(c, options);
+    const TangentPair t = choose_tangents(c, cone, options);
     row.tangent_1 = t.t1;
     row.tangent_2 = t.t2;
     row.local.target = c.target;
     row.local.friction = c.friction;
-    if (cone_of(options) == Cone::disc)
-        set_principal_mass(block, row);
-    else
-        set_effective_mass(block, row);
+    set_mass(cone, block, row);
     const Vec3 warm = to_contact(row, warm_impulse);
-    row.local.impulse = cut_to_cone(cone_of(options), warm, c.friction);
+    row.local.impulse = cut_to_cone(cone, warm, c.friction);
     return row;
 }
 
 // Blocks and rows of all pairs, in `pair_order`; those of a pair that are parked behind the others.
 void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
                  std::span<const Vec3> impulses, ContactScratch& s) {
+    const Cone cone = cone_of(options, s);
     s.blocks.resize(s.pair_order.size());
     s.rows.resize(s.order.size());
     s.source.resize(s.order.size());
@@ -302,7 +310,7 @@ void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies,
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
             const std::size_t c = index(s.order[index(i)]), row = index(s.parked[index(i)] ? parked++ : awake++);
             const Vec3 warm = options.warm_start ? impulses[c] : Vec3{};
-            s.rows[row] = make_row(contacts[c], block, bodies, warm, options);
+            s.rows[row] = make_row(contacts[c], block, bodies, warm, cone, options);
             s.source[row] = count_of(c);
         }
         block.end = parked;
@@ -325,6 +333,8 @@ void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::ve
 int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
              std::span<const Vec3> impulses, ContactScratch& s) {
     order_contacts(contacts, bodies, s);
+    s.packed.frictionless =
+        std::all_of(s.order.begin(), s.order.end(), [&](std::int32_t k) { return contacts[index(k)].friction == 0; });
     gather_bodies(contacts, bodies, s);
     gather_pairs(contacts, s);
     park_contacts(contacts, bodies, options, impulses, s);

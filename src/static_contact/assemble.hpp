@@ -17,8 +17,9 @@ void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::ve
 /// long as the velocities of its points changed by less against each other since then, it holds.
 inline constexpr double kParkedMargin = 25;
 
-/// The friction bound that goes with the options' tangents.
-constexpr Cone cone_of(const ContactSolveOptions& options) {
+/// The friction bound that goes with the options' tangents; none where no contact has friction.
+inline Cone cone_of(const ContactSolveOptions& options, const ContactScratch& scratch) {
+    if (scratch.packed.frictionless) return Cone::none;
     return options.tangents == Tangents::random ? Cone::pyramid : Cone::disc;
 }
 

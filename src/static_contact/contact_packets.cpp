@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <type_traits>
 
 #include "static_contact/sweep_kernel.hpp"
 
@@ -41,23 +42,44 @@ void set_bodies(std::span<const ContactBlock> blocks, ContactPacket& p) {
     }
 }
 
-void set_lane(PacketRow& out, std::size_t lane, const ContactRow& row) {
-    const LocalContact& c = row.local;
-    set_lane(out, lane, PacketRow::kMassDiagonal, c.mass_diagonal);
-    set_lane(out, lane, PacketRow::kInvMassDiagonal, c.inv_mass_diagonal);
-    set_lane(out, lane, PacketRow::kCoupling, c.coupling);
-    set_lane(out, lane, PacketRow::kImpulse, c.impulse);
-    set_lane(out, lane, PacketRow::kPrevious, c.impulse);
-    out.field[PacketRow::kTarget][lane] = c.target;
-    out.field[PacketRow::kFriction][lane] = c.friction;
-    set_lane(out, lane, PacketRow::kNormal, row.normal);
-    set_lane(out, lane, PacketRow::kTangent1, row.tangent_1);
-    set_lane(out, lane, PacketRow::kArmA, row.arm_a);
+// Tangential components of a vector.
+void set_tangential(PacketRow& out, std::size_t lane, int field, const Vec3& v) {
+    const auto f = static_cast<std::size_t>(field);
+    out.field[f][lane] = v.y;
+    out.field[f + 1][lane] = v.z;
 }
 
-// Row k of each block, awake or parked; W = 1 keeps the divisions of an idle lane finite.
+template <class Row>
+void set_lane(Row& out, std::size_t lane, const ContactRow& row) {
+    const LocalContact& c = row.local;
+    out.field[PacketRow::kNormalMass][lane] = c.mass_diagonal.x;
+    out.field[PacketRow::kInvNormalMass][lane] = c.inv_mass_diagonal.x;
+    out.field[PacketRow::kNormalImpulse][lane] = out.field[PacketRow::kNormalPrevious][lane] = c.impulse.x;
+    out.field[PacketRow::kTarget][lane] = c.target;
+    set_lane(out, lane, PacketRow::kNormal, row.normal);
+    set_lane(out, lane, PacketRow::kArmA, row.arm_a);
+    if constexpr (std::is_same_v<Row, PacketRow>) {
+        set_tangential(out, lane, PacketRow::kTangentMass, c.mass_diagonal);
+        set_tangential(out, lane, PacketRow::kInvTangentMass, c.inv_mass_diagonal);
+        set_tangential(out, lane, PacketRow::kTangentImpulse, c.impulse);
+        set_tangential(out, lane, PacketRow::kTangentPrevious, c.impulse);
+        set_lane(out, lane, PacketRow::kCoupling, c.coupling);
+        out.field[PacketRow::kFriction][lane] = c.friction;
+        set_lane(out, lane, PacketRow::kTangent1, row.tangent_1);
+    }
+}
+
+// W = 1 keeps the divisions of an idle lane finite.
+template <class Row>
+void set_idle(Row& out, std::size_t lane) {
+    out.field[PacketRow::kNormalMass][lane] = 1;
+    if constexpr (std::is_same_v<Row, PacketRow>) set_tangential(out, lane, PacketRow::kTangentMass, {1, 1, 1});
+}
+
+// Row k of each block, awake or parked.
+template <class Row>
 void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, bool parked, std::span<const ContactRow> rows,
-              PacketRow& out, std::int32_t* source) {
+              Row& out, std::int32_t* source) {
     out = {};
     for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
         source[lane] = -1;
@@ -67,7 +89,7 @@ void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, bool parked,
             if (row < (parked ? block.end : block.parked)) source[lane] = row;
         }
         if (source[lane] < 0)
-            set_lane(out, lane, PacketRow::kMassDiagonal, Vec3{1, 1, 1});
+            set_idle(out, lane);
         else
             set_lane(out, lane, rows[index(source[lane])]);
     }
@@ -135,7 +157,8 @@ void resize_rows(PackedContacts& packed) {
     }
     const std::size_t rows = packed.packets.empty() ? 0 : index(packed.packets.back().end_parked);
     packed.parked_reach.resize(packed.packets.size());
-    packed.rows.resize(rows);
+    packed.rows.resize(packed.frictionless ? 0 : rows);
+    packed.normal_rows.resize(packed.frictionless ? rows : 0);
     packed.source.resize(rows * kPacketLanes);
 }
 
@@ -147,7 +170,11 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
     const auto fill = [&](std::int32_t first, std::int32_t end, bool parked) {
         for (std::int32_t k = 0; k < end - first; ++k) {
             const std::size_t row = index(first + k);
-            fill_row(members, k, parked, rows, packed.rows[row], packed.source.data() + row * kPacketLanes);
+            std::int32_t* source = packed.source.data() + row * kPacketLanes;
+            if (packed.frictionless)
+                fill_row(members, k, parked, rows, packed.normal_rows[row], source);
+            else
+                fill_row(members, k, parked, rows, packed.rows[row], source);
         }
     };
     fill(packet.first, packet.end, false);
@@ -160,12 +187,15 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
 }
 
 void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows) {
-    const auto& field = packed.rows[row].field;
+    const Lanes* field = packed.frictionless ? packed.normal_rows[row].field : packed.rows[row].field;
     for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
         const std::int32_t source = packed.source[row * kPacketLanes + lane];
         if (source < 0) continue;
-        rows[index(source)].local.impulse = {field[PacketRow::kImpulse][lane], field[PacketRow::kImpulse + 1][lane],
-                                             field[PacketRow::kImpulse + 2][lane]};
+        Vec3& impulse = rows[index(source)].local.impulse;
+        impulse.x = field[PacketRow::kNormalImpulse][lane];
+        if (packed.frictionless) continue;
+        impulse.y = field[PacketRow::kTangentImpulse][lane];
+        impulse.z = field[PacketRow::kTangentImpulse + 1][lane];
     }
 }
 
@@ -201,12 +231,12 @@ double largest_parked_violation(Cone cone, const SweepView& view, Isa isa) {
     return largest_parked_violation_any<ScalarPack>(cone, view);
 }
 
-void apply_impulses(const SweepView& view, Isa isa) {
+void apply_impulses(Cone cone, const SweepView& view, Isa isa) {
 #if defined(__x86_64__)
-    if (isa == Isa::avx512) return apply_impulses_avx512(view);
-    if (isa == Isa::avx2) return apply_impulses_avx2(view);
+    if (isa == Isa::avx512) return apply_impulses_avx512(cone, view);
+    if (isa == Isa::avx2) return apply_impulses_avx2(cone, view);
 #endif
-    apply_all<ScalarPack>(view);
+    apply_any<ScalarPack>(cone, view);
 }
 
 } // namespace flotilla

@@ -44,18 +44,30 @@ static_assert(sizeof(ContactPacket) == 640);
 /// One contact of each pair: fields of ContactRow and the impulse before the last visit, 26 doubles per contact, read in order
 /// once per visit; only the impulses are written. A big pile is bound by this stream, so the second tangent (normal x first) and
 /// the arm from b (the pair's offset + the arm from a) are computed. A pair with fewer contacts than others of its packet
-/// has idle rows below: no direction, no arm, no impulse, W = 1.
+/// has idle rows below: no direction, no arm, no impulse, W = 1. What the normal's row needs comes first.
 struct alignas(64) PacketRow {
-    static constexpr int kMassDiagonal = 0, kInvMassDiagonal = 3, kCoupling = 6, kImpulse = 9, kTarget = 12;
-    static constexpr int kFriction = 13, kNormal = 14, kTangent1 = 17, kArmA = 20, kPrevious = 23;
+    static constexpr int kNormalMass = 0, kInvNormalMass = 1, kNormalImpulse = 2, kNormalPrevious = 3, kTarget = 4;
+    static constexpr int kNormal = 5, kArmA = 8;                                        ///< a vector each
+    static constexpr int kNormalFields = 11;                                            ///< those above
+    static constexpr int kTangentMass = 11, kInvTangentMass = 13, kTangentImpulse = 15; ///< of both tangents
+    static constexpr int kTangentPrevious = 17, kCoupling = 19;                         ///< likewise; W_n1, W_n2, W_12
+    static constexpr int kFriction = 22, kTangent1 = 23;                                ///< mu; a vector
     Lanes field[26] = {};
 };
 static_assert(sizeof(PacketRow) == 832);
 
+/// What is left of it where no contact has friction.
+struct alignas(64) NormalRow {
+    Lanes field[PacketRow::kNormalFields] = {};
+};
+static_assert(sizeof(NormalRow) == 384);
+
 struct PackedContacts {
     LargeVector<ContactPacket> packets;
+    bool frictionless = false;             ///< rows are normal_rows
     LargeVector<PacketRow> rows;           ///< awake ones of all packets, then parked ones
-    LargeVector<std::int32_t> source;      ///< row of each lane of `rows` it was packed from; -1: idle
+    LargeVector<NormalRow> normal_rows;    ///< likewise, where there is no friction
+    LargeVector<std::int32_t> source;      ///< row of each lane of a packed row it was packed from; -1: idle
     std::vector<std::int32_t> first_block; ///< by packet
     std::vector<double> parked_reach;      ///< m, by packet: the longest arm of its parked rows
     /// Keeps the rows, which fill_packet() writes over.
@@ -63,6 +75,7 @@ struct PackedContacts {
         packets.clear();
         first_block.clear();
     }
+    [[nodiscard]] std::size_t num_rows() const { return frictionless ? normal_rows.size() : rows.size(); }
 };
 
 /// What threads sweep together before they wait for one another: the packets of a colour, shared out; or those of several small
@@ -93,6 +106,7 @@ struct SweepView {
     const ContactPacket* packets = nullptr;
     std::int64_t num_packets = 0;
     PacketRow* rows = nullptr;
+    NormalRow* normal_rows = nullptr; ///< those in use with Cone::none
     BodyVelocity* bodies = nullptr;
     /// A contact's violation in the normal direction counts less by this share of what its normal impulse changes, lambda_n W_nn, but
     /// by `most_let_off`, m/s, at most.
@@ -111,7 +125,7 @@ double largest_parked_violation(Cone cone, const SweepView& view, Isa isa);
 double find_violated(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated, Isa isa);
 
 /// V += M^-1 J^T lambda for the impulses that the rows hold: the warm start.
-void apply_impulses(const SweepView& view, Isa isa);
+void apply_impulses(Cone cone, const SweepView& view, Isa isa);
 
 /// Kernels compiled for AVX2 and for AVX-512 (F, DQ, VL); call only where the processor has it.
 double sweep_avx2(Cone cone, const SweepView& view);
@@ -122,7 +136,7 @@ double find_violated_avx2(Cone cone, const SweepView& view, double tolerance, st
 double find_violated_avx512(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated);
 double largest_parked_violation_avx2(Cone cone, const SweepView& view);
 double largest_parked_violation_avx512(Cone cone, const SweepView& view);
-void apply_impulses_avx2(const SweepView& view);
-void apply_impulses_avx512(const SweepView& view);
+void apply_impulses_avx2(Cone cone, const SweepView& view);
+void apply_impulses_avx512(Cone cone, const SweepView& view);
 
 } // namespace flotilla

@@ -35,6 +35,15 @@ void set_effective_mass(const ContactBlock& block, ContactRow& row) {
     set_mass(inverse_mass(block), n, t1, t2, row.local);
 }
 
+void set_normal_mass(const ContactBlock& block, ContactRow& row) {
+    const Vec3 turn_a = cross(row.arm_a, row.normal), turn_b = cross(row.arm_b, row.normal);
+    const double w =
+        inverse_mass(block) + (dot(turn_a, block.inv_inertia_a * turn_a) + dot(turn_b, block.inv_inertia_b * turn_b));
+    row.local.mass_diagonal = {w, 1, 1};
+    row.local.inv_mass_diagonal = {1 / w, 1, 1};
+    row.local.coupling = {};
+}
+
 void set_principal_mass(const ContactBlock& block, ContactRow& row) {
     const double m = inverse_mass(block);
     const Torques n(block, row, row.normal);
@@ -66,6 +75,7 @@ void turn_tangents(const TangentTurn& turn, ContactRow& row) {
 
 Vec3 cut_to_cone(Cone cone, const Vec3& impulse, double friction) {
     const double n = std::max(0.0, impulse.x);
+    if (cone == Cone::none) return {n, 0, 0};
     const double bound = friction * n;
     if (cone != Cone::disc) return {n, std::clamp(impulse.y, -bound, bound), std::clamp(impulse.z, -bound, bound)};
     const double size = std::sqrt(impulse.y * impulse.y + impulse.z * impulse.z);

@@ -13,6 +13,7 @@ enum class Cone : std::uint8_t {
     pyramid, ///< |lambda_1| <= mu lambda_n, |lambda_2| <= mu lambda_n (eqs 18-20)
     disc,    ///< |(lambda_1, lambda_2)| <= mu lambda_n; tangents are turned so that W_12 = 0
     frozen,  ///< pyramid with a given bound instead of mu lambda_n: shock propagation
+    none,    ///< no friction at all: the normal's row alone
 };
 
 /// Components x, y, z of a vector in contact coordinates are normal, tangent 1, tangent 2.
@@ -89,6 +90,8 @@ void turn_tangents(const TangentTurn& turn, ContactRow& row);
 
 /// Sets W of the row's frame for the masses of the block.
 void set_effective_mass(const ContactBlock& block, ContactRow& row);
+/// W_nn alone: the rest is that of a row without contact.
+void set_normal_mass(const ContactBlock& block, ContactRow& row);
 /// Turns the tangents to the principal axes of W_tt before.
 void set_principal_mass(const ContactBlock& block, ContactRow& row);
 

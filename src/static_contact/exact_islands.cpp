@@ -103,6 +103,7 @@ void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact
                             .polish = island.solved ? kPolish : 0},
                            e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
+    island.let_off = false;
     if (!stats.solved && !(stats.residual < island.residual)) return;
     scatter(island, bodies, s, e);
     if (!stats.solved && objective(island, s, e) > 0) {

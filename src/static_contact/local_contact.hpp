@@ -98,6 +98,12 @@ template <Cone kCone, class P>
                                                    const LetOff<P>& off = {}) {
     LocalUpdate<P> r;
     r.change.x = normal_change(c, u.x);
+    const P normal = abs(r.change.x) * c.mass_diagonal.x - let_off(c, off);
+    if constexpr (kCone == Cone::none) {
+        r.change.y = r.change.z = P::all(0);
+        r.violation = max(normal, P::all(0));
+        return r;
+    }
     const P bound = friction_bound<kCone>(c, c.impulse.x + r.change.x);
     const P u1 = u.y + c.coupling.x * r.change.x;
     const P u2 = u.z + c.coupling.y * r.change.x;
@@ -110,8 +116,7 @@ template <Cone kCone, class P>
         const P u2_after = u2 + c.coupling.z * r.change.y;
         r.change.z = clamp(c.impulse.z - u2_after * c.inv_mass_diagonal.z, bound) - c.impulse.z;
     }
-    r.violation = max(max(abs(r.change.x) * c.mass_diagonal.x - let_off(c, off), abs(r.change.y) * c.mass_diagonal.y),
-                      abs(r.change.z) * c.mass_diagonal.z);
+    r.violation = max(max(normal, abs(r.change.y) * c.mass_diagonal.y), abs(r.change.z) * c.mass_diagonal.z);
     return r;
 }
 
@@ -120,6 +125,8 @@ template <Cone kCone, class P>
 /// Cone::disc). The friction bound is that of the present normal impulse.
 template <Cone kCone, class P>
 [[gnu::always_inline]] inline P violation(const LocalPack<P>& c, const PackVec<P>& u, const LetOff<P>& off = {}) {
+    const P normal = abs(normal_change(c, u.x)) * c.mass_diagonal.x - let_off(c, off);
+    if constexpr (kCone == Cone::none) return max(normal, P::all(0));
     const P bound = friction_bound<kCone>(c, c.impulse.x);
     PackVec2<P> l, scale{c.mass_diagonal.y, c.mass_diagonal.z};
     if constexpr (kCone == Cone::disc) {
@@ -130,8 +137,7 @@ template <Cone kCone, class P>
         l = {clamp(c.impulse.y - u.y * c.inv_mass_diagonal.y, bound),
              clamp(c.impulse.z - u.z * c.inv_mass_diagonal.z, bound)};
     }
-    return max(max(abs(normal_change(c, u.x)) * c.mass_diagonal.x - let_off(c, off), abs(l.x - c.impulse.y) * scale.x),
-               abs(l.y - c.impulse.z) * scale.y);
+    return max(max(normal, abs(l.x - c.impulse.y) * scale.x), abs(l.y - c.impulse.z) * scale.y);
 }
 
 } // namespace

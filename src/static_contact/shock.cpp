@@ -15,9 +15,15 @@ namespace {
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+Cone cone_of(const ContactScratch& s) { return s.packed.frictionless ? Cone::none : Cone::frozen; }
+
 // The tangential bounds of PGS become constants; W is that of the masses the level sees.
-ContactRow shock_row(const ContactBlock& block, const ContactRow& row) {
+ContactRow shock_row(Cone cone, const ContactBlock& block, const ContactRow& row) {
     ContactRow r = row;
+    if (cone == Cone::none) {
+        set_normal_mass(block, r);
+        return r;
+    }
     r.local.friction = std::max(row.local.friction * row.local.impulse.x,
                                 std::max(std::abs(row.local.impulse.y), std::abs(row.local.impulse.z)));
     set_effective_mass(block, r);
@@ -88,13 +94,14 @@ void copy_level(std::int32_t first, std::int32_t end, const ContactSolveOptions&
         const ContactBlock& block = s.shock_blocks[i];
         const std::int32_t old = s.blocks[index(s.level_order[index(first) + i])].first;
         for (std::int32_t k = 0; k < block.end - block.first; ++k)
-            s.shock_rows[index(block.first + k)] = shock_row(block, s.rows[index(old + k)]);
+            s.shock_rows[index(block.first + k)] = shock_row(cone_of(s), block, s.rows[index(old + k)]);
     });
 }
 
 // Lays the copies out as packets, by colour.
 void pack_level(const ContactSolveOptions& options, ContactScratch& s) {
     s.shock_packed.clear();
+    s.shock_packed.frictionless = s.packed.frictionless;
     s.shock_groups.clear();
     lay_out_packets(s.shock_blocks, 0, static_cast<std::int32_t>(s.shock_blocks.size()), s.shock_packed,
                     s.shock_groups);
@@ -135,26 +142,44 @@ class LevelSweeps {
         }
     }
     [[nodiscard]] std::int64_t visits() const { return sweeps_ * static_cast<std::int64_t>(s_.shock_rows.size()); }
-    [[nodiscard]] double violation() const { return violation_; } ///< m/s, largest of the last sweep
+    [[nodiscard]] double violation() const {
+        return violation_;
+    } ///< m/s, largest of the last sweep, each row's at its turn
+    /// m/s, largest that the sweeps left.
+    [[nodiscard]] double residual() {
+        return largest_of(1, [&](std::size_t, int thread) {
+            const std::span<const ContactPacket> all = s_.shock_packed.packets;
+            return largest_violation(cone_of(s_), view_of(share_of(all, thread, threads_)), options_.isa);
+        });
+    }
 
   private:
     double sweep_groups() {
-        for (auto& seen : seen_) seen.worst = 0;
-        for_phases(options_.team, threads_, s_.shock_groups.size(), [&](std::size_t g, int thread) {
-            double& worst = seen_[index(thread)].worst;
-            const auto packets = packets_of(g).share(thread, threads_);
+        return largest_of(s_.shock_groups.size(), [&](std::size_t g, int thread) {
             const std::int64_t begin = recorder_ != nullptr ? recorder_->now() : 0;
-            worst = std::max(worst, sweep(Cone::frozen,
-                                          {.packets = packets.data(),
-                                           .num_packets = static_cast<std::int64_t>(packets.size()),
-                                           .rows = s_.shock_packed.rows.data(),
-                                           .bodies = s_.velocity.data()},
-                                          options_.isa));
+            const double worst = sweep(cone_of(s_), view_of(packets_of(g).share(thread, threads_)), options_.isa);
             if (recorder_ != nullptr) busy_[index(thread) * s_.shock_groups.size() + g] += recorder_->now() - begin;
+            return worst;
+        });
+    }
+    /// Of what found(phase, share) returns.
+    template <class Found>
+    double largest_of(std::size_t phases, Found&& found) {
+        for (auto& seen : seen_) seen.worst = 0;
+        for_phases(options_.team, threads_, phases, [&](std::size_t phase, int thread) {
+            double& worst = seen_[index(thread)].worst;
+            worst = std::max(worst, found(phase, thread));
         });
         double out = 0;
         for (const auto& seen : seen_) out = std::max(out, seen.worst);
         return out;
+    }
+    [[nodiscard]] SweepView view_of(std::span<const ContactPacket> packets) const {
+        return {.packets = packets.data(),
+                .num_packets = static_cast<std::int64_t>(packets.size()),
+                .rows = s_.shock_packed.rows.data(),
+                .normal_rows = s_.shock_packed.normal_rows.data(),
+                .bodies = s_.velocity.data()};
     }
     [[nodiscard]] GroupPackets packets_of(std::size_t group) const {
         const std::span<const ContactPacket> all = s_.shock_packed.packets;
@@ -173,9 +198,14 @@ class LevelSweeps {
     std::vector<std::int64_t> busy_; ///< ns, by thread and group
 };
 
-// Sweeps the level that was packed; returns the violation that is left. `together`: on the whole team.
-double sweep_level(ContactScratch::Island& island, const ContactSolveOptions& options, double tolerance, bool together,
-                   ContactScratch& s) {
+/// Violations of a level's contacts, m/s.
+struct LevelLeft {
+    double last_sweep = 0, residual = 0;
+};
+
+// Sweeps the level that was packed. `together`: on the whole team.
+LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions& options, double tolerance,
+                      bool together, ContactScratch& s) {
     const auto width = [&](int most) {
         const auto end = static_cast<std::int32_t>(s.shock_packed.packets.size());
         return sweep_width_of(s.shock_groups, end, s.shock_packed.packets, most);
@@ -194,11 +224,13 @@ double sweep_level(ContactScratch::Island& island, const ContactSolveOptions& op
         recorder->end_region(region);
     }
     island.visits += sweeps.visits();
-    return sweeps.violation();
+    return {sweeps.violation(), sweeps.residual()};
 }
 
-// Solves level by level; false, and no further, where a level of a resting island ends above the tolerance.
-bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
+// Solves level by level; false, and no further, where a level of a resting island ends above the tolerance. What one level leaves stays:
+// those above do not move its bodies.
+bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& options, double& residual,
+                  ContactScratch& s) {
     // Bodies move with what is left in the levels below them: the sum may reach the tolerance, not each term.
     const double tolerance = options.tolerance / order_by_level(island, s);
     const bool together = options.team != nullptr && is_large(island, s);
@@ -208,8 +240,9 @@ bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& opt
         while (end < n && level_of(end) == level_of(first)) ++end;
         copy_level(first, end, options, s);
         pack_level(options, s);
-        const double violation = sweep_level(island, options, tolerance, together, s);
-        if (island.rests && violation > options.tolerance) return false;
+        const LevelLeft left = sweep_level(island, options, tolerance, together, s);
+        if (island.rests && left.last_sweep > options.tolerance) return false;
+        residual = std::max(residual, left.residual);
     }
     return true;
 }
@@ -220,12 +253,16 @@ bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies
                      ContactScratch& scratch) {
     // Every body of an island has a path to infinite mass or none has.
     if (scratch.level[index(scratch.blocks[index(island.first)].a)] < 0) return false;
-    const bool solved = solve_levels(island, options, scratch);
+    double residual = 0;
+    const bool solved = solve_levels(island, options, residual, scratch);
     const auto adds_energy = [&] {
         return prescribed_at_rest(island, scratch) &&
                kinetic_energy(island, bodies, scratch) > std::max(island.energy_before, island.energy_pgs);
     };
-    if (solved && !adds_energy()) return true;
+    if (solved && !adds_energy()) {
+        island.residual = residual;
+        return true;
+    }
     restore(island, scratch);
     return false;
 }

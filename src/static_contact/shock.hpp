@@ -19,7 +19,8 @@ namespace flotilla {
 ///    ever, where PGS alone leaves 0.003 J. A stack's levels end below the tolerance. Under impact passes stand: two runs of that pile
 ///    that undid them left dynamic contact with pairs at its foot that the failsafe merged, one neighbour a sweep, without an end.
 ///  - every prescribed body rests, and the kinetic energy came out above both that of PGS and that before the solve.
-/// Adds to the island's visits.
+/// Adds to the island's visits; sets its residual where the pass stands: that of the contacts with the pass's impulses and PGS's bounds of
+/// friction.
 /// Precondition: scratch.level holds contact_levels of all pairs, before_shock a copy of velocity.
 bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
                      ContactScratch& scratch);

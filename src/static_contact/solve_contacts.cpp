@@ -21,18 +21,29 @@ std::span<const ContactBlock> blocks_of(const Island& island, const ContactScrat
                                        static_cast<std::size_t>(island.end - island.first));
 }
 
+// Calls work(field_of_row) for the packed rows of the island.
+template <class Work>
+void for_rows(const Island& island, ContactScratch& s, Work&& work) {
+    const auto each = [&](std::int32_t first, std::int32_t end) {
+        for (std::size_t r = static_cast<std::size_t>(first); r < static_cast<std::size_t>(end); ++r)
+            work(s.packed.frictionless ? s.packed.normal_rows[r].field : s.packed.rows[r].field);
+    };
+    for (std::int32_t p = island.first_packet; p < island.end_packet; ++p) {
+        const ContactPacket& packet = s.packed.packets[static_cast<std::size_t>(p)];
+        each(packet.first, packet.end);
+        each(packet.first_parked, packet.end_parked);
+    }
+}
+
 // Puts the island back to velocities before the solve and no impulses.
 void forget_warm_start(const Island& island, const ContactBodies& bodies, ContactScratch& s) {
-    const SweepView view = view_of(island, s);
-    const auto clear = [&](std::int32_t first, std::int32_t end) {
-        for (std::int32_t r = first; r < end; ++r)
-            for (const int field : {PacketRow::kImpulse, PacketRow::kPrevious})
-                for (int c = 0; c < 3; ++c) std::fill_n(view.rows[r].field[field + c], kPacketLanes, 0.0);
-    };
-    for (std::int64_t p = 0; p < view.num_packets; ++p) {
-        clear(view.packets[p].first, view.packets[p].end);
-        clear(view.packets[p].first_parked, view.packets[p].end_parked);
-    }
+    for_rows(island, s, [&](Lanes* field) {
+        for (const int f : {PacketRow::kNormalImpulse, PacketRow::kNormalPrevious})
+            std::fill_n(field[f], kPacketLanes, 0.0);
+        if (s.packed.frictionless) return;
+        for (const int f : {PacketRow::kTangentImpulse, PacketRow::kTangentPrevious})
+            for (int c = 0; c < 2; ++c) std::fill_n(field[f + c], kPacketLanes, 0.0);
+    });
     for (const ContactBlock& block : blocks_of(island, s))
         for (const std::int32_t body : {block.a, block.b}) {
             if (!s.movable[static_cast<std::size_t>(body)]) continue; // never written, and other islands read it now
@@ -45,17 +56,11 @@ void forget_warm_start(const Island& island, const ContactBodies& bodies, Contac
 
 // J, what normal impulses do at the speeds that the targets ask for.
 double work_of_targets(const Island& island, ContactScratch& s) {
-    const SweepView view = view_of(island, s);
     double sum = 0;
-    const auto add = [&](std::int32_t first, std::int32_t end) {
-        for (std::int32_t r = first; r < end; ++r)
-            for (int lane = 0; lane < kPacketLanes; ++lane)
-                sum += view.rows[r].field[PacketRow::kImpulse][lane] * view.rows[r].field[PacketRow::kTarget][lane];
-    };
-    for (std::int64_t p = 0; p < view.num_packets; ++p) {
-        add(view.packets[p].first, view.packets[p].end);
-        add(view.packets[p].first_parked, view.packets[p].end_parked);
-    }
+    for_rows(island, s, [&](const Lanes* field) {
+        for (int lane = 0; lane < kPacketLanes; ++lane)
+            sum += field[PacketRow::kNormalImpulse][lane] * field[PacketRow::kTarget][lane];
+    });
     return sum;
 }
 
@@ -129,7 +134,7 @@ void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& optio
 
 void unpack_impulses(ContactScratch& s, Team* team) {
     constexpr std::size_t kGrain = 256;
-    for_each(team, "unpack impulses", s.packed.rows.size(), kGrain,
+    for_each(team, "unpack impulses", s.packed.num_rows(), kGrain,
              [&](std::size_t row) { unpack_impulses(s.packed, row, s.rows); });
 }
 
@@ -185,7 +190,8 @@ ContactSolveStats summarize(const ContactScratch& s, int num_colors) {
         stats.iterations = std::max(stats.iterations, island.iterations);
         stats.visits += island.visits;
         stats.residual = std::max(stats.residual, island.residual);
-        stats.unsolved_islands += island.solved ? 0 : 1;
+        stats.unsolved_islands += !island.solved || island.let_off ? 1 : 0;
+        stats.let_off_islands += island.let_off ? 1 : 0;
         stats.part_rounds += island.part_rounds;
         stats.shocked_islands += island.shocked ? 1 : 0;
         stats.exact_islands += island.factorisations > 0 ? 1 : 0;

@@ -66,10 +66,11 @@ struct ContactSolveOptions {
 struct ContactSolveStats {
     int islands = 0;
     int colors = 0;
-    int iterations = 0;       ///< most sweeps of an island, those of parts counted as what they cost
-    std::int64_t visits = 0;  ///< contact updates, shock passes included; those woken on the way as if from the start
-    double residual = 0;      ///< m/s, violation of all of eqs 17-20 by the final state, before a shock
-    int unsolved_islands = 0; ///< that PGS gave up or ended at the limit
+    int iterations = 0;      ///< most sweeps of an island, those of parts counted as what they cost
+    std::int64_t visits = 0; ///< contact updates, shock passes included; those woken on the way as if from the start
+    double residual = 0; ///< m/s, violation of all of eqs 17-20 by the final state, a shock pass included (shock.hpp)
+    int unsolved_islands = 0; ///< whose sweeps, or whose exact solve, ended above their tolerance
+    int let_off_islands = 0;  ///< of these, those that are let off what is above it (sweep_island.cpp)
     int shocked_islands = 0;  ///< islands whose velocities come from a shock pass
     int part_rounds = 0;      ///< times that a part of an island was swept alone
     int exact_islands = 0;    ///< solved exactly, or nearer to it than PGS came
@@ -88,7 +89,7 @@ struct ContactScratch {
         std::int32_t first_group = 0, end_group = 0; ///< in groups
         std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
         int iterations = 0;
-        double residual = 0;                      ///< m/s
+        double residual = 0;                      ///< m/s, of the final state, with nothing let off
         double tolerance = 0;                     ///< m/s
         double exact_tolerance = 0;               ///< m/s, asked of an exact solve
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
@@ -96,7 +97,8 @@ struct ContactScratch {
         int part_rounds = 0;
         int factorisations = 0; ///< of the exact solve
         bool rests = false;     ///< as ContactSolveOptions::rest_speed says
-        bool solved = false;    ///< the tolerance holds, apart from what loaded contacts of a resting pile are let off
+        bool solved = false;    ///< the tolerance holds, apart from what is let off and from rounding
+        bool let_off = false;   ///< solved, but above the tolerance: loaded contacts of a resting pile
         bool shocked = false;
         bool cold = false; ///< the warm start was taken back
     };

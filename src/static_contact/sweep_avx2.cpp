@@ -14,6 +14,6 @@ double find_violated_avx2(Cone cone, const SweepView& view, double tolerance, st
 double largest_parked_violation_avx2(Cone cone, const SweepView& view) {
     return largest_parked_violation_any<Avx2Pack>(cone, view);
 }
-void apply_impulses_avx2(const SweepView& view) { apply_all<Avx2Pack>(view); }
+void apply_impulses_avx2(Cone cone, const SweepView& view) { apply_any<Avx2Pack>(cone, view); }
 
 } // namespace flotilla

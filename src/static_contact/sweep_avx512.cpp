@@ -16,6 +16,6 @@ double find_violated_avx512(Cone cone, const SweepView& view, double tolerance, 
 double largest_parked_violation_avx512(Cone cone, const SweepView& view) {
     return largest_parked_violation_any<Avx512Pack>(cone, view);
 }
-void apply_impulses_avx512(const SweepView& view) { apply_all<Avx512Pack>(view); }
+void apply_impulses_avx512(Cone cone, const SweepView& view) { apply_any<Avx512Pack>(cone, view); }
 
 } // namespace flotilla

@@ -121,13 +121,6 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
 
 bool is_large(const Island& island, const ContactScratch& s) { return width_of(island, s, 2) > 1; }
 
-SweepView view_of(const Island& island, ContactScratch& s) {
-    return {.packets = s.packed.packets.data() + island.first_packet,
-            .num_packets = island.end_packet - island.first_packet,
-            .rows = s.packed.rows.data(),
-            .bodies = s.velocity.data()};
-}
-
 using Seen = ContactScratch::Seen;
 
 /// The sweeps of one island, in shares for several threads. Decisions fall between phases, on the calling thread, and rest on what does not
@@ -141,7 +134,7 @@ class IslandSweeps {
           options_(options),
           start_(start),
           threads_(threads),
-          cone_(cone_of(options)),
+          cone_(cone_of(options, s)),
           s_(s),
           bodies_(
               std::span(s.island_bodies).subspan(index(island.first_body), index(island.end_body - island.first_body))),
@@ -254,6 +247,7 @@ class IslandSweeps {
         return {.packets = packets.data(),
                 .num_packets = static_cast<std::int64_t>(packets.size()),
                 .rows = s_.packed.rows.data(),
+                .normal_rows = s_.packed.normal_rows.data(),
                 .bodies = s_.velocity.data(),
                 .load_share = load_share_,
                 .most_let_off = kMostLetOff * options_.tolerance,
@@ -299,7 +293,7 @@ class IslandSweeps {
     }
     void apply_impulses() {
         for_phases(groups_.size(), [&](std::size_t g, int share) {
-            flotilla::apply_impulses(view_of(packets_of(g).share(share, threads_), 0), options_.isa);
+            flotilla::apply_impulses(cone_, view_of(packets_of(g).share(share, threads_), 0), options_.isa);
         });
     }
 
@@ -461,6 +455,7 @@ class IslandSweeps {
     void finish(const Course& course, bool solved) {
         island_.solved = solved;
         island_.residual = course.left.residual;
+        island_.let_off = solved && island_.residual > island_.tolerance;
         island_.iterations += course.sweeps();
         island_.visits += course.whole * num_swept();
         island_.part_rounds += part_rounds_;

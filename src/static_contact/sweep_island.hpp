@@ -36,7 +36,4 @@ void sweep_island(ContactScratch::Island& island, const ContactSolveOptions& opt
 /// Whether several threads may sweep the island together; a property of the island, whatever the team.
 [[nodiscard]] bool is_large(const ContactScratch::Island& island, const ContactScratch& scratch);
 
-/// What sweeps of the island work on.
-[[nodiscard]] SweepView view_of(const ContactScratch::Island& island, ContactScratch& scratch);
-
 } // namespace flotilla

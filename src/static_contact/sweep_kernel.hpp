@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <type_traits>
 
 #include "base/prefetch.hpp"
 #include "static_contact/contact_packets.hpp"
@@ -28,12 +29,12 @@ inline PackVec<P> operator*(const PackSym3<P>& a, const PackVec<P>& v) {
 template <class P>
 struct RowAt {
     const ContactPacket* packet;
-    PacketRow* row;
+    Lanes* field_of_row;
     int lane; ///< the first of P::kWidth
 
     [[nodiscard]] P pair(int field) const { return P::load(packet->field[field] + lane); }
-    [[nodiscard]] P load(int field) const { return P::load(row->field[field] + lane); }
-    void store(int field, P value) const { value.store(row->field[field] + lane); }
+    [[nodiscard]] P load(int field) const { return P::load(field_of_row[field] + lane); }
+    void store(int field, P value) const { value.store(field_of_row[field] + lane); }
 };
 
 /// The pack for the lanes of one packet, or of a part of it: P, or half of it.
@@ -102,27 +103,52 @@ inline void store_bodies(const PackBody<P>& body, const std::int32_t* id, const 
     store_transposed({body.angular.x, body.angular.y, body.angular.z, zero}, movable, angular);
 }
 
-template <class P, class At>
-[[gnu::always_inline]] inline LocalPack<P> load_local(const At& at) {
-    return {load_vec<P>(at, PacketRow::kMassDiagonal),
-            load_vec<P>(at, PacketRow::kInvMassDiagonal),
-            load_vec<P>(at, PacketRow::kCoupling),
-            load_vec<P>(at, PacketRow::kImpulse),
-            at.load(PacketRow::kTarget),
-            at.load(PacketRow::kFriction)};
+/// A vector in contact coordinates, by the fields of its normal component and of the first tangential one; without friction the normal
+/// one alone.
+template <Cone kCone, class P, class At>
+[[gnu::always_inline]] inline PackVec<P> load_local_vec(const At& at, int normal, int tangential) {
+    if constexpr (kCone == Cone::none) return {at.load(normal), P::all(0), P::all(0)};
+    return {at.load(normal), at.load(tangential), at.load(tangential + 1)};
+}
+template <Cone kCone, class P, class At>
+[[gnu::always_inline]] inline void store_local_vec(const At& at, int normal, int tangential, const PackVec<P>& v) {
+    at.store(normal, v.x);
+    if constexpr (kCone == Cone::none) return;
+    at.store(tangential, v.y);
+    at.store(tangential + 1, v.z);
+}
+template <Cone kCone, class P, class At>
+[[gnu::always_inline]] inline PackVec<P> load_impulse(const At& at) {
+    return load_local_vec<kCone, P>(at, PacketRow::kNormalImpulse, PacketRow::kTangentImpulse);
 }
 
-/// Where the contacts of a row are and how they lie.
+template <Cone kCone, class P, class At>
+[[gnu::always_inline]] inline LocalPack<P> load_local(const At& at) {
+    LocalPack<P> c;
+    c.mass_diagonal = load_local_vec<kCone, P>(at, PacketRow::kNormalMass, PacketRow::kTangentMass);
+    c.inv_mass_diagonal = load_local_vec<kCone, P>(at, PacketRow::kInvNormalMass, PacketRow::kInvTangentMass);
+    c.impulse = load_impulse<kCone, P>(at);
+    c.target = at.load(PacketRow::kTarget);
+    if constexpr (kCone != Cone::none) {
+        c.coupling = load_vec<P>(at, PacketRow::kCoupling);
+        c.friction = at.load(PacketRow::kFriction);
+    }
+    return c;
+}
+
+/// Where the contacts of a row are and how they lie; tangents only with friction.
 template <class P>
 struct PackFrame {
     PackVec<P> normal, tangent_1, tangent_2, arm_a, arm_b;
 };
-template <class P, class At>
+template <Cone kCone, class P, class At>
 [[gnu::always_inline]] inline PackFrame<P> load_frame(const At& at) {
     PackFrame<P> f;
     f.normal = load_vec<P>(at, PacketRow::kNormal);
-    f.tangent_1 = load_vec<P>(at, PacketRow::kTangent1);
-    f.tangent_2 = cross(f.normal, f.tangent_1);
+    if constexpr (kCone != Cone::none) {
+        f.tangent_1 = load_vec<P>(at, PacketRow::kTangent1);
+        f.tangent_2 = cross(f.normal, f.tangent_1);
+    }
     f.arm_a = load_vec<P>(at, PacketRow::kArmA);
     constexpr int kOffset = ContactPacket::kOffset;
     f.arm_b = f.arm_a + PackVec<P>{at.pair(kOffset), at.pair(kOffset + 1), at.pair(kOffset + 2)};
@@ -130,29 +156,24 @@ template <class P, class At>
 }
 
 /// Velocity of b against a at the contacts of a row (eq. 15), in their frames.
-template <class P>
+template <Cone kCone, class P>
 [[gnu::always_inline]] inline PackVec<P> contact_velocity(const PackFrame<P>& f, const PackBody<P>& a,
                                                           const PackBody<P>& b) {
     const PackVec<P> v = (b.linear + cross(b.angular, f.arm_b)) - (a.linear + cross(a.angular, f.arm_a));
+    if constexpr (kCone == Cone::none) return {dot(f.normal, v), P::all(0), P::all(0)};
     return {dot(f.normal, v), dot(f.tangent_1, v), dot(f.tangent_2, v)};
 }
 
 /// V += M^-1 J^T l of eq. 22 (the paper leaves out J^T), for impulses l on b and -l on a in the contacts' frames.
-template <class P, class At>
+template <Cone kCone, class P, class At>
 [[gnu::always_inline]] inline void apply(const At& at, const PackFrame<P>& f, const PackVec<P>& l, PackBody<P>& a,
                                          PackBody<P>& b) {
-    const PackVec<P> world = (l.x * f.normal + l.y * f.tangent_1) + l.z * f.tangent_2;
+    PackVec<P> world = l.x * f.normal;
+    if constexpr (kCone != Cone::none) world = (world + l.y * f.tangent_1) + l.z * f.tangent_2;
     a.linear = a.linear - at.pair(ContactPacket::kInvMassA) * world;
     a.angular = a.angular - load_inertia<P>(at, ContactPacket::kInvInertiaA) * cross(f.arm_a, world);
     b.linear = b.linear + at.pair(ContactPacket::kInvMassB) * world;
     b.angular = b.angular + load_inertia<P>(at, ContactPacket::kInvInertiaB) * cross(f.arm_b, world);
-}
-
-template <class P, class At>
-[[gnu::always_inline]] inline void store_vec(const At& at, int field, const PackVec<P>& v) {
-    at.store(field, v.x);
-    at.store(field + 1, v.y);
-    at.store(field + 2, v.z);
 }
 
 template <class P>
@@ -176,16 +197,26 @@ inline void fetch_bodies(const SweepView& view, std::int64_t p) {
     }
 }
 
+/// The rows that go with a cone.
+template <Cone kCone>
+inline auto* rows_of(const SweepView& view) {
+    if constexpr (kCone == Cone::none)
+        return view.normal_rows;
+    else
+        return view.rows;
+}
+
 /// A packet under way: the velocities of its bodies between its first row and its last.
-template <class P>
+template <class P, Cone kCone>
 struct OpenPacket {
+    using Row = std::remove_pointer_t<decltype(rows_of<kCone>(SweepView{}))>;
     static constexpr std::size_t kGroups = kPacketLanes / P::kWidth;
     const ContactPacket* packet;
-    PacketRow* rows;
+    Row* rows;
     PackBody<P> a[kGroups], b[kGroups];
 
     OpenPacket(const SweepView& view, std::int64_t p)
-        : packet(view.packets + p), rows(view.rows + view.packets[p].first) {
+        : packet(view.packets + p), rows(rows_of<kCone>(view) + view.packets[p].first) {
         for (std::size_t g = 0; g < kGroups; ++g) {
             a[g] = load_bodies<P>(view.bodies, packet->a + g * P::kWidth);
             b[g] = load_bodies<P>(view.bodies, packet->b + g * P::kWidth);
@@ -198,10 +229,10 @@ struct OpenPacket {
     }
     /// Calls at_row for the rows [from, to) of those that begin at `first`.
     template <class AtRow>
-    void do_rows(PacketRow* first, std::int32_t from, std::int32_t to, AtRow&& at_row) {
+    void do_rows(Row* first, std::int32_t from, std::int32_t to, AtRow&& at_row) {
         for (std::int32_t k = from; k < to; ++k)
             for (std::size_t g = 0; g < num_groups(); ++g)
-                at_row(RowAt<P>{packet, first + k, static_cast<int>(g) * P::kWidth}, a[g], b[g]);
+                at_row(RowAt<P>{packet, first[k].field, static_cast<int>(g) * P::kWidth}, a[g], b[g]);
     }
     /// Those from `done` on that are awake, then those that were parked.
     template <class AtRow>
@@ -211,7 +242,7 @@ struct OpenPacket {
     }
     template <class AtRow>
     void do_parked(const SweepView& view, AtRow&& at_row) {
-        do_rows(view.rows + packet->first_parked, 0, packet->end_parked - packet->first_parked, at_row);
+        do_rows(rows_of<kCone>(view) + packet->first_parked, 0, packet->end_parked - packet->first_parked, at_row);
     }
     void close(BodyVelocity* bodies) const {
         for (std::size_t g = 0; g < num_groups(); ++g) {
@@ -240,13 +271,14 @@ inline PackVec<typename P::Half> high_of(const PackVec<P>& v) {
 }
 
 /// Asks for a row to read: the processor foresees one stream of them, not two.
-inline void fetch_row(const PacketRow* row) {
-    for (std::size_t i = 0; i < sizeof(PacketRow); i += 64) __builtin_prefetch(reinterpret_cast<const char*>(row) + i);
+template <class Row>
+inline void fetch_row(const Row* row) {
+    for (std::size_t i = 0; i < sizeof(Row); i += 64) __builtin_prefetch(reinterpret_cast<const char*>(row) + i);
 }
 
 /// The rows that both packets have, side by side. Returns their number.
-template <class P, class AtRow>
-inline std::int32_t do_common_rows(OpenPacket<typename P::Half>& low, OpenPacket<typename P::Half>& high,
+template <class P, Cone kCone, class AtRow>
+inline std::int32_t do_common_rows(OpenPacket<typename P::Half, kCone>& low, OpenPacket<typename P::Half, kCone>& high,
                                    AtRow&& at_row) {
     const std::int32_t rows = low.num_rows() < high.num_rows() ? low.num_rows() : high.num_rows();
     PackBody<P> a = join<P>(low.a[0], high.a[0]), b = join<P>(low.b[0], high.b[0]);
@@ -254,7 +286,7 @@ inline std::int32_t do_common_rows(OpenPacket<typename P::Half>& low, OpenPacket
     for (std::int32_t k = 0; k < rows; ++k) {
         fetch_row(low.rows + k + both);
         fetch_row(high.rows + k + both);
-        at_row(RowsAt<P>{{low.packet, low.rows + k, 0}, {high.packet, high.rows + k, 0}}, a, b);
+        at_row(RowsAt<P>{{low.packet, low.rows[k].field, 0}, {high.packet, high.rows[k].field, 0}}, a, b);
     }
     low.a[0] = {low_of(a.linear), low_of(a.angular)};
     low.b[0] = {low_of(b.linear), low_of(b.angular)};
@@ -265,20 +297,20 @@ inline std::int32_t do_common_rows(OpenPacket<typename P::Half>& low, OpenPacket
 
 /// Calls at_row(rows, a, b) for every row that is swept, packet by packet, with the bodies' velocities kept between the rows of a
 /// packet; writes them back if kWrite.
-template <class P, bool kWrite, class AtRow>
+template <class P, Cone kCone, bool kWrite, class AtRow>
 inline void for_each_row(const SweepView& view, AtRow at_row) {
     using One = typename OnePacket<P>::Pack;
     for (std::int64_t p = 0; p < view.num_packets; ++p) {
         if (!view.packets[p].swept()) continue;
-        OpenPacket<One> open(view, p);
+        OpenPacket<One, kCone> open(view, p);
         std::int32_t done = 0;
         if constexpr (P::kWidth > kPacketLanes) {
             if (p + 1 < view.num_packets && view.packets[p + 1].color == open.packet->color &&
                 view.packets[p + 1].swept()) {
-                OpenPacket<One> second(view, ++p);
+                OpenPacket<One, kCone> second(view, ++p);
                 fetch_bodies<kWrite>(view, p + 1);
                 fetch_bodies<kWrite>(view, p + 2);
-                done = do_common_rows<P>(open, second, at_row);
+                done = do_common_rows<P, kCone>(open, second, at_row);
                 second.do_rest(view, done, at_row);
                 if constexpr (kWrite) second.close(view.bodies);
             }
@@ -303,32 +335,49 @@ inline void keep_largest(One& worst, Q found) {
         worst = max(worst, max(found.low(), found.high()));
 }
 
+/// The impulse moves on by a share of its last change.
+template <Cone kCone, class P>
+[[gnu::always_inline]] inline void move_on(PackVec<P>& impulse, const PackVec<P>& before, P momentum) {
+    if constexpr (kCone == Cone::none)
+        impulse.x = impulse.x + momentum * (impulse.x - before.x);
+    else
+        impulse = impulse + momentum * (impulse - before);
+}
+
 template <class P, Cone kCone>
 inline double sweep_packets(const SweepView& view) {
     typename OnePacket<P>::Pack worst = OnePacket<P>::Pack::all(0);
-    for_each_row<P, true>(
+    for_each_row<P, kCone, true>(
         view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b) __attribute__((always_inline)) {
-            LocalPack<Q> local = load_local<Q>(at);
-            const PackVec<Q> before = load_vec<Q>(at, PacketRow::kPrevious);
-            store_vec(at, PacketRow::kPrevious, local.impulse);
-            local.impulse = local.impulse + Q::all(view.momentum) * (local.impulse - before);
-            const PackFrame<Q> frame = load_frame<Q>(at);
-            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity(frame, a, b), off_of<Q>(view));
-            store_vec(at, PacketRow::kImpulse, local.impulse + update.change);
-            apply(at, frame, update.change, a, b);
+            constexpr int kNormalPrevious = PacketRow::kNormalPrevious, kTangentPrevious = PacketRow::kTangentPrevious;
+            LocalPack<Q> local = load_local<kCone, Q>(at);
+            const PackVec<Q> before = load_local_vec<kCone, Q>(at, kNormalPrevious, kTangentPrevious);
+            store_local_vec<kCone>(at, kNormalPrevious, kTangentPrevious, local.impulse);
+            move_on<kCone>(local.impulse, before, Q::all(view.momentum));
+            const PackFrame<Q> frame = load_frame<kCone, Q>(at);
+            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity<kCone>(frame, a, b), off_of<Q>(view));
+            store_local_vec<kCone>(at, PacketRow::kNormalImpulse, PacketRow::kTangentImpulse,
+                                   local.impulse + update.change);
+            apply<kCone>(at, frame, update.change, a, b);
             keep_largest(worst, update.violation);
         });
     return largest_lane(worst);
 }
 
+/// Of a row as it stands.
+template <Cone kCone, class P, class At>
+[[gnu::always_inline]] inline P violation_at(const At& at, const PackBody<P>& a, const PackBody<P>& b,
+                                             const SweepView& view) {
+    const PackFrame<P> frame = load_frame<kCone, P>(at);
+    return violation<kCone>(load_local<kCone, P>(at), contact_velocity<kCone>(frame, a, b), off_of<P>(view));
+}
+
 template <class P, Cone kCone>
 inline double largest_violation_of(const SweepView& view) {
     typename OnePacket<P>::Pack worst = OnePacket<P>::Pack::all(0);
-    for_each_row<P, false>(
-        view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b) __attribute__((always_inline)) {
-            const PackFrame<Q> frame = load_frame<Q>(at);
-            keep_largest(worst, violation<kCone>(load_local<Q>(at), contact_velocity(frame, a, b), off_of<Q>(view)));
-        });
+    for_each_row<P, kCone, false>(
+        view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b)
+                  __attribute__((always_inline)) { keep_largest(worst, violation_at<kCone, Q>(at, a, b, view)); });
     return largest_lane(worst);
 }
 
@@ -341,12 +390,12 @@ inline double find_violated_in(const SweepView& view, double tolerance, std::uin
     for (std::int64_t p = 0; p < view.num_packets; ++p) {
         unsigned lanes = 0;
         if (view.packets[p].swept())
-            OpenPacket<One>(view, p).do_rest(view, 0, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
-                const One found = violation<kCone>(load_local<One>(at), contact_velocity(load_frame<One>(at), a, b),
-                                                   off_of<One>(view));
-                worst = max(worst, found);
-                lanes |= static_cast<unsigned>(mask_bits(limit < found)) << at.lane;
-            });
+            OpenPacket<One, kCone>(view, p).do_rest(
+                view, 0, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
+                    const One found = violation_at<kCone, One>(at, a, b, view);
+                    worst = max(worst, found);
+                    lanes |= static_cast<unsigned>(mask_bits(limit < found)) << at.lane;
+                });
         violated[p] = static_cast<std::uint8_t>(lanes);
     }
     return largest_lane(worst);
@@ -359,31 +408,35 @@ inline double largest_parked_violation_of(const SweepView& view) {
     for (std::int64_t p = 0; p < view.num_packets; ++p) {
         const ContactPacket& packet = view.packets[p];
         if (packet.woken != 0 || packet.first_parked == packet.end_parked) continue;
-        OpenPacket<One>(view, p).do_parked(view, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
-            worst = max(worst, violation<kCone>(load_local<One>(at), contact_velocity(load_frame<One>(at), a, b),
-                                                off_of<One>(view)));
+        OpenPacket<One, kCone>(view, p).do_parked(view, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
+            worst = max(worst, violation_at<kCone, One>(at, a, b, view));
         });
     }
     return largest_lane(worst);
 }
 
-template <class P>
+template <class P, Cone kCone>
 inline void apply_all(const SweepView& view) {
-    for_each_row<P, true>(
+    for_each_row<P, kCone, true>(
         view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b) __attribute__((always_inline)) {
-            apply(at, load_frame<Q>(at), load_vec<Q>(at, PacketRow::kImpulse), a, b);
+            apply<kCone>(at, load_frame<kCone, Q>(at), load_impulse<kCone, Q>(at), a, b);
         });
 }
 
 /// call.operator()<cone>().
 template <class Call>
-inline double with_cone(Cone cone, Call&& call) {
+inline auto with_cone(Cone cone, Call&& call) {
     switch (cone) {
     case Cone::pyramid: return call.template operator()<Cone::pyramid>();
     case Cone::disc: return call.template operator()<Cone::disc>();
+    case Cone::none: return call.template operator()<Cone::none>();
     case Cone::frozen: break;
     }
     return call.template operator()<Cone::frozen>();
+}
+template <class P>
+inline void apply_any(Cone cone, const SweepView& view) {
+    with_cone(cone, [&]<Cone kCone>() { apply_all<P, kCone>(view); });
 }
 template <class P>
 inline double sweep_any(Cone cone, const SweepView& view) {

@@ -91,6 +91,7 @@ void Stepper::prepare() {
     team_.for_each("place bodies", model_.size(), kBodyGrain,
                    [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
     StepData d = data();
+    if (state_.step > 0) find_sleeping_contacts(d);
     find_contacts(d, search_, contacts_);
     if (state_.step > 0) return;
     // Pairs that start closer than their rest distance keep their start distance as such (DESIGN section 3).
@@ -215,6 +216,7 @@ void Stepper::advance(StepReport& report) {
             }
             static_contact(d, next, end, true, report);
             settle_energy(next, end, report);
+            report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
         }
     }
     team_.dismiss();
@@ -226,50 +228,6 @@ void Stepper::mark_asleep() {
     lists_.frozen.pairs = nullptr; // who sleeps pairs with others than who is awake
     for (std::size_t i = 0; i < model_.size(); ++i)
         model_.bodies[i].asleep = model_.bodies[i].dynamic() && asleep(state_, i);
-}
-
-/// Wakes the islands that something moving may come near in this step.
-void Stepper::wake_disturbed(StepData& d) {
-    const auto sleeps = [&](std::int32_t i) { return asleep(state_, static_cast<std::size_t>(i)); };
-    bool woken = false;
-    if (std::none_of(state_.sleep.begin(), state_.sleep.end(), [](const Sleep& s) { return s.island >= 0; })) return;
-    for (std::size_t i = 0; i < model_.size();
-         ++i) // a scripted body pairs with no sleeping one unless that counts as movable
-        model_.bodies[i].asleep = false;
-    for (const CandidatePair& p : swept_pairs(d, true)) {
-        if (sleeps(p.a) == sleeps(p.b)) continue;
-        const std::int32_t sleeper = sleeps(p.a) ? p.a : p.b, other = sleeps(p.a) ? p.b : p.a;
-        if (trajectories_.still(static_cast<std::size_t>(other))) continue;
-        wake_island(static_cast<std::size_t>(sleeper), state_);
-        woken = true;
-    }
-    mark_asleep();
-    if (woken) start_clusters(state_.motion);
-}
-
-/// Lets islands fall asleep at the end of a step.
-void Stepper::put_to_sleep() {
-    if (!model_.settings.sleeping) return;
-    const SleepRule rule = sleep_rule(model_);
-    // Where forces do not carry the weight yet, velocities say nothing.
-    for (std::size_t i = 0; i < model_.size(); ++i)
-        disturbed_[i] = failsafe_bodies_[i] != 0 || static_.solver.unsolved[i] != 0 ? 1 : 0;
-    count_quiet_steps(model_, rule, disturbed_, state_);
-    touching_.clear();
-    for (const Contact& c : contacts_.contacts)
-        if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
-    fall_asleep(model_, rule, touching_, sleep_, state_);
-    mark_asleep();
-    // Contacts of bodies that sleep now are no longer searched for: those at hand would make the next step depend on more than State.
-    contacts_.keep([&](std::size_t i) {
-        const Contact& c = contacts_.contacts[i];
-        return model_.bodies[static_cast<std::size_t>(c.a)].movable() ||
-               model_.bodies[static_cast<std::size_t>(c.b)].movable();
-    });
-    std::erase_if(contacts_.near, [&](const CandidatePair& c) {
-        return !model_.bodies[static_cast<std::size_t>(c.a)].movable() &&
-               !model_.bodies[static_cast<std::size_t>(c.b)].movable();
-    });
 }
 
 void Stepper::start_clusters(std::span<const Motion> motion) {
@@ -297,18 +255,20 @@ void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<co
         stats = solve_contacts_at(motion, poses, final_stage, report);
         report.iterations += stats.solve.iterations;
     }
+    if (!final_stage) { // nothing is left of one that mark_level() discarded
+        report.residual = 0;
+        report.warnings &= ~std::uint32_t{kStaticLimit | kStaticLetOff};
+    }
     report.residual = std::max(report.residual, stats.solve.residual);
     if (final_stage) report.contacts = stats.contacts;
-    if (stats.solve.unsolved_islands > 0) report.warnings |= kStaticLimit;
+    if (stats.solve.unsolved_islands > stats.solve.let_off_islands) report.warnings |= kStaticLimit;
+    if (stats.solve.let_off_islands > 0) report.warnings |= kStaticLetOff;
 }
 
 StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                                             const StepReport& report) {
     // Contacts between sleeping bodies are not solved; their impulses wait for the day they wake.
-    const auto waits = [&](const WarmImpulse& w) {
-        return !model_.bodies[static_cast<std::size_t>(w.a)].movable() &&
-               !model_.bodies[static_cast<std::size_t>(w.b)].movable();
-    };
+    const auto waits = [&](const WarmImpulse& w) { return rests(w.a, w.b); };
     std::vector<WarmImpulse>& warm = final_stage ? state_.warm_final : state_.warm_half;
     waiting_.clear();
     const auto sleeps = [](const Body& body) { return body.asleep; };

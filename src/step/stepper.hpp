@@ -37,8 +37,10 @@ class Stepper {
     [[nodiscard]] const State& state() const { return state_; }
     /// The rotation vector of each body's motion in the last step, with whole turns, radians.
     [[nodiscard]] const std::vector<Vec3>& turns() const { return turns_; }
-    /// Contact points at the present poses.
+    /// Contact points at the present poses, but for those of sleeping_contacts().
     [[nodiscard]] const ContactSet& contacts() const { return contacts_; }
+    /// Those of sleeping bodies with each other and with infinite mass, sorted by bodies.
+    [[nodiscard]] const std::vector<Contact>& sleeping_contacts() const { return sleeping_contacts_; }
     /// Cluster state and cost of every body in the last step; contacts are not counted.
     [[nodiscard]] const std::vector<BodyActivity>& activity() const { return activity_; }
     [[nodiscard]] QueryCounters query_counters() const;
@@ -46,11 +48,17 @@ class Stepper {
 
   private:
     void prepare();
+    void find_sleeping_contacts(StepData& d);
     void advance(StepReport& report);
     StepData data();
     void wake_disturbed(StepData& d);
     void mark_asleep();
     void put_to_sleep();
+    /// Whether neither body moves until something wakes it.
+    [[nodiscard]] bool rests(std::int32_t a, std::int32_t b) const {
+        return !model_.bodies[static_cast<std::size_t>(a)].movable() &&
+               !model_.bodies[static_cast<std::size_t>(b)].movable();
+    }
     void start_clusters(std::span<const Motion> motion);
     void static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                         StepReport& report);
@@ -98,7 +106,8 @@ class Stepper {
     std::vector<std::uint8_t> level_;  ///< see mark_level(); empty but in stage 3
     ContactSearchScratch search_;
     ContactSet contacts_;
-    bool looks_ahead_ = false; ///< may_look_ahead()
+    std::vector<Contact> sleeping_contacts_; ///< found when their bodies fell asleep: nobody looks at them again
+    bool looks_ahead_ = false;               ///< may_look_ahead()
     LookAheadScratch ahead_;
     std::vector<Motion> before_solve_;
     SleepScratch sleep_;

@@ -115,7 +115,7 @@ TEST_F(Resume, StepsWithOtherColumnsAreRefusedAndTheFolderStaysAsItIs) {
     std::string renamed = header;
     renamed.replace(renamed.find(",pairs,"), 7, ",couples,");
     const std::pair<std::string, const char*> others[] = {
-        {header.substr(0, header.rfind(',')), R"(it has no column "lift")"},
+        {header.substr(0, header.rfind(',')), R"(it has no column "sleeping_contacts")"},
         {header + ",weight", R"(column "weight" is not known)"},
         {renamed, R"(it has column "couples" where "pairs" is expected)"},
     };

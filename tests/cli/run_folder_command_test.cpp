@@ -2,7 +2,11 @@
 // flotilla verify, export and info on run folders written here: exit codes, verdicts and messages.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <sstream>
+
+#include <flotilla/run_folder.hpp>
 
 #include "io/file_stream.hpp"
 #include "io/run_folder.hpp"
@@ -157,6 +161,72 @@ TEST(ExportCommand, WritesEveryFormat) {
     EXPECT_EQ(run_flotilla("export " + run.folder.path().string()).exit_code, 5) << "no run folder";
 }
 
+TEST(ExportCommand, WritesARangeOfFrames) {
+    const PlateRun run; // frames 0 to 5
+    const std::string export_run = "export " + run.write();
+    const auto frames = [&](const std::string& range) {
+        std::istringstream csv(run_flotilla(export_run + " --frames " + range).out);
+        std::string line, numbers;
+        std::getline(csv, line);
+        while (std::getline(csv, line))
+            if (line.find(",0,") != std::string::npos && !numbers.ends_with(line.substr(0, line.find(','))))
+                numbers += line.substr(0, line.find(','));
+        return numbers;
+    };
+    EXPECT_EQ(frames("1:3"), "123");
+    EXPECT_EQ(frames("1::2"), "135");
+    EXPECT_EQ(frames(":2"), "012");
+    EXPECT_EQ(frames("4"), "4");
+    EXPECT_EQ(frames("4:99"), "45");
+    for (const char* bad : {"x", "1:2:0", "1:2:3:4", "1.5", "9", "3:2", "-1"})
+        EXPECT_EQ(run_flotilla(export_run + " --frames=" + bad).exit_code, 2) << bad;
+}
+
+TEST(ExportCommand, SaysHowMuchItWrites) {
+    const TemporaryFolder folder;
+    const std::string scene = (folder.path() / "scene.json").string(), run = (folder.path() / "run").string();
+    std::ofstream(scene) << run_flotilla("scene boats-in-bowl --bodies 12").out;
+    ASSERT_EQ(run_flotilla("run --quiet --steps 80 --output " + run + " " + scene).exit_code, 0);
+    for (const auto& [name, format] :
+         {std::pair("csv", ExportFormat::csv), std::pair("vtp", ExportFormat::vtp), std::pair("obj", ExportFormat::obj),
+          std::pair("glb", ExportFormat::glb), std::pair("usd", ExportFormat::usd)}) {
+        const fs::path output = folder.path() / name;
+        const CommandOutput r = run_flotilla("export " + run + " --format " + name + " --output " + output.string());
+        ASSERT_EQ(r.exit_code, 0) << r.err;
+        EXPECT_EQ(r.err, "wrote " + output.string() + "\n") << "nothing is said of little";
+        double bytes = 0;
+        if (fs::is_directory(output)) {
+            for (const auto& file : fs::recursive_directory_iterator(output))
+                if (file.is_regular_file()) bytes += static_cast<double>(file.file_size());
+        } else {
+            bytes = static_cast<double>(fs::file_size(output));
+        }
+        const ExportSize size = estimate_export(run, format);
+        EXPECT_EQ(size.frames, 81);
+        EXPECT_NEAR(static_cast<double>(size.bytes) / bytes, 1, 1.0 / 3) << name;
+    }
+}
+
+TEST(ExportCommand, WarnsBeforeItWritesGigabytes) {
+    const TemporaryFolder folder;
+    io::RunScene scene = sample_scene(3000);
+    for (int i = 0; i < 20000; ++i) scene.shapes[0].mesh.vertices.push_back({0.1 * i, 0, 0});
+    const std::string run = (folder.path() / "run").string();
+    {
+        io::RunWriter writer(run, sample_info(), scene, io::OpenRun::create);
+        write_sample(writer, 3000, 0, 1, true);
+        writer.close("complete");
+    }
+    const auto warning = [&](const std::string& options) {
+        const CommandOutput r = run_flotilla("export " + run + " --output /proc/none/out " + options);
+        EXPECT_EQ(r.exit_code, 5) << "nothing can be written there";
+        return r.err;
+    };
+    EXPECT_NE(warning("--format obj").find("export writes about 6.9 GB in 2 frames; --frames "), std::string::npos);
+    EXPECT_NE(warning("--format obj --frames 1").find("about 3.5 GB in 1 frame;"), std::string::npos);
+    EXPECT_EQ(warning("--format csv").find("writes about"), std::string::npos);
+}
+
 TEST(InfoCommand, DescribesARun) {
     const PlateRun run;
     const std::string folder = run.write();
@@ -173,25 +243,30 @@ TEST(InfoCommand, DescribesARun) {
     EXPECT_NE(damaged.err.find("frames 0 to 5 are lost"), std::string::npos) << damaged.err;
 }
 
-TEST(RunCommand, WritesContactsOnRequest) {
-    const TemporaryFolder folder;
-    const std::string in = folder.path().string() + "/", scene = folder.write("block.json", R"({"flotilla_scene": 1,
-        "settings": {"time_step": 0.02, "sleeping": false},
+/// A block that comes to rest on the ground at once; `settings` as in a scene file.
+std::string resting_block(const TemporaryFolder& folder, const std::string& settings) {
+    return folder.write("block.json", R"({"flotilla_scene": 1, "settings": {"time_step": 0.02)" + settings + R"(},
         "shapes": [{"name": "block", "vertices": [[0,0,0],[1,0,0],[0,1,0],[0.3,0.3,1]], "triangles": [[0,2,1],[0,1,3],[1,2,3],[2,0,3]], "mass": 2},
                    {"name": "ground", "vertices": [[-9,-9,0],[9,-9,0],[0,9,0]], "triangles": [[0,1,2]]}],
         "bodies": [{"name": "block", "shape": "block", "position": [0, 0, 0.001]}, {"name": "ground", "shape": "ground", "type": "static"}]})");
+}
+
+TEST(RunCommand, WritesContactsOnRequest) {
+    const TemporaryFolder folder;
+    const std::string in = folder.path().string() + "/", scene = resting_block(folder, R"(, "sleeping": false)");
     ASSERT_EQ(run_flotilla("run --quiet --steps 40 --contacts " + in + "contacts.csv " + scene).exit_code, 0);
     ASSERT_EQ(run_flotilla("run --quiet --steps 40 --contacts " + in + "contacts.csv.gz " + scene).exit_code, 0);
     const std::string text = io::read_text(in + "contacts.csv");
     std::istringstream lines(text);
     std::string line;
     std::getline(lines, line);
-    EXPECT_EQ(line, "step,time,body_a,body_b,px,py,pz,nx,ny,nz,gap,normal_impulse,tangential_impulse");
+    EXPECT_EQ(line, "step,time,body_a,body_b,px,py,pz,nx,ny,nz,gap,normal_impulse,tangential_impulse,asleep");
     double carried = 0;
     int rows = 0;
     while (std::getline(lines, line)) {
         const auto fields = io::step_csv_fields(line);
-        ASSERT_EQ(fields.size(), 13u) << line;
+        ASSERT_EQ(fields.size(), 14u) << line;
+        EXPECT_EQ(fields[13], "0");
         if (fields[0] != "40") continue;
         ++rows;
         EXPECT_EQ(fields[1], "0.8");
@@ -222,6 +297,35 @@ TEST(RunCommand, WritesContactsOnRequest) {
     io::InputStream packed(in + "contacts.csv.gz");
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(packed.stream()), {}), text);
     EXPECT_EQ(run_flotilla("run --quiet --steps 1 --contacts /proc/none/contacts.csv " + scene).exit_code, 5);
+}
+
+TEST(RunCommand, ContactsOfSleepingBodiesStay) {
+    const TemporaryFolder folder;
+    const std::string in = folder.path().string() + "/", scene = resting_block(folder, "");
+    const CommandOutput r =
+        run_flotilla("run --steps 40 --output " + in + "run --contacts " + in + "contacts.csv " + scene);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE(r.out.find("contacts at the end: 3, all asleep"), std::string::npos) << r.out;
+    EXPECT_NE(r.err.find("ms/step, 3 contacts"), std::string::npos) << r.err;
+    std::istringstream lines(io::read_text(in + "contacts.csv"));
+    double carried = 0;
+    int rows = 0;
+    for (std::string line; std::getline(lines, line);) {
+        const auto fields = io::step_csv_fields(line);
+        if (fields[0] != "40") continue;
+        EXPECT_EQ(fields[13], "1");
+        carried += std::stod(std::string(fields[11]));
+        ++rows;
+    }
+    EXPECT_EQ(rows, 3);
+    EXPECT_NEAR(carried, 2 * 9.8 * 0.02, 0.01 * 2 * 9.8 * 0.02);
+    io::RunReader run(in + "run");
+    const io::Frame last = run.frame(40);
+    EXPECT_EQ(last.activity.contacts, (std::vector<std::uint16_t>{3, 3}));
+    EXPECT_EQ(last.activity.cluster, (std::vector<std::uint8_t>{4, 0})) << "the ground does not sleep";
+    const std::string steps = io::read_text(in + "run/steps.csv");
+    EXPECT_TRUE(steps.ends_with(",3\n")) << steps.substr(steps.size() - 200);
+    EXPECT_NE(steps.find(",sleeping_contacts\n"), std::string::npos);
 }
 
 TEST(RunCommand, RecordsItsCommandLine) {

@@ -3,10 +3,13 @@
 
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include <flotilla/error.hpp>
 
 #include "io/file.hpp"
 #include "io/sample_run.hpp"
@@ -29,7 +32,7 @@ class Export : public ::testing::Test {
 
 TEST_F(Export, ObjHasEveryBodyWhereTheFramePutsIt) {
     io::RunReader run(folder_.path());
-    io::export_obj(run, folder_.path() / "obj");
+    io::export_obj(run, io::frames_of(run, {}), folder_.path() / "obj");
     const std::string text = io::read_text(folder_.path() / "obj" / "frame-00000000.obj");
     EXPECT_NE(text.find("o body \"2\", plate\nv 2 0 0.1\nv 3 0 0.1\nv 2 1 0.1\nf 7 8 9\n"), std::string::npos) << text;
     EXPECT_TRUE(fs::exists(folder_.path() / "obj" / "frame-00000004.obj"));
@@ -38,7 +41,7 @@ TEST_F(Export, ObjHasEveryBodyWhereTheFramePutsIt) {
 TEST_F(Export, VtpHasOnePointPerBodyAndACollectionOverTime) {
     io::RunReader run(folder_.path());
     const fs::path folder = folder_.path() / "vtp";
-    io::export_vtp(run, folder);
+    io::export_vtp(run, io::frames_of(run, {}), folder);
     const std::string text = io::read_text(folder / "frames" / "bodies-00000003.vtp");
     EXPECT_NE(text.find("NumberOfPoints=\"3\" NumberOfVerts=\"3\""), std::string::npos);
     // Body numbers 0, 1, 2 as 64-bit integers after their size, 24 bytes, in base64.
@@ -58,7 +61,7 @@ TEST_F(Export, VtpHasOnePointPerBodyAndACollectionOverTime) {
 TEST_F(Export, GlbHasOneAnimatedNodePerBody) {
     io::RunReader run(folder_.path());
     const fs::path path = folder_.path() / "run.glb";
-    io::export_glb(run, path);
+    io::export_glb(run, io::frames_of(run, {}), path);
     const auto bytes = io::read_file(path);
     std::uint32_t words[5];
     ASSERT_GT(bytes.size(), sizeof words);
@@ -70,10 +73,77 @@ TEST_F(Export, GlbHasOneAnimatedNodePerBody) {
     const auto json = nlohmann::json::parse(text, text + words[3]);
     EXPECT_EQ(json["nodes"].size(), 4u);
     EXPECT_EQ(json["nodes"][3]["name"], "body \"2\", plate");
-    EXPECT_EQ(json["meshes"].size(), 1u);
+    EXPECT_EQ(json["meshes"].size(), json["materials"].size()) << "one shape in some colours";
     EXPECT_EQ(json["animations"][0]["channels"].size(), 6u); // translation and rotation of three bodies
     EXPECT_EQ(json["accessors"][0]["max"], (std::vector<double>{1, 1, 0}));
     EXPECT_EQ(20 + words[3] + 8 + json["buffers"][0]["byteLength"].get<std::size_t>(), bytes.size());
+}
+
+/// The JSON chunk of the exported file.
+std::string glb_json(io::RunReader& run, const FrameRange& range) {
+    const test::TemporaryFolder folder;
+    io::export_glb(run, io::frames_of(run, range), folder.path() / "run.glb");
+    const auto bytes = io::read_file(folder.path() / "run.glb");
+    std::uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + 12, sizeof length);
+    return {reinterpret_cast<const char*>(bytes.data()) + 20, length};
+}
+
+TEST(ExportGlb, HasAMaterialForEveryColour) {
+    test::TemporaryFolder folder;
+    io::RunScene scene = sample_scene(40);
+    scene.bodies[7].type = scene.bodies[8].type = BodyType::fixed;
+    io::RunWriter writer(folder.path(), sample_info(), scene, io::OpenRun::create);
+    write_sample(writer, 40, 0, 1, true);
+    writer.close("complete");
+    io::RunReader run(folder.path());
+    const auto json = nlohmann::json::parse(glb_json(run, {}));
+    std::set<std::vector<double>> colours;
+    for (const auto& material : json["materials"])
+        colours.insert(material["pbrMetallicRoughness"]["baseColorFactor"].get<std::vector<double>>());
+    EXPECT_EQ(colours.size(), json["materials"].size()) << "no colour twice";
+    EXPECT_GT(colours.size(), 8U);
+    EXPECT_LE(colours.size(), 13U);
+    const auto material_of = [&](std::size_t body) {
+        return json["meshes"][json["nodes"][body + 1]["mesh"].get<std::size_t>()]["primitives"][0]["material"];
+    };
+    EXPECT_EQ(material_of(7), material_of(8)) << "the grey of what is fixed";
+    EXPECT_NE(material_of(7), material_of(6));
+    EXPECT_NE(material_of(0), material_of(1));
+    for (const auto& mesh : json["meshes"])
+        EXPECT_EQ(mesh["primitives"][0]["indices"], json["meshes"][0]["primitives"][0]["indices"])
+            << "arrays are shared";
+}
+
+TEST_F(Export, FramesOfARangeKeepTheirNumbers) {
+    io::RunReader run(folder_.path()); // frames 0 to 4
+    const auto frames = [&](FrameRange range) {
+        const FrameRange r = io::frames_of(run, range);
+        return std::vector<std::int64_t>{r.first, r.last, r.every, io::count(r)};
+    };
+    EXPECT_EQ(frames({}), (std::vector<std::int64_t>{0, 4, 1, 5}));
+    EXPECT_EQ(frames({1, 100, 2}), (std::vector<std::int64_t>{1, 3, 2, 2}));
+    EXPECT_EQ(frames({4, 4, 1}), (std::vector<std::int64_t>{4, 4, 1, 1}));
+    for (const FrameRange none : {FrameRange{5, 9, 1}, FrameRange{3, 2, 1}, FrameRange{0, 4, 0}, FrameRange{-1, 4, 1}})
+        EXPECT_THROW((void)io::frames_of(run, none), InputError);
+    const FrameRange odd = io::frames_of(run, {1, 3, 2});
+    io::export_obj(run, odd, folder_.path() / "obj");
+    for (const int k : {0, 1, 2, 3, 4})
+        EXPECT_EQ(fs::exists(folder_.path() / "obj" / ("frame-0000000" + std::to_string(k) + ".obj")), k % 2 == 1) << k;
+    std::string csv;
+    io::export_csv(run, odd, [&](std::string_view text) { csv += text; });
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 2 * 3);
+    EXPECT_NE(csv.find("\n3,0.12,2,"), std::string::npos) << csv;
+    io::export_usd(run, odd, folder_.path() / "run.usda");
+    const std::string usd = io::read_text(folder_.path() / "run.usda");
+    EXPECT_NE(usd.find("startTimeCode = 1\n    endTimeCode = 3\n"), std::string::npos);
+    EXPECT_EQ(usd.find("            2: ["), std::string::npos);
+    io::export_vtp(run, odd, folder_.path() / "vtp");
+    EXPECT_EQ(io::read_text(folder_.path() / "vtp" / "bodies.pvd").find("bodies-00000002.vtp"), std::string::npos);
+    const std::string whole = glb_json(run, {}), part = glb_json(run, odd);
+    EXPECT_NE(whole.find("\"count\":5,"), std::string::npos);
+    EXPECT_EQ(part.find("\"count\":5,"), std::string::npos);
+    EXPECT_NE(part.find("\"count\":2,"), std::string::npos) << "times of two frames";
 }
 
 /// Fails on text that is not balanced outside of its strings.
@@ -110,7 +180,7 @@ std::vector<double> numbers_after(const std::string& text, const std::string& na
 TEST_F(Export, UsdHasAnInstancerWithSamplesOfEveryFrame) {
     io::RunReader run(folder_.path());
     const fs::path path = folder_.path() / "run.usda";
-    io::export_usd(run, path);
+    io::export_usd(run, io::frames_of(run, {}), path);
     const std::string text = io::read_text(path);
     EXPECT_TRUE(text.starts_with("#usda 1.0\n("));
     expect_balanced(text);

@@ -358,6 +358,39 @@ TEST(SolveContacts, PacketsHaveFewIdleLanes) {
     EXPECT_GT(static_cast<double>(w.contacts.size()) / lanes, 0.8);
 }
 
+// --- no friction ---
+
+/// Two bodies far away that touch with friction: then no contact of the world is solved as one without.
+ContactWorld with_friction_elsewhere(ContactWorld w) {
+    const auto a = w.add_body(1, {1, 1, 1}, {9e3, 0, 0}), b = w.add_body(1, {1, 1, 1}, {9e3, 0, 1});
+    w.add_contact(a, b, {9e3, 0, 0.5}, kUp, 0.3);
+    return w;
+}
+
+TEST(Frictionless, AContactIsOneRowWithTheResultsOfThree) {
+    for (unsigned seed = 0; seed < 16; ++seed) {
+        ContactWorld one = make_random(seed, 60, seed % 2 ? 60 : 7, 0, seed % 4 != 0);
+        if (seed % 3 == 0) open_gaps(one);
+        ContactWorld three = with_friction_elsewhere(one);
+        ContactSolveOptions options{.iterations = seed < 8 ? 15 : 500, .tolerance = 1e-9, .rest_speed = 0.8};
+        options.tangents = seed % 5 < 2 ? Tangents::cone : Tangents::random;
+        for (int step = 0; step < 2; ++step) { // the second one from warm impulses
+            const ContactSolveStats stats = one.solve(options), of_three = three.solve(options);
+            EXPECT_EQ(stats.shocked_islands, of_three.shocked_islands);
+            EXPECT_EQ(stats.residual, of_three.residual);
+            for (std::size_t i = 0; i < one.velocity.size(); ++i) {
+                EXPECT_EQ(one.velocity[i], three.velocity[i]) << seed << ' ' << i;
+                EXPECT_EQ(one.angular_velocity[i], three.angular_velocity[i]) << seed << ' ' << i;
+            }
+            for (std::size_t k = 0; k < one.impulses.size(); ++k) EXPECT_EQ(one.impulses[k], three.impulses[k]);
+        }
+        const PackedContacts &packed = one.scratch.packed, &of_three = three.scratch.packed;
+        EXPECT_TRUE(packed.rows.empty());
+        EXPECT_EQ(packed.normal_rows.size() + 1, of_three.rows.size());
+        EXPECT_TRUE(of_three.normal_rows.empty());
+    }
+}
+
 // --- parked contacts ---
 
 TEST(SolveContacts, AContactThatOthersCloseIsWoken) {

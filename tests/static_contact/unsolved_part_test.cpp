@@ -35,10 +35,15 @@ void expect_every_violated_pair_found(Tangents tangents, Cone cone) {
         for (int lane = 0; lane < s.packed.packets[p].num_pairs; ++lane) {
             ContactPacket one = s.packed.packets[p]; // all lanes but one made idle: a mass of 1, no direction
             std::vector<PacketRow> rows(s.packed.rows.begin() + one.first, s.packed.rows.begin() + one.end);
+            const auto is_mass = [](int field) {
+                const auto of_tangents = [&](int first) { return field == first || field == first + 1; };
+                return field == PacketRow::kNormalMass || field == PacketRow::kInvNormalMass ||
+                       of_tangents(PacketRow::kTangentMass) || of_tangents(PacketRow::kInvTangentMass);
+            };
             for (PacketRow& row : rows)
-                for (auto& field : row.field)
+                for (int field = 0; field < 26; ++field)
                     for (int other = 0; other < kPacketLanes; ++other)
-                        if (other != lane) field[other] = &field <= &row.field[PacketRow::kInvMassDiagonal + 2] ? 1 : 0;
+                        if (other != lane) row.field[field][other] = is_mass(field) ? 1 : 0;
             ASSERT_EQ(one.woken, 0);
             one.end -= one.first;
             one.first = 0;
@@ -204,7 +209,8 @@ TEST(LoadShare, ALoadedContactNeedNotHandItsLoadOn) {
     const ContactSolveStats stats = w.solve(options); // 25 m/s: 7 tolerances
     EXPECT_EQ(stats.iterations, 1);
     EXPECT_NEAR(stats.residual, 1e-3, 1e-12) << "what is reported is all of it";
-    EXPECT_EQ(stats.unsolved_islands, 0);
+    EXPECT_EQ(stats.unsolved_islands, 1);
+    EXPECT_EQ(stats.let_off_islands, 1) << "and why";
     EXPECT_EQ(stats.visits, 5) << "no shock pass";
     EXPECT_GT(make_pressed_body(10).solve(options).iterations, 10) << "2.5 m/s: 1.6 tolerances";
     EXPECT_EQ(make_pressed_body(1e4, 2e-3).solve(options).iterations, 1);

@@ -44,11 +44,12 @@ TEST(BodyActivity, SumsAgreeWithTheReport) {
     std::int64_t clustered = 0;
     for (int i = 0; i < 70; ++i) {
         const StepReport report = world.step();
-        std::int64_t count[4] = {};
+        std::int64_t count[5] = {};
         for (const BodyActivity& a : world.activity()) ++count[static_cast<int>(a.cluster)];
         EXPECT_EQ(count[1], report.kinematic_bodies);
         EXPECT_EQ(count[2], report.rigid_bodies);
         EXPECT_EQ(count[3], report.held);
+        EXPECT_EQ(count[4], report.sleeping);
         clustered += count[1] + count[2] + count[3];
     }
     EXPECT_GT(clustered, 0);

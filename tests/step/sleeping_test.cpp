@@ -95,5 +95,82 @@ TEST(Sleeping, AScriptedBodyPushesASleepingOne) {
     EXPECT_GT(world.body(1).position.x, 0.5);
 }
 
+// ------------------------------------------------------------------------------------------------- contacts of sleepers
+
+struct NamedContact {
+    std::int32_t a, b;
+    Vec3 point;
+    bool operator==(const NamedContact&) const = default;
+};
+std::vector<NamedContact> named(const std::vector<ContactState>& contacts) {
+    std::vector<NamedContact> out;
+    for (const ContactState& c : contacts) out.push_back({c.body_a, c.body_b, c.point});
+    return out;
+}
+
+TEST(SleepingContacts, StayAndCarryTheWeight) {
+    World world(tower(4));
+    std::vector<NamedContact> last;
+    while (world.step().sleeping < 4) {
+        ASSERT_LT(world.steps(), 240);
+        last = named(world.contacts());
+    }
+    const auto asleep = world.contacts();
+    ASSERT_GE(asleep.size(), 12U); // three a pair at least
+    EXPECT_EQ(asleep.size(), last.size());
+    Vec3 on_lowest;
+    for (const ContactState& c : asleep) {
+        EXPECT_TRUE(c.asleep);
+        EXPECT_GT(c.distance, 0);
+        if (c.body_a == 0) on_lowest += c.impulse;
+    }
+    const double mass = 4 * 100; // kg
+    EXPECT_NEAR(on_lowest.z, mass * 9.8 * world.settings().time_step, 1e-3 * on_lowest.z);
+    for (int n = 0; n < 5; ++n) {
+        const StepReport r = world.step();
+        EXPECT_EQ(r.contacts, 0); // nothing was solved
+        EXPECT_EQ(r.sleeping_contacts, static_cast<std::int64_t>(asleep.size()));
+    }
+    EXPECT_EQ(named(world.contacts()), named(asleep));
+    for (const BodyActivity& body : world.activity()) EXPECT_GE(body.contacts, 3);
+    EXPECT_EQ(world.activity()[2].cluster, ClusterState::asleep);
+    EXPECT_EQ(world.activity()[0].cluster, ClusterState::free); // the ground does not sleep
+}
+
+TEST(SleepingContacts, AreThoseOfTheResumedRunAndGoWhenTheirBodiesWake) {
+    SceneDescription scene = tower(3);
+    const auto ball = add_shape(scene, make_sphere(0.3, 2), 50);
+    add_body(scene, ball, BodyType::dynamic, {0.1, 0, 60}, 0.5);
+    const auto far = add_shape(scene, make_box(0.5, 0.5, 0.5), 10); // sleeps on when the tower wakes
+    add_body(scene, far, BodyType::dynamic, {5, 5, 0.26}, 0.5);
+    World world(scene);
+    int slept = 0, woken = 0;
+    for (int n = 0; n < 120; ++n) {
+        const StepReport r = world.step();
+        const auto contacts = world.contacts();
+        EXPECT_TRUE(std::is_sorted(contacts.begin(), contacts.end(), [](const auto& x, const auto& y) {
+            return std::pair(x.body_a, x.body_b) < std::pair(y.body_a, y.body_b);
+        }));
+        EXPECT_GE(std::count_if(contacts.begin(), contacts.end(), [](const auto& c) { return c.asleep; }),
+                  r.sleeping_contacts); // more in the step in which they fall asleep
+        // Some that stage 7 saw ahead are none.
+        EXPECT_LE(static_cast<std::int64_t>(contacts.size()), r.contacts + r.sleeping_contacts) << "step " << n;
+        slept += r.sleeping == 4 ? 1 : 0;
+        woken += r.sleeping == 1 && slept > 0 ? 1 : 0;
+        if (n % 7 != 0) continue;
+        const World resumed(scene, world.snapshot());
+        const auto again = resumed.contacts();
+        ASSERT_EQ(named(again), named(contacts)) << "step " << n;
+        for (std::size_t i = 0; i < again.size(); ++i) {
+            EXPECT_EQ(again[i].asleep, contacts[i].asleep);
+            EXPECT_EQ(again[i].normal, contacts[i].normal);
+            EXPECT_EQ(again[i].distance, contacts[i].distance);
+            EXPECT_EQ(again[i].impulse, contacts[i].impulse);
+        }
+    }
+    EXPECT_GT(slept, 0);
+    EXPECT_GT(woken, 0);
+}
+
 } // namespace
 } // namespace flotilla::scenario

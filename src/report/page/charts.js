@@ -11,7 +11,8 @@ const PHASES = [["stage1_collisions_ms", "1 collisions"], ["stage2_velocity_ms",
 /** `nothing`: said where all values are zero or missing. `log`: values that are not positive are left out. */
 const CHARTS = [
   { title: "Time per step by phase", unit: "ms", stacked: true, wide: true, series: PHASES },
-  { title: "Contacts and collisions", unit: "per step", series: [["contacts", "contacts"], ["collisions", "collision impulses"]] },
+  { title: "Contacts and collisions", unit: "per step", series: [["contacts", "contacts solved"],
+      ["sleeping_contacts", "contacts asleep"], ["collisions", "collision impulses"]] },
   { title: "Energy", unit: "J", series: [["energy", "total"], ["kinetic_energy", "kinetic"]] },
   { title: "Momentum", unit: "kg m/s", series: [["momentum_x", "x"], ["momentum_y", "y"], ["momentum_z", "z"]] },
   { title: "Smallest distance", unit: "m", log: true, series: [["min_distance", "at the end of the step"]],
