@@ -15,6 +15,7 @@
 #include "base/rotation.hpp"
 #include "io/body_colour.hpp"
 #include "io/export.hpp"
+#include "io/frames_in_order.hpp"
 
 namespace flotilla::io {
 namespace {
@@ -152,9 +153,23 @@ struct Tracks {
     std::vector<std::vector<float>> translations, rotations; ///< by body: x y z; x y z w
 };
 
+/// A frame's part of the tracks, body after body.
+struct KeyFrame {
+    float time = 0;
+    std::vector<float> translations;
+    std::vector<Quat> rotations;
+};
+
+KeyFrame key_frame(const Frame& frame) {
+    KeyFrame key{static_cast<float>(frame.time), {}, {}};
+    for (const Vec3& p : frame.position)
+        for (const double x : {p.x, p.y, p.z}) key.translations.push_back(static_cast<float>(x));
+    for (const Quat& q : frame.rotation) key.rotations.push_back(normalized(q));
+    return key;
+}
+
 /// Turned to the same half of the unit quaternions as the one before, so that interpolation takes the short way.
-void append_rotation(std::vector<float>& track, const Quat& rotation) {
-    const Quat q = normalized(rotation);
+void append_rotation(std::vector<float>& track, const Quat& q) {
     std::array<double, 4> value{q.x, q.y, q.z, q.w};
     if (track.size() >= 4) {
         double cosine = 0;
@@ -168,15 +183,14 @@ void append_rotation(std::vector<float>& track, const Quat& rotation) {
 Tracks read_tracks(RunReader& run, const FrameRange& range) {
     const std::size_t n = run.scene().bodies.size();
     Tracks tracks{{}, std::vector<std::vector<float>>(n), std::vector<std::vector<float>>(n)};
-    for (std::int64_t k = range.first; k <= range.last; k += range.every) {
-        const Frame frame = run.frame(k);
-        tracks.times.push_back(static_cast<float>(frame.time));
+    frames_in_order(run, range, key_frame, [&](const KeyFrame& key, std::int64_t) {
+        tracks.times.push_back(key.time);
         for (std::size_t i = 0; i < n; ++i) {
-            const Vec3& p = frame.position[i];
-            for (const double x : {p.x, p.y, p.z}) tracks.translations[i].push_back(static_cast<float>(x));
-            append_rotation(tracks.rotations[i], frame.rotation[i]);
+            const auto at = key.translations.begin() + static_cast<std::ptrdiff_t>(3 * i);
+            tracks.translations[i].insert(tracks.translations[i].end(), at, at + 3);
+            append_rotation(tracks.rotations[i], key.rotations[i]);
         }
-    }
+    });
     return tracks;
 }
 

@@ -112,15 +112,15 @@ void rotate_away(DdMat3& a, DdMat3& v, std::size_t p, std::size_t q) {
     }
 }
 
-struct Eigen3 {
+struct PrincipalInertia {
     std::array<DoubleDouble, 3> values; ///< ascending
     DdMat3 vectors;                     ///< columns, right-handed
 };
 
 /// Cyclic Jacobi in a fixed order. In double-double, so that small values are right relative to themselves after
-/// rounding, and of our own, so that the axes have the same bits with every compiler. Convergence is quadratic: below
+/// rounding, which Eigen's solver for double would not give, and of our own, so that the axes have the same bits with every compiler. Convergence is quadratic: below
 /// ten sweeps; the bound is for input with NaN.
-Eigen3 eigen_decomposition(DdMat3 a) {
+PrincipalInertia principal_inertia(DdMat3 a) {
     constexpr int kMaxSweeps = 40;
     DdMat3 v{};
     for (std::size_t i = 0; i < 3; ++i) v[i][i] = 1;
@@ -134,7 +134,7 @@ Eigen3 eigen_decomposition(DdMat3 a) {
     }
     std::array<std::size_t, 3> order{0, 1, 2};
     std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return a[i][i] < a[j][j]; });
-    Eigen3 e;
+    PrincipalInertia e;
     for (std::size_t k = 0; k < 3; ++k) {
         e.values[k] = a[order[k]][order[k]];
         for (std::size_t i = 0; i < 3; ++i) e.vectors[i][k] = v[i][order[k]];
@@ -159,7 +159,7 @@ MassProperties finish(const DoubleDouble& mass, const DdVec3& com, const DdMat3&
     p.mass = to_double(mass);
     p.center_of_mass = to_double(com);
     p.inertia = rounded(inertia);
-    const Eigen3 e = eigen_decomposition(inertia);
+    const PrincipalInertia e = principal_inertia(inertia);
     p.principal_inertia = to_double(DdVec3(e.values));
     p.principal_axes = normalized(quaternion(rounded(e.vectors)));
     const bool finite = std::isfinite(p.mass) && is_finite(p.center_of_mass) && is_finite(p.principal_inertia) &&
@@ -257,7 +257,7 @@ MassProperties given_mass_properties(double mass, const Vec3& center_of_mass, co
     if (!is_finite(center_of_mass)) refuse(name, "center_of_mass must be finite");
     require_symmetric(inertia, name);
     const Mat3 symmetric = 0.5 * (inertia + transpose(inertia));
-    const DdVec3 values = eigen_decomposition(to_dd(symmetric)).values;
+    const DdVec3 values = principal_inertia(to_dd(symmetric)).values;
     if (!(values[0].hi > kMinInertiaRatio * values[2].hi)) refuse(name, "inertia must be positive definite");
     if (values[2].hi > (1 + kTriangleInequalityTolerance) * (values[0].hi + values[1].hi))
         refuse(name, "inertia is impossible: the largest principal value exceeds the sum of the other two");

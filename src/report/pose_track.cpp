@@ -9,12 +9,14 @@
 #include <span>
 #include <stdexcept>
 #include <tuple>
+#include <variant>
 
 #include <zlib.h>
 
 #include <flotilla/error.hpp>
 
 #include "base/rotation.hpp"
+#include "parallel/in_order.hpp"
 
 namespace flotilla::report {
 namespace {
@@ -102,28 +104,62 @@ class Source {
     std::vector<Vec3> middles_; ///< c by body
 };
 
+/// A frame of the run with its placements; or what keeps it from being read.
+struct PlacedFrame {
+    double time = 0; ///< s
+    std::vector<Placement> placements;
+    std::string problem;
+};
+
+/// use(placed frame, k) for the given frames in order; they are read in order and placed side by side.
+template <class Use>
+void placed_in_order(io::RunReader& run, const Source& source, std::span<const std::int64_t> frames, Use&& use) {
+    using Read = std::variant<io::Frame, std::string>;
+    const auto read = [&](std::size_t k) -> Read {
+        try {
+            return run.frame(frames[k]);
+        } catch (const IoError& error) {
+            return error.what();
+        }
+    };
+    const auto place = [&](const Read& item) {
+        PlacedFrame placed;
+        if (const auto* problem = std::get_if<std::string>(&item)) {
+            placed.problem = *problem;
+            return placed;
+        }
+        const auto& frame = std::get<io::Frame>(item);
+        placed.time = frame.time;
+        for (std::size_t i = 0; i < source.bodies(); ++i) placed.placements.push_back(source.at(frame, i));
+        return placed;
+    };
+    in_order(frames.size(), free_threads(), read, place,
+             [&](const PlacedFrame& placed, std::size_t k) { use(placed, frames[k]); });
+}
+
 /// First pass: which frames can be read, and what they span.
 std::vector<Box> survey(io::RunReader& run, const Source& source, PoseTrack& track) {
     std::vector<Box> boxes(source.bodies());
     std::int64_t not_finite = 0;
-    for (std::int64_t k = 0; k < track.frames_in_run; ++k) {
-        try {
-            const io::Frame frame = run.frame(k); // also those left out: every loss is named
-            if (k % track.frame_every != 0 && k + 1 != track.frames_in_run) continue;
-            track.frames.push_back(k);
-            track.times.push_back(frame.time);
-            for (std::size_t i = 0; i < boxes.size(); ++i) {
-                const Placement placement = source.at(frame, i);
-                not_finite += placement.finite ? 0 : 1;
-                if (placement.finite) boxes[i].add(placement.middle);
-                track.top_speed = std::max(track.top_speed, placement.speed);
-            }
-        } catch (const IoError& error) {
+    std::vector<std::int64_t> all(static_cast<std::size_t>(track.frames_in_run)); // every loss is named
+    std::iota(all.begin(), all.end(), 0);
+    placed_in_order(run, source, all, [&](const PlacedFrame& placed, std::int64_t k) {
+        if (!placed.problem.empty()) {
             // A damaged segment gives the same message for each of its frames.
-            if (track.problems.empty() || track.problems.back() != error.what())
-                track.problems.emplace_back(error.what());
+            if (track.problems.empty() || track.problems.back() != placed.problem)
+                track.problems.push_back(placed.problem);
+            return;
         }
-    }
+        if (k % track.frame_every != 0 && k + 1 != track.frames_in_run) return;
+        track.frames.push_back(k);
+        track.times.push_back(placed.time);
+        for (std::size_t i = 0; i < boxes.size(); ++i) {
+            const Placement& placement = placed.placements[i];
+            not_finite += placement.finite ? 0 : 1;
+            if (placement.finite) boxes[i].add(placement.middle);
+            track.top_speed = std::max(track.top_speed, placement.speed);
+        }
+    });
     if (not_finite > 0)
         track.problems.push_back(std::to_string(not_finite) + " poses are not finite; they are drawn at a wrong place");
     return boxes;
@@ -182,17 +218,13 @@ double angle_between(const Quat& a, const Quat& b) {
 /// Second pass: words, differences, stream.
 class Encoder {
   public:
-    Encoder(const Source& source, PoseTrack& track)
-        : source_(source),
-          track_(track),
-          last_words_(source.bodies()),
-          last_rotation_(source.bodies()),
-          bytes_(2 * kWords * source.bodies()) {}
+    Encoder(std::size_t bodies, PoseTrack& track)
+        : track_(track), last_words_(bodies), last_rotation_(bodies), bytes_(2 * kWords * bodies) {}
 
-    void add(const io::Frame& frame) {
-        const std::size_t n = source_.bodies();
+    void add(std::span<const Placement> placements) {
+        const std::size_t n = placements.size();
         for (std::size_t i = 0; i < n; ++i) {
-            const Words words = words_of(source_.at(frame, i), i);
+            const Words words = words_of(placements[i], i);
             for (std::size_t w = 0; w < kWords; ++w) {
                 const auto difference = static_cast<std::int16_t>(words[w] - last_words_[i][w]);
                 const auto zigzag = static_cast<std::uint16_t>((difference * 2) ^ (difference >> 15));
@@ -234,7 +266,6 @@ class Encoder {
         return last_rotation_[i] = q;
     }
 
-    const Source& source_;
     PoseTrack& track_;
     Deflate deflate_;
     std::vector<Words> last_words_;
@@ -281,8 +312,11 @@ PoseTrack encode_poses(io::RunReader& run, const DrawOrder& order, std::int64_t 
     std::vector<Box> boxes = survey(run, source, track);
     set_boxes(track, boxes);
     if (track.frames.empty() || boxes.empty()) return track;
-    Encoder encoder(source, track);
-    for (const std::int64_t k : track.frames) encoder.add(run.frame(k));
+    Encoder encoder(source.bodies(), track);
+    placed_in_order(run, source, track.frames, [&](const PlacedFrame& placed, std::int64_t) {
+        if (!placed.problem.empty()) throw IoError(placed.problem);
+        encoder.add(placed.placements);
+    });
     track.stream = encoder.finish();
     return track;
 }

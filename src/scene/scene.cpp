@@ -2,7 +2,9 @@
 #include "scene/scene.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <functional>
 #include <unordered_map>
 
 #include "base/error_list.hpp"
@@ -24,6 +26,15 @@ MassProperties plain_mass_properties(const ShapeDescription& shape, const Triang
     case MassKind::none: break;
     }
     return shell_mass_properties_total(mesh, shape.mass_value, shape.name);
+}
+
+/// Of a shape whose vertices and triangles are in `mesh`.
+std::optional<MassProperties> mass_properties_of(const ShapeDescription& shape, const TriangleMesh& mesh) {
+    if (shape.mass_kind == MassKind::none) return {};
+    // With everything given there is nothing to integrate, so surfaces without an area of their own are welcome too.
+    if (shape.mass_kind == MassKind::mass && shape.inertia && shape.center_of_mass)
+        return given_mass_properties(shape.mass_value, *shape.center_of_mass, *shape.inertia, shape.name);
+    return with_overrides(plain_mass_properties(shape, mesh), shape.inertia, shape.center_of_mass, shape.name);
 }
 
 bool same_bits(const Vec3& a, const Vec3& b) {
@@ -67,14 +78,18 @@ double extent_of(const Shape& shape) {
     return std::clamp(kAspect * thickness, kLeastShare * size, size);
 }
 
+/// What needs nothing but the mesh is made side by side: a scene of one large shape has no other work to share.
 Shape build_shape(ShapeDescription&& description) {
     Shape shape;
-    shape.mass = shape_mass_properties(description);
-    shape.name = std::move(description.name);
     shape.mesh = {std::move(description.vertices), std::move(description.triangles)};
-    shape.topology = build_topology(shape.mesh);
-    shape.bvh = build_bvh(shape.mesh);
-    shape.sphere = bounding_sphere(shape.mesh);
+    const std::array<std::function<void()>, 4> parts{
+        [&] { shape.mass = mass_properties_of(description, shape.mesh); },
+        [&] { shape.bvh = build_bvh(shape.mesh); },
+        [&] { shape.sphere = bounding_sphere(shape.mesh); },
+        [&] { shape.topology = build_topology(shape.mesh); },
+    };
+    parallel_for(parts.size(), free_threads(), [&](std::size_t k) { parts[k](); });
+    shape.name = std::move(description.name);
     shape.extent = extent_of(shape);
     shape.center = shape.mass                   ? shape.mass->center_of_mass
                    : description.center_of_mass ? *description.center_of_mass
@@ -139,12 +154,7 @@ Vec3 world_center(const Scene& scene, const BodyDescription& body) {
 }
 
 std::optional<MassProperties> shape_mass_properties(const ShapeDescription& shape) {
-    if (shape.mass_kind == MassKind::none) return {};
-    const TriangleMesh mesh{shape.vertices, shape.triangles};
-    // With everything given there is nothing to integrate, so surfaces without an area of their own are welcome too.
-    if (shape.mass_kind == MassKind::mass && shape.inertia && shape.center_of_mass)
-        return given_mass_properties(shape.mass_value, *shape.center_of_mass, *shape.inertia, shape.name);
-    return with_overrides(plain_mass_properties(shape, mesh), shape.inertia, shape.center_of_mass, shape.name);
+    return mass_properties_of(shape, {shape.vertices, shape.triangles});
 }
 
 Scene build_scene(SceneDescription description, const std::string& source) {

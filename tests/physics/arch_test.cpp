@@ -136,10 +136,13 @@ void pinched_block(const Run& run, double block_share, double plane_share) {
             .rotation = rotation_from_vector({0, -side * kSlope, 0});
     }
     Motion motion(scene);
-    motion.run(3);
+    // Friction holds all three, but they can roll past each other: from that unstable equilibrium they leave as exp(9.4 t / s) of what
+    // rounding or tolerance began, and stand 0.5 mm on, on facets: 1e-12 m takes 2.1 s.
+    const bool holds = std::min(block_share, plane_share) > 1;
+    motion.run(holds ? 5 : 3);
     const double sunk = -motion.body(0).center_of_mass.z;
     motion.print("block %.2f, plane %.2f of the threshold: sunk %.3g m", block_share, plane_share, sunk);
-    if (std::min(block_share, plane_share) > 1) {
+    if (holds) {
         EXPECT_LT(sunk, 1e-3);
         expect_rest(motion);
     } else {

@@ -99,7 +99,7 @@ struct Outcome {
     std::int64_t held_steps = 0; ///< with a body held
     std::int64_t above = 0;      ///< steps that ended above the solver's tolerance
     std::int64_t asleep = 0;     ///< bodies at the end
-    double seconds = 0;          ///< of wall time
+    double seconds = 0;          ///< of the stepping thread
 };
 
 /// A World and its account. Energy is that of StepReport; before the first step it is computed here.
@@ -107,7 +107,7 @@ class Motion {
   public:
     explicit Motion(const SceneDescription& scene);
     StepReport step();
-    /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes longer than `most` s of wall time, and when the
+    /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes more than `most` s of the stepping thread, and when the
     /// energy has risen by half of the scale without scripts: what follows an explosion is slow and teaches nothing.
     void run(double time, const std::function<void(const StepReport&)>& each = {}, double most = 60);
 
