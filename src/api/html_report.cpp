@@ -7,6 +7,7 @@
 
 #include "base/floating_point.hpp"
 #include "io/run_folder.hpp"
+#include "parallel/threads.hpp"
 #include "report/html_report.hpp"
 #include "report/tables.hpp"
 
@@ -73,9 +74,10 @@ HtmlReport write_html_report(const std::filesystem::path& folder, const std::fil
     io::RunReader run(folder); // a folder that is none is known before the proof
     HtmlReport result;
     if (options.verify) result.verification = verify_run(folder, options.verification);
+    const int threads = options.verification.threads > 0 ? options.verification.threads : free_threads();
     const auto page =
         report::write_page(run, result.verification ? verification_of(*result.verification) : not_verified(folder),
-                           options.frame_every, output);
+                           options.frame_every, threads, output);
     result.frames = run.frames();
     result.frames_shown = page.frames_shown;
     result.position_error = page.position_error;

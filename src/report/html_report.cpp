@@ -154,10 +154,10 @@ void write_parts(const std::filesystem::path& output, std::string_view data, std
 
 } // namespace
 
-PageReport write_page(io::RunReader& run, const Verification& verification, std::int64_t frame_every,
+PageReport write_page(io::RunReader& run, const Verification& verification, std::int64_t frame_every, int threads,
                       const std::filesystem::path& output) {
     const DrawOrder order = draw_order(run.scene());
-    const PoseTrack track = encode_poses(run, order, frame_every);
+    const PoseTrack track = encode_poses(run, order, frame_every, threads);
     const StepColumns steps = read_steps(run);
     const std::size_t rows_every = steps.rows() / kPlotRows + 1;
 

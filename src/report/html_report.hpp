@@ -37,6 +37,6 @@ struct PageReport {
 };
 /// Writes the page. IoError where it cannot be written; what cannot be read is named in the page and the report.
 [[nodiscard]] PageReport write_page(io::RunReader& run, const Verification& verification, std::int64_t frame_every,
-                                    const std::filesystem::path& output);
+                                    int threads, const std::filesystem::path& output);
 
 } // namespace flotilla::report

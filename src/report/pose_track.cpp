@@ -113,7 +113,8 @@ struct PlacedFrame {
 
 /// use(placed frame, k) for the given frames in order; they are read in order and placed side by side.
 template <class Use>
-void placed_in_order(io::RunReader& run, const Source& source, std::span<const std::int64_t> frames, Use&& use) {
+void placed_in_order(io::RunReader& run, const Source& source, std::span<const std::int64_t> frames, int threads,
+                     Use&& use) {
     using Read = std::variant<io::Frame, std::string>;
     const auto read = [&](std::size_t k) -> Read {
         try {
@@ -133,17 +134,17 @@ void placed_in_order(io::RunReader& run, const Source& source, std::span<const s
         for (std::size_t i = 0; i < source.bodies(); ++i) placed.placements.push_back(source.at(frame, i));
         return placed;
     };
-    in_order(frames.size(), free_threads(), read, place,
+    in_order(frames.size(), threads, read, place,
              [&](const PlacedFrame& placed, std::size_t k) { use(placed, frames[k]); });
 }
 
 /// First pass: which frames can be read, and what they span.
-std::vector<Box> survey(io::RunReader& run, const Source& source, PoseTrack& track) {
+std::vector<Box> survey(io::RunReader& run, const Source& source, int threads, PoseTrack& track) {
     std::vector<Box> boxes(source.bodies());
     std::int64_t not_finite = 0;
     std::vector<std::int64_t> all(static_cast<std::size_t>(track.frames_in_run)); // every loss is named
     std::iota(all.begin(), all.end(), 0);
-    placed_in_order(run, source, all, [&](const PlacedFrame& placed, std::int64_t k) {
+    placed_in_order(run, source, all, threads, [&](const PlacedFrame& placed, std::int64_t k) {
         if (!placed.problem.empty()) {
             // A damaged segment gives the same message for each of its frames.
             if (track.problems.empty() || track.problems.back() != placed.problem)
@@ -304,16 +305,16 @@ Vec3 middle(const TriangleMesh& mesh) {
     return box.empty() ? Vec3{} : 0.5 * box.low + 0.5 * box.high;
 }
 
-PoseTrack encode_poses(io::RunReader& run, const DrawOrder& order, std::int64_t frame_every) {
+PoseTrack encode_poses(io::RunReader& run, const DrawOrder& order, std::int64_t frame_every, int threads) {
     const Source source(run, order);
     PoseTrack track;
     track.frames_in_run = run.frames();
     track.frame_every = frame_every > 0 ? frame_every : automatic_frame_every(run.frames(), source.bodies());
-    std::vector<Box> boxes = survey(run, source, track);
+    std::vector<Box> boxes = survey(run, source, threads, track);
     set_boxes(track, boxes);
     if (track.frames.empty() || boxes.empty()) return track;
     Encoder encoder(source.bodies(), track);
-    placed_in_order(run, source, track.frames, [&](const PlacedFrame& placed, std::int64_t) {
+    placed_in_order(run, source, track.frames, threads, [&](const PlacedFrame& placed, std::int64_t) {
         if (!placed.problem.empty()) throw IoError(placed.problem);
         encoder.add(placed.placements);
     });

@@ -51,7 +51,7 @@ struct PoseTrack {
 };
 /// `frame_every` 0: the least that keeps the poses below kPoseBytes before compression. Frames that cannot be read are
 /// named in `problems` and left out.
-[[nodiscard]] PoseTrack encode_poses(io::RunReader& run, const DrawOrder& order, std::int64_t frame_every);
+[[nodiscard]] PoseTrack encode_poses(io::RunReader& run, const DrawOrder& order, std::int64_t frame_every, int threads);
 
 /// What a browser holds in memory and on the graphics card without trouble.
 inline constexpr std::size_t kPoseBytes = std::size_t{64} << 20;

@@ -63,7 +63,7 @@ TEST(PoseTrack, DecodesToThePosesWithinTheStatedError) {
     const Tumbling run(7, 40);
     io::RunReader reader(run.path());
     const report::DrawOrder order = report::draw_order(reader.scene());
-    const report::PoseTrack track = report::encode_poses(reader, order, 1);
+    const report::PoseTrack track = report::encode_poses(reader, order, 1, 2);
     ASSERT_EQ(track.frames.size(), 40u);
     EXPECT_TRUE(track.problems.empty());
     EXPECT_LT(track.rotation_error, 1e-4);
@@ -106,7 +106,7 @@ TEST(PoseTrack, DrawsDynamicBodiesFirstAndOneShapeAtATime) {
 TEST(PoseTrack, TakesEveryKthFrameAndTheLast) {
     const Tumbling run(2, 11);
     io::RunReader reader(run.path());
-    const report::PoseTrack track = report::encode_poses(reader, report::draw_order(reader.scene()), 4);
+    const report::PoseTrack track = report::encode_poses(reader, report::draw_order(reader.scene()), 4, 2);
     EXPECT_EQ(track.frames, (std::vector<std::int64_t>{0, 4, 8, 10}));
     EXPECT_EQ(track.frames_in_run, 11);
 }
