@@ -19,6 +19,8 @@ struct PictureOptions {
     double field_of_view = 28;       ///< degrees, of the longer side, 1 to 120
     double zoom = 1;                 ///< 1: everything just fits; above 1: closer; 0.001 to 1000
     std::optional<Vec3> target;      ///< point at the middle of the picture, m; default: chosen so that everything fits
+    /// The frame that the camera is fitted to, so that pictures of a run make a film; default: the one shown.
+    std::optional<std::int64_t> camera_frame;
     int sun_samples = 8;    ///< shadow maps over the sun's disc, 1 to 64; cost: one pass over all triangles each
     int sky_samples = 36;   ///< shadow maps over the sky, 1 to 256; cost as above
     double outlines = 0.55; ///< strength of dark lines between bodies, 0 (none) to 1

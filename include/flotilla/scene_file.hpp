@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scene files: JSON, SI units. The README describes the format; src/io/scene.schema.json is its JSON Schema.
+// Scene files: JSON, SI units. src/io/README.md describes the format; src/io/scene.schema.json is its JSON Schema.
 #pragma once
 
 #include <filesystem>

@@ -23,28 +23,34 @@ PictureBody picture_body(const TriangleMesh& mesh, std::size_t index, BodyType t
             .colour = static_cast<std::uint32_t>(index)};
 }
 
-PictureReport write_frame(const std::filesystem::path& folder, const std::filesystem::path& output,
-                          const PictureOptions& options, std::optional<std::int64_t> frame_wanted) {
-    io::RunReader run(folder);
-    if (run.frames() == 0) throw InputError(folder.string() + ": there is no frame yet");
-    const std::int64_t k = frame_wanted.value_or(run.frames() - 1);
-    if (k < 0 || k >= run.frames())
-        throw InputError(folder.string() + ": there is no frame " + std::to_string(k) + "; the run has frames 0 to " +
-                         std::to_string(run.frames() - 1));
-    const io::Frame frame = run.frame(k);
-    const io::RunScene& scene = run.scene();
+std::vector<PictureBody> bodies_of(const io::RunScene& scene, const io::Frame& frame) {
     std::vector<PictureBody> bodies;
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const TriangleMesh& mesh = scene.shapes.at(static_cast<std::size_t>(scene.bodies[i].shape)).mesh;
         bodies.push_back(picture_body(mesh, i, scene.bodies[i].type, frame.position.at(i), frame.rotation.at(i)));
     }
-    write_png(output, render(bodies, options));
+    return bodies;
+}
+
+PictureReport write_frame(const std::filesystem::path& folder, const std::filesystem::path& output,
+                          const PictureOptions& options, std::optional<std::int64_t> frame_wanted) {
+    io::RunReader run(folder);
+    if (run.frames() == 0) throw InputError(folder.string() + ": there is no frame yet");
+    const std::int64_t k = frame_wanted.value_or(run.frames() - 1), seen = options.camera_frame.value_or(k);
+    for (const std::int64_t wanted : {k, seen})
+        if (wanted < 0 || wanted >= run.frames())
+            throw InputError(folder.string() + ": there is no frame " + std::to_string(wanted) +
+                             "; the run has frames 0 to " + std::to_string(run.frames() - 1));
+    const io::Frame frame = run.frame(k);
+    const std::vector<PictureBody> bodies = bodies_of(run.scene(), frame);
+    write_png(output,
+              seen == k ? render(bodies, options) : render(bodies, bodies_of(run.scene(), run.frame(seen)), options));
     return {.frame = k, .frames = run.frames(), .time = frame.time, .bodies = bodies.size()};
 }
 
 PictureReport write_initial_state(const std::filesystem::path& file, const std::filesystem::path& output,
                                   const PictureOptions& options, std::optional<std::int64_t> frame_wanted) {
-    if (frame_wanted.value_or(0) != 0)
+    if (frame_wanted.value_or(0) != 0 || options.camera_frame.value_or(0) != 0)
         throw InputError(file.string() + ": a scene has no frame but its initial state, frame 0");
     const SceneDescription scene = read_scene(file);
     std::vector<TriangleMesh> meshes;

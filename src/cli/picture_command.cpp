@@ -51,6 +51,8 @@ void register_picture(CLI::App& app, Action& action) {
     command->add_option("SOURCE", arguments->source, "Run folder or scene file")->required();
     command->add_option("--output", arguments->output, "PNG file to write")->required();
     command->add_option("--frame", arguments->frame, "Frame, from 0 (default: the last)");
+    command->add_option("--camera-frame", options.camera_frame,
+                        "Frame that the camera is fitted to, for films (default: the one shown)");
     const auto add = [command](const char* name, auto& value, const char* text) {
         command->add_option(name, value, text)->capture_default_str();
     };

@@ -82,13 +82,30 @@ void check_bodies(Problems& problems, std::span<const PictureBody> bodies) {
 } // namespace
 
 Image render(std::span<const PictureBody> bodies, const PictureOptions& options) {
+    return render(bodies, bodies, options);
+}
+
+Image render(std::span<const PictureBody> bodies, std::span<const PictureBody> seen, const PictureOptions& options) {
     Problems problems;
     check_options(problems, options);
     check_bodies(problems, bodies);
+    if (seen.data() != bodies.data()) check_bodies(problems, seen);
     problems.raise();
 
     picture::Model model = picture::build_model(bodies);
-    const picture::Camera camera = picture::make_camera(model, options);
+    picture::Camera camera;
+    if (seen.data() == bodies.data()) {
+        camera = picture::make_camera(model, options);
+    } else {
+        const picture::Model other = picture::build_model(seen);
+        camera = picture::make_camera(other, options);
+        const Vec3 eye{camera.eye.x, camera.eye.y, camera.eye.z};
+        const Vec3 offset = (other.origin - model.origin) / model.scale;
+        // The colour of what does not move depends on what the picture is about, too.
+        for (std::size_t i = 0; i < std::min(bodies.size(), seen.size()); ++i)
+            model.bodies[i].colour = other.bodies[i].colour;
+        camera.eye = picture::to_float((other.scale / model.scale) * eye + offset);
+    }
     picture::cut_open(model, camera.eye);
     const picture::VisibleLayer opaque = find_visible(model, camera, picture::Surfaces::opaque);
     const picture::VisibleLayer glass = find_visible(model, camera, picture::Surfaces::glass);

@@ -30,5 +30,8 @@ struct PictureBody {
 /// Deterministic: the same input gives the same bytes. Throws InputError for options out of range, bad meshes and poses
 /// that are not finite, all of them in one message.
 [[nodiscard]] Image render(std::span<const PictureBody> bodies, const PictureOptions& options = {});
+/// The same, seen by the camera that fits `seen`. The frames of the options mean nothing here.
+[[nodiscard]] Image render(std::span<const PictureBody> bodies, std::span<const PictureBody> seen,
+                           const PictureOptions& options);
 
 } // namespace flotilla

@@ -129,6 +129,9 @@ constexpr std::array kEntries{
     Entry{{"boats-in-bowls", 203, 3, kMaxBodies,
            "boats fall into bowls side by side, 100 into each where the bodies are 101 k + 1: piles of equal depth"},
           library::boats_in_bowls},
+    Entry{{"household", 102, 10, kMaxBodies,
+           "mugs, bowls, plates, stools, pallets, gears, rings and loose triangles fall into a large bowl"},
+          library::household},
     Entry{
         {"triangles-on-pegs", 186, 6, kMaxBodies, "flat triangles fall on fixed pegs and the ground (paper, figure 1)"},
         library::triangles_on_pegs},

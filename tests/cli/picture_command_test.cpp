@@ -112,5 +112,20 @@ TEST(PictureCommand, WritesNoPngUnderAnotherName) {
     EXPECT_EQ(run_flotilla("picture " + scene + " --output " + out + "/A.PNG" + kSmall).exit_code, 0);
 }
 
+TEST(PictureCommand, OneCameraForAllFramesOfAFilm) {
+    const TemporaryFolder folder;
+    const std::string run = (folder.path() / "run").string(), out = (folder.path() / "picture.png").string();
+    write_run(run);
+    const auto picture = [&](const std::string& options) {
+        EXPECT_EQ(run_flotilla("picture " + run + " --output " + out + kSmall + options).exit_code, 0);
+        return bytes_of(out);
+    };
+    EXPECT_EQ(picture(" --frame 1 --camera-frame 1"), picture(" --frame 1"));
+    EXPECT_NE(picture(" --frame 1 --camera-frame 0"), picture(" --frame 1"));
+    const CommandOutput none = run_flotilla("picture " + run + " --output " + out + " --camera-frame 3");
+    EXPECT_EQ(none.exit_code, 2);
+    EXPECT_NE(none.err.find("there is no frame 3"), std::string::npos) << none.err;
+}
+
 } // namespace
 } // namespace flotilla::test

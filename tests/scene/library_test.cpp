@@ -70,6 +70,28 @@ TEST(SceneLibrary, BoatsFallIntoTheBowl) {
     }
 }
 
+// Whole things start inside the cylinder over the rim and above it, one of each kind at least.
+TEST(SceneLibrary, HouseholdThingsStandOverTheirBowl) {
+    for (const int bodies : {10, 22, 52, 102, 1002})
+        for (const std::uint64_t seed : {0U, 1U, 9U}) {
+            const SceneDescription description = make_scene("household", bodies, seed);
+            ASSERT_EQ(description.bodies.size(), static_cast<std::size_t>(bodies));
+            expect_valid_and_free(description, std::to_string(bodies) + " bodies, seed " + std::to_string(seed));
+            const Scene scene = build_scene(description);
+            const std::size_t bowl = scene.bodies.size() - 2;
+            double rim_radius = 0, rim_height = 0;
+            for (const Vec3& v : initial_vertices(scene, bowl)) {
+                rim_radius = std::max(rim_radius, std::hypot(v.x, v.y));
+                rim_height = std::max(rim_height, v.z);
+            }
+            for (std::size_t i = 0; i < bowl; ++i)
+                for (const Vec3& v : initial_vertices(scene, i)) {
+                    ASSERT_LT(std::hypot(v.x, v.y), rim_radius) << bodies;
+                    ASSERT_GT(v.z, rim_height) << bodies;
+                }
+        }
+}
+
 TEST(SceneLibrary, BowlsSideBySideHoldAHundredBoatsEach) {
     for (const int bodies : {3, 50, 102, 203, 300, 506}) {
         const SceneDescription scene = make_scene("boats-in-bowls", bodies, 2);

@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Pastes what the README shows: its C++ program is built against the installed package and run, its scene is simulated and proved.
+# usage: readme_test.sh CMAKE COMPILER BUILD_DIR [LINK_FLAGS]
+set -euo pipefail
+cmake=$1 compiler=$2 build=$3 link_flags=${4:-}
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# blocks LANGUAGE TEXT: the code blocks of the README in this language that contain TEXT.
+blocks() {
+    awk -v language="$1" -v text="$2" '
+        /^```/ { if (inside) { if (wanted && index(block, text)) printf "%s", block; inside = 0 }
+                 else { inside = 1; wanted = $0 == "```" language; block = "" }; next }
+        inside { block = block $0 "\n" }' "$root/README.md"
+}
+
+mkdir "$work/program"
+blocks cpp "int main" >"$work/program/main.cpp"
+{
+    echo 'cmake_minimum_required(VERSION 3.25)'
+    echo 'project(program LANGUAGES CXX)'
+    echo 'add_executable(program main.cpp)'
+    blocks cmake target_link_libraries
+} >"$work/program/CMakeLists.txt"
+"$cmake" --install "$build" --prefix "$work/installed" >/dev/null
+"$cmake" -S "$work/program" -B "$work/program/build" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
+    -DCMAKE_EXE_LINKER_FLAGS="$link_flags" -DCMAKE_PREFIX_PATH="$work/installed"
+"$cmake" --build "$work/program/build"
+"$work/program/build/program" | tee "$work/says"
+grep -q 'the mug lies at' "$work/says"
+
+# Each block as it stands, in an empty folder; the first line of the one with the library's scene says where the command is.
+cd "$work"
+mkdir -p build
+ln -s "$work/installed/bin" build/run
+PATH=$work/installed/bin:$PATH
+for text in 'cat > out/lid.json' 'scene household'; do
+    commands=$(blocks sh "$text")
+    [[ -n $commands ]] || { echo "the README has no block with: $text"; exit 1; }
+    bash -euo pipefail -c "$commands"
+done
+[[ -s out/household/report.html && -s out/household.png && -s out/household.csv ]]
