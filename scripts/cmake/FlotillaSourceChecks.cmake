@@ -16,3 +16,5 @@ flotilla_add_check(Sources.PlantedHeaderViolationsAreFound LABELS fast
   COMMAND "${PROJECT_SOURCE_DIR}/tests/header_check_test.sh" "${CMAKE_COMMAND}" "${CMAKE_CXX_COMPILER}")
 flotilla_add_check(Sources.AreFormatted LABELS fast
   COMMAND "${PROJECT_SOURCE_DIR}/scripts/format" --check)
+flotilla_add_check(Sources.PageOfSpeedIsWhatTheResultsGive LABELS fast
+  COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/bench/scenarios/page" --check)
