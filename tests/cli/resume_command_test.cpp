@@ -299,6 +299,7 @@ TEST_F(Resume, AScriptThatCannotGoOnStopsTheRunWithWhatItHas) {
                                ": the script of body \"press\" cannot go on: it would crush body \"crate\""),
               std::string::npos)
         << stopped.err;
+    EXPECT_NE(stopped.err.find("--resume --set unsatisfiable_script=hold"), std::string::npos) << stopped.err;
     EXPECT_EQ(run_flotilla("verify --quiet " + run().string()).exit_code, 0);
     EXPECT_EQ(run_flotilla(options(30) + "--resume").exit_code, 7);
     EXPECT_EQ(step_hashes(run()), hashes);
