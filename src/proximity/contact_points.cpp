@@ -2,7 +2,9 @@
 #include "proximity/contact_points.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include "ccd/leaf_features.hpp"
 #include "geometry/closest.hpp"
@@ -15,6 +17,8 @@ namespace {
 // A ray starts and ends on the bodies themselves; crossings this near to its ends are those.
 constexpr double kRayMargin = 1e-6;
 constexpr std::size_t kBatch = 64; // feature pairs looked at together
+/// Cosine of 15 degrees, the angle between facets of a circle of 24: a corner that a round body sits in, not another side of a box.
+constexpr double kOtherDirection = 0.96592582628906829;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -281,6 +285,31 @@ class Finder {
     bool first_only_ = false;
 };
 
+/// Bodies that touch at one point alone slide or roll from it, within a step, onto features that do not face each other yet. A link that
+/// hangs in a corner between facets of another sees one side of it, slides past the corner, and so on in every step: ten links at 1/100 s
+/// keep 0.5 J for ever, and 1e-5 J with this. The nearest points in other directions up to kOtherDirection from that one are contacts as
+/// well. `out` ends with the one point.
+void add_other_directions(const BodyMotion& a, const BodyMotion& b, double angle_cos, ProximityScratch& scratch,
+                          std::vector<ProximityPoint>& out) {
+    const ProximityPoint only = out.back();
+    const std::size_t first = out.size() - 1;
+    auto& others = scratch.others;
+    others.clear();
+    std::copy_if(scratch.found.begin(), scratch.found.end(), std::back_inserter(others), [&](const ProximityPoint& p) {
+        const double cos = dot(only.normal, p.normal);
+        return cos < angle_cos && cos >= kOtherDirection;
+    });
+    const auto key = [](const ProximityPoint& p) { return std::pair(p.distance, feature_key(p.features)); };
+    std::ranges::sort(others, {}, key);
+    for (const ProximityPoint& p : others) {
+        const auto repeats = [&](const ProximityPoint& kept) { return dot(kept.normal, p.normal) >= angle_cos; };
+        if (std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), repeats)) continue;
+        if (admissible(a, b, p, kOtherDirection, scratch)) out.push_back(p);
+    }
+    std::ranges::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), {},
+                      [](const ProximityPoint& p) { return feature_key(p.features); });
+}
+
 } // namespace
 
 ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
@@ -318,8 +347,10 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
                                     const CoveringList& list, ProximityScratch& scratch,
                                     std::vector<ProximityPoint>& out) {
     const ProximityResult result = find_proximities(a, b, proximity, angle_cos, list, scratch);
+    const std::size_t first = out.size();
     for (const ProximityPoint& p : scratch.found)
         if (admissible(a, b, p, angle_cos, scratch)) out.push_back(p);
+    if (out.size() == first + 1 && scratch.found.size() > 1) add_other_directions(a, b, angle_cos, scratch, out);
     return result;
 }
 

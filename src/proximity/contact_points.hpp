@@ -43,7 +43,7 @@ struct PruneCounters {
 /// Buffers of a proximity query; one per thread, reused.
 struct ProximityScratch {
     PruneCounters counters;
-    std::vector<ProximityPoint> found;
+    std::vector<ProximityPoint> found, others;
     FeatureBuffer candidates;
     std::array<std::vector<std::int32_t>, 2> around; ///< triangles of the two bodies that may decide about a point
 };
@@ -69,7 +69,8 @@ ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, doubl
 [[nodiscard]] bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& point, double angle_cos,
                               ProximityScratch& scratch);
 
-/// Appends the contact points, the proximities that are admissible, to `out` in the order of their feature keys.
+/// Appends the contact points, the proximities that are admissible, to `out` in the order of their feature keys. Where that is one alone,
+/// also the nearest in other directions up to 15 degrees from it, one in each: what stops the bodies where they slide from it.
 ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
                                     const CoveringList& list, ProximityScratch& scratch,
                                     std::vector<ProximityPoint>& out);

@@ -110,6 +110,21 @@ TEST(ContactPoints, AVertexInAGrooveHasBothWalls) {
     }
 }
 
+// Of a vertex above the right wall of a shallow groove, the left wall's nearest point is the bottom, 11 degrees from the right wall's.
+TEST(ContactPoints, AVertexBesideTheBottomOfAShallowGrooveHasTheBottomAsWell) {
+    constexpr double kSlope = 0.04, kHeight = 0.01; // m a m, m
+    const TriangleMesh shallow{{{0, -1, 0}, {0, 1, 0}, {1, 0, kSlope}, {-1, 0, kSlope}}, {{0, 2, 1}, {0, 1, 3}}};
+    const TriangleMesh spike{{{0, 0, 0}, {0.1, 0.1, 1}, {-0.1, 0.1, 1}, {0, -0.1, 1}},
+                             {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}};
+    const auto points_at = [&](double aside) {
+        return contact_points({shallow, {}}, {spike, {aside, 0.1, kHeight + kSlope * aside}});
+    };
+    const auto beside = points_at(0.0015);
+    ASSERT_EQ(beside.size(), 2u);
+    EXPECT_LT(dot(beside[0].normal, beside[1].normal), kAngleCos);
+    EXPECT_EQ(points_at(0.015).size(), 1u); // far up the wall the bottom is another side
+}
+
 TEST(ContactPoints, AnEdgeInANotchHasBothSides) {
     // The blade's lower edge crosses the two edges of a notch in a plate, 8 mm from the one and 9 mm from the other.
     const Vec3 left = normalized(Vec3{1, 0, 1}), right = normalized(Vec3{-1, 0, 1});
