@@ -187,15 +187,19 @@ std::vector<ContactState> World::contacts() const {
     std::vector<ContactState> out;
     const std::vector<Contact>& awake = impl_->stepper.contacts().contacts;
     const std::vector<Contact>& asleep = impl_->stepper.sleeping_contacts();
-    const std::vector<WarmImpulse>& solved = impl_->stepper.state().warm_final;
+    const State& state = impl_->stepper.state();
     const auto bodies = [](const auto& x) { return std::pair(x.a, x.b); };
-    auto pair = solved.begin(); // all lists are sorted by bodies
+    std::span<const WarmImpulse> solved = state.warm_final,
+                                 waiting = state.waiting_final; // all lists are sorted by bodies
     const auto add = [&](const Contact& c, bool sleeps) {
-        pair = std::find_if(pair, solved.end(), [&](const WarmImpulse& w) { return bodies(w) >= bodies(c); });
-        ContactState state{c.a, c.b, c.point, c.normal, c.distance, {}, sleeps};
-        for (auto w = pair; w != solved.end() && bodies(*w) == bodies(c); ++w)
-            if (w->feature_key == c.feature_key) state.impulse = w->impulse;
-        out.push_back(state);
+        std::span<const WarmImpulse>& list = sleeps ? waiting : solved;
+        const auto first =
+            std::find_if(list.begin(), list.end(), [&](const WarmImpulse& w) { return bodies(w) >= bodies(c); });
+        list = list.subspan(static_cast<std::size_t>(first - list.begin()));
+        ContactState contact{c.a, c.b, c.point, c.normal, c.distance, {}, sleeps};
+        for (auto w = list.begin(); w != list.end() && bodies(*w) == bodies(c); ++w)
+            if (w->feature_key == c.feature_key) contact.impulse = w->impulse;
+        out.push_back(contact);
     };
     auto sleeper = asleep.begin();
     for (const Contact& c : awake) {

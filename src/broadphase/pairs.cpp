@@ -16,74 +16,44 @@ constexpr double kCellOfMedian = 1.5;      // cell edge in median body sizes
 constexpr double kLargestCoordinate = 1e6; // cells; farther away bodies share the outermost one
 constexpr std::size_t kBodyGrain = 128, kCellGrain = 128, kChunkGrain = 16, kPairGrain = 2048; // items of a task
 
-Box inflated(const SweptBody& b) {
-    const Vec3 r{b.reach, b.reach, b.reach};
-    return {b.box.lower - r, b.box.upper + r};
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// With room for rounding: boxes that come within the sum of their reaches of each other overlap when inflated, and share a cell.
+Box inflated(const Box& box, double by) {
+    constexpr double kRounding = 0x1p-50;
+    const double room = by + kRounding * (by + max_abs_coordinate(box));
+    const Vec3 r{room, room, room};
+    return {box.lower - r, box.upper + r};
 }
+Box inflated(const SweptBody& b) { return inflated(b.box, b.reach); }
 
 bool near(const SweptBody& a, const SweptBody& b) { return boxes_overlap(a.box, b.box, a.reach + b.reach); }
+
+bool pairs(const SweptBody& a, const SweptBody& b) { return (a.movable || b.movable) && near(a, b); }
+
+/// Of an active body and one that stands still.
+bool pairs_with_still(const SweptBody& active, const SweptBody& still, bool wakes) {
+    const bool movable = active.movable || (wakes && still.waking_reach > 0);
+    return movable && boxes_overlap(active.box, still.box, active.reach + (wakes ? still.waking_reach : 0.0));
+}
 
 std::int64_t cell_key(const std::array<std::int64_t, 3>& c) {
     constexpr std::int64_t kOffset = 1 << 20;
     return ((c[0] + kOffset) << 42) | ((c[1] + kOffset) << 21) | (c[2] + kOffset);
 }
 
+CandidatePair pair_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
 } // namespace
 
-const std::vector<CandidatePair>& Broadphase::find(Team& team, const std::vector<SweptBody>& bodies) {
-    choose_grid(bodies);
-    rasterize(team, bodies);
-    const std::size_t chunks = pair_cells(team, bodies);
-    gather(team, chunks + pair_large(team, bodies, chunks));
-    team_sort(team, pairs_, sorted_pairs_, std::less<>());
-    return pairs_;
-}
-
-const std::vector<CandidatePair>& Broadphase::update(Team& team, const std::vector<SweptBody>& bodies,
-                                                     std::span<const std::int32_t> changed) {
-    has_changed_.assign(bodies.size(), 0);
-    for (const std::int32_t i : changed) has_changed_[static_cast<std::size_t>(i)] = 1;
-    const auto stays = [&](std::size_t i) {
-        const CandidatePair& p = pairs_[i];
-        return (has_changed_[static_cast<std::size_t>(p.a)] | has_changed_[static_cast<std::size_t>(p.b)]) == 0;
-    };
-    const auto item = [&](std::size_t i) { return pairs_[i]; };
-    compact_if({&team, "pairs that stay", kPairGrain, places_}, pairs_.size(), stays, kept_, 0, item);
-    gather(team, pair_changed(team, bodies, changed));
-    std::sort(pairs_.begin(), pairs_.end());
-    sorted_pairs_.resize(kept_.size() + pairs_.size());
-    std::merge(kept_.begin(), kept_.end(), pairs_.begin(), pairs_.end(), sorted_pairs_.begin());
-    pairs_.swap(sorted_pairs_);
-    return pairs_;
-}
-
-// Few bodies are held against all others: no grid to make.
-std::size_t Broadphase::pair_changed(Team& team, const std::vector<SweptBody>& bodies,
-                                     std::span<const std::int32_t> changed) {
-    found_.resize(std::max(found_.size(), changed.size()));
-    team.for_each("pairs of changed bodies", changed.size(), 1, [&](std::size_t k, int) {
-        const std::int32_t a = changed[k];
-        const SweptBody& p = bodies[static_cast<std::size_t>(a)];
-        auto& out = found_[k];
-        out.clear();
-        for (std::int32_t b = 0; b < static_cast<std::int32_t>(bodies.size()); ++b) {
-            const SweptBody& q = bodies[static_cast<std::size_t>(b)];
-            if (!near(p, q) || a == b || (!p.movable && !q.movable)) continue;
-            if (b < a && has_changed_[static_cast<std::size_t>(b)] != 0) continue; // found from the other side
-            out.push_back({std::min(a, b), std::max(a, b)});
-        }
-    });
-    return changed.size();
-}
-
-void Broadphase::choose_grid(const std::vector<SweptBody>& bodies) {
+void BodyGrid::choose_cells(const std::vector<Item>& items) {
     sizes_.clear();
     origin_ = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
                std::numeric_limits<double>::infinity()};
-    for (const SweptBody& b : bodies) {
-        if (!b.movable) continue;
-        sizes_.push_back(max_component(extent(b.box)) + 2 * b.reach);
-        origin_ = min(origin_, b.box.lower);
+    for (const Item& item : items) {
+        if (!item.sizes_cells) continue;
+        sizes_.push_back(max_component(extent(item.box)));
+        origin_ = min(origin_, item.box.lower);
     }
     if (sizes_.empty()) return;
     const auto middle = sizes_.begin() + static_cast<std::ptrdiff_t>(sizes_.size() / 2);
@@ -91,7 +61,7 @@ void Broadphase::choose_grid(const std::vector<SweptBody>& bodies) {
     cell_size_ = std::max(kCellOfMedian * *middle, std::numeric_limits<double>::min());
 }
 
-std::array<std::int64_t, 3> Broadphase::cell_of(const Vec3& p) const {
+std::array<std::int64_t, 3> BodyGrid::cell_of(const Vec3& p) const {
     const auto index = [&](double x, double x0) {
         // NaN and infinity go to the outermost cell: min and max keep their second operand there.
         return static_cast<std::int64_t>(
@@ -100,88 +70,205 @@ std::array<std::int64_t, 3> Broadphase::cell_of(const Vec3& p) const {
     return {index(p.x, origin_.x), index(p.y, origin_.y), index(p.z, origin_.z)};
 }
 
-Broadphase::CellRange Broadphase::cells_of(const SweptBody& body) const {
-    const Box box = inflated(body);
+std::int64_t BodyGrid::cell_key_of(const Vec3& p) const { return cell_key(cell_of(p)); }
+
+BodyGrid::CellRange BodyGrid::cells_of(const Box& box) const {
     CellRange r{cell_of(box.lower), cell_of(box.upper)};
     const std::int64_t count = (r.high[0] - r.low[0] + 1) * (r.high[1] - r.low[1] + 1) * (r.high[2] - r.low[2] + 1);
     r.count = count > kMaxCellsPerBody || count <= 0 ? 0 : count;
     return r;
 }
 
-void Broadphase::rasterize(Team& team, const std::vector<SweptBody>& bodies) {
-    ranges_.resize(bodies.size());
-    offset_.resize(bodies.size());
-    team.for_each("rasterize: count", bodies.size(), kBodyGrain,
-                  [&](std::size_t i, int) { ranges_[i] = cells_of(bodies[i]); });
+template <typename Visit>
+void for_cells(const BodyGrid::CellRange& r, Visit&& visit) {
+    for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x)
+        for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
+            for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z) visit(cell_key({x, y, z}));
+}
+
+void BodyGrid::build(Team& team, const std::vector<Item>& items) {
+    choose_cells(items);
+    const bool has_cells = !sizes_.empty(); // else nothing says how large they should be
+    ranges_.resize(items.size());
+    offset_.resize(items.size());
+    team.for_each("rasterize: count", items.size(), kBodyGrain,
+                  [&](std::size_t i, int) { ranges_[i] = has_cells ? cells_of(items[i].box) : CellRange{}; });
     large_.clear();
     std::size_t cells = 0;
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t i = 0; i < items.size(); ++i) {
         offset_[i] = cells;
         cells += static_cast<std::size_t>(ranges_[i].count);
-        if (ranges_[i].count == 0) large_.push_back(static_cast<std::int32_t>(i));
+        if (ranges_[i].count == 0) large_.push_back(items[i].body);
     }
     cells_.resize(cells);
-    team.for_each("rasterize: scatter", bodies.size(), kBodyGrain, [&](std::size_t i, int) {
-        const CellRange& r = ranges_[i];
-        if (r.count == 0) return;
+    team.for_each("rasterize: scatter", items.size(), kBodyGrain, [&](std::size_t i, int) {
+        if (ranges_[i].count == 0) return;
         Cell* out = cells_.data() + offset_[i];
-        for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x)
-            for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
-                for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
-                    *out++ = {cell_key({x, y, z}), static_cast<std::int32_t>(i)};
+        for_cells(ranges_[i], [&](std::int64_t key) { *out++ = {key, items[i].body}; });
     });
     team_sort(team, cells_, sorted_cells_,
               [](const Cell& p, const Cell& q) { return p.key != q.key ? p.key < q.key : p.body < q.body; });
 }
 
-std::size_t Broadphase::pair_cells(Team& team, const std::vector<SweptBody>& bodies) {
-    const std::size_t n = cells_.size(), chunks = (n + kCellGrain - 1) / kCellGrain;
+template <typename Visit>
+void BodyGrid::for_near(const Box& box, Visit&& visit) const {
+    for (const std::int32_t body : large_) visit(body);
+    if (cells_.empty()) return;
+    const CellRange range = cells_of(box);
+    if (range.count == 0) {
+        for (const Cell& c : cells_) visit(c.body);
+        return;
+    }
+    for_cells(range, [&](std::int64_t key) {
+        auto c = std::lower_bound(cells_.begin(), cells_.end(), key,
+                                  [](const Cell& cell, std::int64_t k) { return cell.key < k; });
+        for (; c != cells_.end() && c->key == key; ++c) visit(c->body);
+    });
+}
+
+const std::vector<CandidatePair>& Broadphase::find(Team& team, const PairSearch& search) {
+    sort_in_still(team, search);
+    sort_in_active(team, search);
+    std::size_t chunks = pair_cells(team, search);
+    chunks += pair_large(team, search, chunks);
+    gather(team, chunks + pair_still(team, search, chunks));
+    team_sort(team, pairs_, sorted_pairs_, std::less<>());
+    return pairs_;
+}
+
+void Broadphase::sort_in_still(Team& team, const PairSearch& search) {
+    if (has_still_ && still_version_ == search.still_version) return;
+    items_.clear();
+    auto active = search.active.begin();
+    for (std::size_t i = 0; i < search.bodies.size(); ++i) {
+        if (active != search.active.end() && at(*active) == i) {
+            ++active;
+            continue;
+        }
+        const SweptBody& b = search.bodies[i];
+        items_.push_back({static_cast<std::int32_t>(i), inflated(b.box, b.waking_reach), true});
+    }
+    still_.build(team, items_);
+    still_version_ = search.still_version;
+    has_still_ = true;
+}
+
+void Broadphase::sort_in_active(Team& team, const PairSearch& search) {
+    items_.clear();
+    for (const std::int32_t i : search.active) {
+        const SweptBody& b = search.bodies[at(i)];
+        items_.push_back({i, inflated(b), b.movable});
+    }
+    active_.build(team, items_);
+}
+
+const std::vector<CandidatePair>& Broadphase::update(Team& team, const PairSearch& search,
+                                                     std::span<const std::int32_t> changed) {
+    has_changed_.assign(search.bodies.size(), 0);
+    for (const std::int32_t i : changed) has_changed_[at(i)] = 1;
+    const auto stays = [&](std::size_t i) {
+        const CandidatePair& p = pairs_[i];
+        return (has_changed_[at(p.a)] | has_changed_[at(p.b)]) == 0;
+    };
+    const auto item = [&](std::size_t i) { return pairs_[i]; };
+    compact_if({&team, "pairs that stay", kPairGrain, places_}, pairs_.size(), stays, kept_, 0, item);
+    gather(team, pair_changed(team, search, changed));
+    std::sort(pairs_.begin(), pairs_.end());
+    sorted_pairs_.resize(kept_.size() + pairs_.size());
+    std::merge(kept_.begin(), kept_.end(), pairs_.begin(), pairs_.end(), sorted_pairs_.begin());
+    pairs_.swap(sorted_pairs_);
+    return pairs_;
+}
+
+// Few bodies are held against all others: no grid to make.
+std::size_t Broadphase::pair_changed(Team& team, const PairSearch& search, std::span<const std::int32_t> changed) {
+    found_.resize(std::max(found_.size(), changed.size()));
+    team.for_each("pairs of changed bodies", changed.size(), 1, [&](std::size_t k, int) {
+        const std::int32_t a = changed[k];
+        const SweptBody& p = search.bodies[at(a)];
+        auto& out = found_[k];
+        out.clear();
+        for (const std::int32_t b : search.active) {
+            if (a == b || !pairs(p, search.bodies[at(b)])) continue;
+            if (b < a && has_changed_[at(b)] != 0) continue; // found from the other side
+            out.push_back(pair_of(a, b));
+        }
+        pair_with_still(a, search, out);
+    });
+    return changed.size();
+}
+
+std::size_t Broadphase::pair_cells(Team& team, const PairSearch& search) {
+    const std::vector<BodyGrid::Cell>& cells = active_.cells();
+    const std::size_t n = cells.size(), chunks = (n + kCellGrain - 1) / kCellGrain;
     found_.resize(std::max(found_.size(), chunks));
     // A chunk takes the runs of one cell that begin in it.
     team.for_chunks("pairs of cells", n, kCellGrain, [&](std::size_t first, std::size_t last, int) {
         auto& out = found_[first / kCellGrain];
         out.clear();
         std::size_t begin = first;
-        while (begin > 0 && begin < last && cells_[begin].key == cells_[begin - 1].key) ++begin;
+        while (begin > 0 && begin < last && cells[begin].key == cells[begin - 1].key) ++begin;
         for (std::size_t end = begin; begin < last; begin = end) {
-            while (end < n && cells_[end].key == cells_[begin].key) ++end;
-            pair_run(begin, end, bodies, out);
+            while (end < n && cells[end].key == cells[begin].key) ++end;
+            pair_run(begin, end, search, out);
         }
     });
     return chunks;
 }
 
-void Broadphase::pair_run(std::size_t begin, std::size_t end, const std::vector<SweptBody>& bodies,
+void Broadphase::pair_run(std::size_t begin, std::size_t end, const PairSearch& search,
                           std::vector<CandidatePair>& out) const {
+    const std::vector<BodyGrid::Cell>& cells = active_.cells();
     for (std::size_t i = begin; i < end; ++i)
         for (std::size_t j = i + 1; j < end; ++j) {
-            const auto a = cells_[i].body, b = cells_[j].body;
-            const SweptBody &p = bodies[static_cast<std::size_t>(a)], &q = bodies[static_cast<std::size_t>(b)];
-            if ((!p.movable && !q.movable) || !near(p, q)) continue;
+            const auto a = cells[i].body, b = cells[j].body;
+            const SweptBody &p = search.bodies[at(a)], &q = search.bodies[at(b)];
+            if (!pairs(p, q)) continue;
             // A pair is met in every cell that both fill: it counts in the first, the lower corner of the common part.
             const Vec3 corner = max(inflated(p).lower, inflated(q).lower);
-            if (cell_key(cell_of(corner)) == cells_[begin].key) out.push_back({a, b});
+            if (active_.cell_key_of(corner) == cells[begin].key) out.push_back({a, b});
         }
 }
 
-std::size_t Broadphase::pair_large(Team& team, const std::vector<SweptBody>& bodies, std::size_t first_chunk) {
-    if (large_.empty()) return 0;
-    const std::size_t n = bodies.size(), chunks = (n + kBodyGrain - 1) / kBodyGrain;
+std::size_t Broadphase::pair_large(Team& team, const PairSearch& search, std::size_t first_chunk) {
+    const std::vector<std::int32_t>& large = active_.large();
+    if (large.empty()) return 0;
+    const std::size_t n = search.active.size(), chunks = (n + kBodyGrain - 1) / kBodyGrain;
     found_.resize(std::max(found_.size(), first_chunk + chunks));
     team.for_chunks("pairs of large bodies", n, kBodyGrain, [&](std::size_t first, std::size_t last, int) {
         auto& out = found_[first_chunk + first / kBodyGrain];
         out.clear();
         for (std::size_t i = first; i < last; ++i) {
-            const auto b = static_cast<std::int32_t>(i);
-            const SweptBody& q = bodies[i];
-            for (const std::int32_t a : large_) {
-                if (a == b || (ranges_[i].count == 0 && b < a)) continue; // two large ones: once
-                const SweptBody& p = bodies[static_cast<std::size_t>(a)];
-                if ((p.movable || q.movable) && near(p, q)) out.push_back({std::min(a, b), std::max(a, b)});
+            const std::int32_t b = search.active[i];
+            const bool b_large = std::binary_search(large.begin(), large.end(), b);
+            for (const std::int32_t a : large) {
+                if (a == b || (b_large && b < a)) continue; // two large ones: once
+                if (pairs(search.bodies[at(a)], search.bodies[at(b)])) out.push_back(pair_of(a, b));
             }
         }
     });
     return chunks;
+}
+
+std::size_t Broadphase::pair_still(Team& team, const PairSearch& search, std::size_t first_chunk) {
+    const std::size_t n = search.active.size(), chunks = (n + kBodyGrain - 1) / kBodyGrain;
+    found_.resize(std::max(found_.size(), first_chunk + chunks));
+    team.for_chunks("pairs with still bodies", n, kBodyGrain, [&](std::size_t first, std::size_t last, int) {
+        auto& out = found_[first_chunk + first / kBodyGrain];
+        out.clear();
+        for (std::size_t i = first; i < last; ++i) pair_with_still(search.active[i], search, out);
+    });
+    return chunks;
+}
+
+void Broadphase::pair_with_still(std::int32_t body, const PairSearch& search, std::vector<CandidatePair>& out) const {
+    const SweptBody& p = search.bodies[at(body)];
+    const auto first = static_cast<std::ptrdiff_t>(out.size());
+    still_.for_near(inflated(p), [&](std::int32_t other) {
+        if (pairs_with_still(p, search.bodies[at(other)], search.wakes)) out.push_back(pair_of(body, other));
+    });
+    std::sort(out.begin() + first, out.end()); // a pair is met in every cell that both fill
+    out.erase(std::unique(out.begin() + first, out.end()), out.end());
 }
 
 void Broadphase::gather(Team& team, std::size_t chunks) {

@@ -40,8 +40,7 @@ class Failsafe {
     /// Clusters whose motion no longer keeps their members apart by itself need a proof for every pair of members; without it
     /// a kinematic one becomes rigid and a rigid one is held (DESIGN 4.2).
     void check_turned_clusters() {
-        for (std::size_t id = 0; id < data_.model.size(); ++id) {
-            const auto c = static_cast<std::int32_t>(id);
+        for (const std::int32_t c : data_.model.active) {
             while (!data_.clusters[c].members.empty() && !data_.clusters[c].internal_proved) {
                 if (members_apart(c))
                     data_.clusters[c].internal_proved = true;

@@ -20,7 +20,8 @@ SleepRule sleep_rule(const Model& model) {
 
 void count_quiet_steps(const Model& model, const SleepRule& rule, std::span<const std::uint8_t> disturbed,
                        State& state) {
-    for (std::size_t i = 0; i < model.size(); ++i) {
+    for (const std::int32_t body : model.active) {
+        const std::size_t i = at(body);
         if (!model.bodies[i].movable()) continue;
         const Vec3 omega = angular_velocity(model.shape_of(i), state.pose[i].rotation, state.motion[i].momentum);
         const double speed = length(state.motion[i].velocity) + length(omega) * model.shape_of(i).radius;
@@ -29,10 +30,11 @@ void count_quiet_steps(const Model& model, const SleepRule& rule, std::span<cons
     }
 }
 
-void fall_asleep(const Model& model, const SleepRule& rule, std::span<const BodyPair> pairs, SleepScratch& s,
+bool fall_asleep(const Model& model, const SleepRule& rule, std::span<const BodyPair> pairs, SleepScratch& s,
                  State& state) {
-    s.movable.resize(model.size());
-    for (std::size_t i = 0; i < model.size(); ++i) s.movable[i] = model.bodies[i].movable() ? 1 : 0;
+    if (pairs.empty()) return false;
+    s.movable.assign(model.size(), 0);
+    for (const std::int32_t i : model.active) s.movable[at(i)] = model.bodies[at(i)].movable() ? 1 : 0;
     s.island.resize(pairs.size());
     const auto num_islands = static_cast<std::size_t>(find_islands(pairs, s.movable, s.graph, s.island));
     s.restless.assign(num_islands, 0);
@@ -45,15 +47,18 @@ void fall_asleep(const Model& model, const SleepRule& rule, std::span<const Body
             s.lowest[island] = std::min(s.lowest[island], body);
             if (state.sleep[at(body)].quiet_steps < rule.steps) s.restless[island] = 1;
         }
+    bool any = false;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const std::size_t island = at(s.island[k]);
         if (s.restless[island] != 0) continue;
+        any = true;
         for (const std::int32_t body : {pairs[k].a, pairs[k].b}) {
             if (s.movable[at(body)] == 0) continue;
             state.sleep[at(body)].island = s.lowest[island];
             state.motion[at(body)] = {};
         }
     }
+    return any;
 }
 
 void wake_island(std::size_t body, State& state) {

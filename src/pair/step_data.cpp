@@ -183,16 +183,37 @@ void set_bounds(StepData& data, std::size_t body, const Box& box, ListReach reac
     data.lists.bounds[body] = {way_of(data.trajectories.motion(body)), with_speed ? speed_of(data, body) : kUnknown};
 }
 
+/// Those of the bodies that stand still, as long as the same ones do.
+void place_still(StepData& data) {
+    ListBuffers& l = data.lists;
+    if (l.still_placed == l.still_version) return;
+    const std::size_t n = data.model.size();
+    l.swept.resize(n);
+    l.bounds.resize(n);
+    data.team.for_each("bounds of still bodies", n, kBodyGrain, [&](std::size_t i, int) {
+        const Body& body = data.model.bodies[i];
+        if (body.movable() || body.scripted()) return;
+        const double waking = body.dynamic() ? largest_reach(data, i, ListReach::proximity) : 0.0;
+        l.swept[i] = {data.trajectories.at_start(i).swept(), 0, false, waking};
+        l.bounds[i] = {};
+    });
+    l.still_placed = l.still_version;
+}
+
+PairSearch search_of(const StepData& data, bool wakes = false) {
+    return {data.lists.swept, data.model.active, data.lists.still_version, wakes};
+}
+
 /// Candidate pairs of bodies with the given boxes.
 template <class BoxOf>
 const std::vector<CandidatePair>& find_pairs(StepData& data, const char* name, ListReach reach, bool with_speed,
-                                             BoxOf&& box_of) {
-    const std::size_t n = data.model.size();
-    data.lists.swept.resize(n);
-    data.lists.bounds.resize(n);
-    data.team.for_each(name, n, kBodyGrain,
-                       [&](std::size_t i, int) { set_bounds(data, i, box_of(i), reach, with_speed); });
-    return data.broadphase.find(data.team, data.lists.swept);
+                                             bool wakes, BoxOf&& box_of) {
+    place_still(data);
+    const std::vector<std::int32_t>& active = data.model.active;
+    data.team.for_each(name, active.size(), kBodyGrain, [&](std::size_t k, int) {
+        set_bounds(data, at(active[k]), box_of(at(active[k])), reach, with_speed);
+    });
+    return data.broadphase.find(data.team, search_of(data, wakes));
 }
 
 Box swept_box(const StepData& data, std::size_t body) { return data.trajectories.motion(body).swept(); }
@@ -204,7 +225,7 @@ const std::vector<CandidatePair>& update_pairs(StepData& data, std::span<const s
                                                bool with_proximity) {
     for (const std::int32_t i : changed)
         set_bounds(data, at(i), swept_box(data, at(i)), reach_of(with_proximity), with_proximity);
-    return data.broadphase.update(data.team, data.lists.swept, changed);
+    return data.broadphase.update(data.team, search_of(data), changed);
 }
 
 /// Those of the pairs that `wanted(pair, record)` wants, the record being null where there is none yet; all of them get one.
@@ -296,22 +317,26 @@ const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximit
     constexpr std::size_t kFew = 64; // a body in so many
     FrozenBounds& frozen = data.lists.frozen;
     const bool known = frozen.pairs != nullptr && frozen.with_proximity == with_proximity;
-    const std::size_t n = data.model.size();
-    frozen.version.resize(n);
+    frozen.version.resize(data.model.size());
     frozen.changed.clear();
-    for (std::size_t i = 0; i < n; ++i) {
-        const std::uint64_t version = data.trajectories.version(i);
-        if (std::exchange(frozen.version[i], version) != version)
-            frozen.changed.push_back(static_cast<std::int32_t>(i));
+    for (const std::int32_t i : data.model.active) {
+        const std::uint64_t version = data.trajectories.version(at(i));
+        if (std::exchange(frozen.version[at(i)], version) != version) frozen.changed.push_back(i);
     }
     if (known && frozen.changed.empty()) return *frozen.pairs;
     frozen.with_proximity = with_proximity;
-    if (known && frozen.changed.size() * kFew <= n)
+    if (known && frozen.changed.size() * kFew <= data.model.active.size())
         frozen.pairs = &update_pairs(data, frozen.changed, with_proximity);
     else
-        frozen.pairs = &find_pairs(data, "swept bounds", reach_of(with_proximity), with_proximity,
+        frozen.pairs = &find_pairs(data, "swept bounds", reach_of(with_proximity), with_proximity, false,
                                    [&](std::size_t i) { return swept_box(data, i); });
     return *frozen.pairs;
+}
+
+const std::vector<CandidatePair>& waking_pairs(StepData& data) {
+    data.lists.frozen.pairs = nullptr;
+    return find_pairs(data, "waking bounds", ListReach::proximity, true, true,
+                      [&](std::size_t i) { return swept_box(data, i); });
 }
 
 const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity) {
@@ -331,7 +356,7 @@ const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity) {
 
 const std::vector<ListedPair>& end_pairs(StepData& data) {
     data.lists.frozen.pairs = nullptr;
-    const auto& pairs = find_pairs(data, "end bounds", ListReach::fall, false,
+    const auto& pairs = find_pairs(data, "end bounds", ListReach::fall, false, false,
                                    [&](std::size_t i) { return data.trajectories.at_end(i).swept(); });
     return list_pairs(data, pairs, [](const CandidatePair&, PairRecord*) { return true; });
 }

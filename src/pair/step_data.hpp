@@ -66,6 +66,8 @@ struct ListBuffers {
     FrozenBounds frozen;
     std::vector<SweptBody> swept;
     std::vector<BodyBounds> bounds;  ///< by body, of the motion that the last list was made from
+    std::uint64_t still_version = 1; ///< another one where others stand still than before, or elsewhere
+    std::uint64_t still_placed = 0;  ///< the version that `swept` and `bounds` hold
     std::vector<PairRecord*> record; ///< of each candidate pair; null: there is none yet
     std::vector<std::uint8_t> wanted;
     std::vector<std::size_t> chunk_places; ///< in `listed`, by chunk of candidate pairs
@@ -114,6 +116,9 @@ void collect(StepData& data, StageCounters& counters);
 
 /// All pairs whose swept bounds come within the separation, or within the proximity distance, sorted.
 const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity);
+
+/// Pairs of an active body with a sleeping one whose swept bounds come within the proximity distance, among others; sorted.
+const std::vector<CandidatePair>& waking_pairs(StepData& data);
 
 /// The frozen list of a sweep: pairs of bodies of different clusters whose swept bounds overlap and that have no current proof,
 /// sorted. Stage 1 also wants pairs within the proximity distance (`with_proximity`), stage 5 only those within the separation.

@@ -54,6 +54,7 @@ Model make_model(const Scene& scene) {
     model.settings = scene.settings;
     for (const Shape& shape : scene.shapes) model.shapes.push_back(make_shape(shape));
     for (const BodyDescription& body : scene.bodies) model.bodies.push_back(make_body(scene, body));
+    model.list_active();
     return model;
 }
 

@@ -18,18 +18,28 @@ struct CandidatePair {
 
 /// What a pair finder knows of a body in this sweep.
 struct SweptBody {
-    Box box;              ///< of the whole motion, not inflated
-    double reach = 0;     ///< m, inflation of this body's box: its part of the pair's distance of interest
-    bool movable = false; ///< two bodies of infinite mass never pair
+    Box box;                 ///< of the whole motion, not inflated
+    double reach = 0;        ///< m, inflation of this body's box: its part of the pair's distance of interest
+    bool movable = false;    ///< two bodies of infinite mass never pair
+    double waking_reach = 0; ///< m, of a sleeping body, which stands still otherwise
+};
+
+/// What a pair finder is asked. Bodies that are not active stand still: they pair with active ones only, and it is enough to sort them in
+/// once.
+struct PairSearch {
+    std::span<const SweptBody> bodies;
+    std::span<const std::int32_t> active; ///< ascending
+    std::uint64_t still_version = 0;      ///< another one where others stand still than before, or elsewhere
+    bool wakes = false;                   ///< sleeping bodies count as movable, with their waking reach
 };
 
 class PairFinder {
   public:
     virtual ~PairFinder() = default;
-    /// All pairs with at least one movable body whose inflated boxes overlap, sorted by (a, b).
-    virtual const std::vector<CandidatePair>& find(Team& team, const std::vector<SweptBody>& bodies) = 0;
-    /// The same where the last call was for the same bodies, of which those `changed` (ascending) are other ones now: for few.
-    virtual const std::vector<CandidatePair>& update(Team& team, const std::vector<SweptBody>& bodies,
+    /// All pairs of an active body with another where at least one is movable and whose inflated boxes overlap, sorted by (a, b).
+    virtual const std::vector<CandidatePair>& find(Team& team, const PairSearch& search) = 0;
+    /// The same where the last call was for the same bodies, of which those `changed` (ascending, all active) are other ones now: for few.
+    virtual const std::vector<CandidatePair>& update(Team& team, const PairSearch& search,
                                                      std::span<const std::int32_t> changed) = 0;
 };
 

@@ -65,31 +65,72 @@ Vec3 angular_velocity(const RigidShape& shape, const Quat& rotation, const Vec3&
     return rotate(rotation, shape.inverse_inertia * rotate(conjugate(rotation), momentum));
 }
 
-std::uint64_t state_hash(const State& state) {
+void Model::list_active() {
+    active.clear();
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+        if (bodies[i].movable() || bodies[i].scripted()) active.push_back(static_cast<std::int32_t>(i));
+}
+
+namespace {
+
+bool sleeps(const Sleep& s) { return s.island >= 0; }
+
+std::uint64_t word(std::int32_t high, std::int32_t low) {
+    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(high)) << 32) | static_cast<std::uint32_t>(low);
+}
+
+void add(Hasher& h, const State& s, std::span<const std::int32_t> bodies) {
+    const auto each = [&](auto&& add_one) {
+        for (const std::int32_t i : bodies) add_one(static_cast<std::size_t>(i));
+    };
+    each([&](std::size_t i) { h.add(s.pose[i].com), h.add(s.pose[i].rotation), h.add(s.pose[i].origin); });
+    each([&](std::size_t i) { h.add(s.motion[i].velocity), h.add(s.motion[i].momentum); });
+    each([&](std::size_t i) { h.add(word(s.sleep[i].quiet_steps, s.sleep[i].island)); });
+    each([&](std::size_t i) { h.add(s.script_delay[i]); });
+    each([&](std::size_t i) { h.add(s.lift[i]); });
+}
+
+void add(Hasher& h, const std::vector<WarmImpulse>& impulses) {
+    h.add(static_cast<std::uint64_t>(impulses.size()));
+    for (const WarmImpulse& w : impulses) {
+        h.add(word(w.a, w.b));
+        h.add(w.feature_key);
+        h.add(w.impulse);
+    }
+}
+
+std::vector<std::int32_t> bodies_of(const State& state, bool asleep) {
+    std::vector<std::int32_t> out;
+    for (std::size_t i = 0; i < state.sleep.size(); ++i)
+        if (sleeps(state.sleep[i]) == asleep) out.push_back(static_cast<std::int32_t>(i));
+    return out;
+}
+
+} // namespace
+
+std::uint64_t sleepers_hash(const State& state) {
+    if (std::none_of(state.sleep.begin(), state.sleep.end(), sleeps)) return 0;
+    Hasher h;
+    const std::vector<std::int32_t> bodies = bodies_of(state, true);
+    for (const std::int32_t i : bodies) h.add(static_cast<std::uint64_t>(i));
+    add(h, state, bodies);
+    add(h, state.waiting_half), add(h, state.waiting_final);
+    return h.value();
+}
+
+std::uint64_t state_hash(const State& state, std::span<const std::int32_t> awake, std::uint64_t of_sleepers) {
     Hasher h;
     h.add(static_cast<std::uint64_t>(state.step));
     h.add(state.time);
-    for (const Pose& p : state.pose) h.add(p.com), h.add(p.rotation), h.add(p.origin);
-    for (const Motion& m : state.motion) h.add(m.velocity), h.add(m.momentum);
-    for (const Sleep& q : state.sleep)
-        h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(q.quiet_steps)) << 32) |
-              static_cast<std::uint32_t>(q.island));
-    for (double d : state.script_delay) h.add(d);
-    for (double e : state.lift) h.add(e);
-    for (const RestDistance& r : state.rest_distances) {
-        h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(r.a)) << 32) | static_cast<std::uint32_t>(r.b));
-        h.add(r.distance);
-    }
-    for (const auto* impulses : {&state.warm_half, &state.warm_final}) {
-        h.add(static_cast<std::uint64_t>(impulses->size()));
-        for (const WarmImpulse& w : *impulses) {
-            h.add((static_cast<std::uint64_t>(static_cast<std::uint32_t>(w.a)) << 32) |
-                  static_cast<std::uint32_t>(w.b));
-            h.add(w.feature_key);
-            h.add(w.impulse);
-        }
-    }
+    add(h, state, awake);
+    for (const RestDistance& r : state.rest_distances) h.add(word(r.a, r.b)), h.add(r.distance);
+    add(h, state.warm_half), add(h, state.warm_final);
+    if (of_sleepers != 0) h.add(of_sleepers);
     return h.value();
+}
+
+std::uint64_t state_hash(const State& state) {
+    return state_hash(state, bodies_of(state, false), sleepers_hash(state));
 }
 
 } // namespace flotilla

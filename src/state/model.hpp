@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <flotilla/scene.hpp>
@@ -34,6 +35,11 @@ struct Model {
     std::vector<Body> bodies;
     Vec3 gravity; ///< m/s^2
     Settings settings;
+    /// Bodies that may move in the step under way, movable or scripted ones, ascending. The others stand still.
+    std::vector<std::int32_t> active;
+
+    /// After bodies were added, fell asleep or woke.
+    void list_active();
 
     [[nodiscard]] std::size_t size() const { return bodies.size(); }
     [[nodiscard]] const RigidShape& shape_of(std::size_t body) const {
@@ -95,6 +101,8 @@ struct State {
     /// The impulses of the last stage 3 and of the last stage 7, each sorted by (a, b, feature pair without a face, feature_key). The
     /// stages solve different problems (DESIGN section 3): at rest each finds its own solution of the step before.
     std::vector<WarmImpulse> warm_half, warm_final;
+    /// Those of contacts that no awake body is part of: they wait for the day their bodies wake.
+    std::vector<WarmImpulse> waiting_half, waiting_final;
 };
 
 /// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its movable
@@ -113,5 +121,9 @@ struct PairLengths {
 
 /// 64-bit hash of all bits of the state.
 [[nodiscard]] std::uint64_t state_hash(const State& state);
+/// The same in two parts: what does not change while the same bodies sleep, and the rest with that. `awake`: bodies that do not sleep.
+[[nodiscard]] std::uint64_t sleepers_hash(const State& state);
+[[nodiscard]] std::uint64_t state_hash(const State& state, std::span<const std::int32_t> awake,
+                                       std::uint64_t of_sleepers);
 
 } // namespace flotilla

@@ -18,7 +18,7 @@ static_assert(sizeof(Pose) == 10 * sizeof(double) && sizeof(Motion) == 6 * sizeo
 static_assert(sizeof(Sleep) == 8 && sizeof(RestDistance) == 16 && sizeof(WarmImpulse) == 40);
 
 constexpr std::uint64_t kMagic = 0x50414e534c464c46; // "FLFLSNAP"
-constexpr std::uint64_t kVersion = 2;
+constexpr std::uint64_t kVersion = 3;
 
 class Writer {
   public:
@@ -100,7 +100,7 @@ template <typename S, typename Visit>
 void visit(S& state, Visit&& part) {
     part(state.step), part(state.time), part(state.pose), part(state.motion), part(state.sleep);
     part(state.script_delay), part(state.lift), part(state.rest_distances), part(state.warm_half),
-        part(state.warm_final);
+        part(state.warm_final), part(state.waiting_half), part(state.waiting_final);
 }
 
 } // namespace

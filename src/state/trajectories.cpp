@@ -80,8 +80,9 @@ void Trajectories::start(const Model& model, std::size_t body, const Pose& pose)
     e.at0.place(*e.shape, pose);
 }
 
-void Trajectories::advance() {
-    for (std::size_t i = 0; i < entries_.size(); ++i) {
+void Trajectories::advance(std::span<const std::int32_t> moved) {
+    for (const std::int32_t body : moved) {
+        const auto i = static_cast<std::size_t>(body);
         Entry& e = entries_[i];
         if (!still(i)) std::swap(e.at0, e.at1);
         e.turn = {};

@@ -61,8 +61,8 @@ class Trajectories {
     /// The same in two parts: room for all bodies, then one body after another or side by side, each placed by the thread that calls.
     void resize(const Model& model);
     void start(const Model& model, std::size_t body, const Pose& pose);
-    /// Makes the end states the start states of the next step.
-    void advance();
+    /// Makes the end states of the given bodies the start states of the next step; the others stood still.
+    void advance(std::span<const std::int32_t> moved);
 
     /// Commits an end state: the body turns by the rotation vector `turn` (with whole turns) on the way.
     void set_end(std::size_t body, const Pose& end, const Vec3& turn);

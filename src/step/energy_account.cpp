@@ -35,10 +35,14 @@ void EnergyAccount::start(Team& team, const Model& model, std::span<const Pose> 
     parent_.resize(n);
     kinetic_.resize(n);
     com_.resize(n);
+    bodies_.resize(n);
+    islands_.resize(n);
+    verdicts_.resize(n);
     work_.assign(n, 0);
     grounded_.assign(n, 0);
     scripted_.assign(n, 0);
-    team.for_each("energy before", n, kGrain, [&](std::size_t i, int) {
+    team.for_each("energy before", model.active.size(), kGrain, [&](std::size_t k, int) {
+        const std::size_t i = at(model.active[k]);
         parent_[i] = static_cast<std::int32_t>(i);
         com_[i] = pose[i].com;
         kinetic_[i] = model.bodies[i].movable() ? kinetic_energy(model, i, pose[i], motion[i]) : 0.0;
@@ -102,13 +106,13 @@ EnergyAccount::Verdict EnergyAccount::judge(const Balance& island, EnergyCorrect
 
 std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::span<const Vec3> way,
                                                        std::span<const double> lift) {
-    const std::size_t n = model.size();
     overdrawn_.clear();
-    islands_.assign(n, {});
+    for (const std::int32_t i : model.active) islands_[at(i)] = {};
     bool any = false;
-    for (std::size_t i = 0; i < n; ++i) {
+    for (const std::int32_t body : model.active) {
+        const std::size_t i = at(body);
         if (!model.bodies[i].movable()) continue;
-        Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
+        Balance& island = islands_[at(root(body))];
         const double mass = model.bodies[i].mass;
         island.gain -= mass * dot(model.gravity, way[i]);
         island.kinetic += kinetic_[i];
@@ -118,29 +122,29 @@ std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::
         any = any || island.gain > island.kinetic + island.most_lift;
     }
     if (!any) return overdrawn_;
-    for (std::size_t i = 0; i < n; ++i) {
-        if (!model.bodies[i].movable()) continue;
-        const Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
-        if (!island.grounded && island.gain > island.kinetic + island.most_lift)
-            overdrawn_.push_back(static_cast<std::int32_t>(i));
+    for (const std::int32_t body : model.active) {
+        if (!model.bodies[at(body)].movable()) continue;
+        const Balance& island = islands_[at(root(body))];
+        if (!island.grounded && island.gain > island.kinetic + island.most_lift) overdrawn_.push_back(body);
     }
     return overdrawn_;
 }
 
 EnergyCorrections EnergyAccount::settle(Team& team, const Model& model, std::span<const Pose> end,
                                         std::span<Motion> motion, std::span<double> lift) {
-    const std::size_t n = model.size();
-    bodies_.resize(n);
-    islands_.assign(n, {});
-    verdicts_.assign(n, {});
+    const std::vector<std::int32_t>& active = model.active;
     const auto movable = [&](std::size_t i) { return model.bodies[i].movable(); };
-    team.for_each("energy after", n, kGrain, [&](std::size_t i, int) {
+    team.for_each("energy after", active.size(), kGrain, [&](std::size_t k, int) {
+        const std::size_t i = at(active[k]);
+        islands_[i] = {};
+        verdicts_[i] = {};
         if (movable(i)) bodies_[i] = balance(model, i, end[i], motion[i], lift[i]);
     });
-    for (std::size_t i = 0; i < n; ++i) {
+    for (const std::int32_t id : active) {
+        const std::size_t i = at(id);
         if (!movable(i)) continue;
         const Balance& body = bodies_[i];
-        Balance& island = islands_[at(root(static_cast<std::int32_t>(i)))];
+        Balance& island = islands_[at(root(id))];
         island.gain += body.gain;
         island.work += work_[i];
         island.kinetic += body.kinetic;
@@ -152,11 +156,12 @@ EnergyCorrections EnergyAccount::settle(Team& team, const Model& model, std::spa
         island.grounded = island.grounded || body.grounded;
     }
     EnergyCorrections out;
-    for (std::size_t i = 0; i < n; ++i)
-        if (movable(i) && parent_[i] == static_cast<std::int32_t>(i)) verdicts_[i] = judge(islands_[i], out);
-    for (std::size_t i = 0; i < n; ++i) {
+    for (const std::int32_t i : active)
+        if (movable(at(i)) && parent_[at(i)] == i) verdicts_[at(i)] = judge(islands_[at(i)], out);
+    for (const std::int32_t id : active) {
+        const std::size_t i = at(id);
         if (!movable(i)) continue;
-        Verdict& v = verdicts_[at(root(static_cast<std::int32_t>(i)))];
+        Verdict& v = verdicts_[at(root(id))];
         // Lift is written down body by body, as far as each has room, and written off in the same order.
         const double room = v.draw > 0 ? std::clamp(v.draw, 0.0, std::max(bodies_[i].most_lift - lift[i], 0.0))
                                        : std::clamp(v.draw, -lift[i], 0.0);

@@ -9,6 +9,8 @@ namespace {
 constexpr double kCatchingUp = 2;        // times the script's fastest speed
 constexpr double kFineness = 1.0 / 64.0; // of the reach: how near to it the latest place is found
 
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
 Quat slerp(const Quat& from, const Quat& to, double t) {
     const Vec3 turn = rotation_vector(to * conjugate(from));
     return normalized(rotation_from_vector(t * turn) * from);
@@ -65,17 +67,18 @@ double latest_within(const RigidShape& shape, const Body& body, const Pose& pose
 }
 
 Scripts::Scripts(const Model& model) : due_(model.size(), 0.0) {
+    for (std::size_t i = 0; i < model.size(); ++i)
+        if (model.bodies[i].scripted()) scripted_.push_back(static_cast<std::int32_t>(i));
     if (model.settings.unsatisfiable_script != UnsatisfiableScript::follow) return;
     speed_.assign(model.size(), 0.0);
-    for (std::size_t i = 0; i < model.size(); ++i)
-        if (model.bodies[i].scripted()) speed_[i] = fastest_speed(model.shape_of(i), model.bodies[i]);
+    for (const std::int32_t i : scripted_) speed_[at(i)] = fastest_speed(model.shape_of(at(i)), model.bodies[at(i)]);
 }
 
 void Scripts::move(const Model& model, const State& state, Trajectories& trajectories, Clusters& clusters) {
     const double dt = model.settings.time_step, now = static_cast<double>(state.step + 1) * dt;
-    for (std::size_t i = 0; i < model.size(); ++i) {
+    for (const std::int32_t id : scripted_) {
+        const std::size_t i = at(id);
         const Body& body = model.bodies[i];
-        if (!body.scripted()) continue;
         const RigidShape& shape = model.shape_of(i);
         const Pose& start = trajectories.start_pose(i);
         const double delay = state.script_delay[i], last = static_cast<double>(state.step) * dt - delay;
@@ -88,19 +91,17 @@ void Scripts::move(const Model& model, const State& state, Trajectories& traject
         const Vec3 turn =
             end.rotation == start.rotation ? Vec3{} : rotation_vector(end.rotation * conjugate(start.rotation));
         trajectories.set_end(i, end, turn);
-        clusters.set_script(static_cast<std::int32_t>(i), {(end.com - start.com) / dt, turn / dt});
+        clusters.set_script(id, {(end.com - start.com) / dt, turn / dt});
     }
 }
 
 void Scripts::commit(const Model& model, const FailsafeStats& failsafe, State& state) const {
     const double dt = model.settings.time_step, now = static_cast<double>(state.step + 1) * dt;
     if (!speed_.empty()) {
-        for (std::size_t i = 0; i < model.size(); ++i)
-            if (model.bodies[i].scripted()) state.script_delay[i] = now - due_[i];
+        for (const std::int32_t i : scripted_) state.script_delay[at(i)] = now - due_[at(i)];
         return;
     }
-    for (const DelayedScript& d : failsafe.delayed_scripts)
-        state.script_delay[static_cast<std::size_t>(d.body)] += (1 - d.share) * dt;
+    for (const DelayedScript& d : failsafe.delayed_scripts) state.script_delay[at(d.body)] += (1 - d.share) * dt;
 }
 
 } // namespace flotilla

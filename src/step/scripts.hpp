@@ -43,8 +43,9 @@ class Scripts {
     void commit(const Model& model, const FailsafeStats& failsafe, State& state) const;
 
   private:
-    std::vector<double> speed_; ///< m/s, fastest, by body; empty: nothing follows
-    std::vector<double> due_;   ///< s, by body: when the place that it makes for was or is due
+    std::vector<std::int32_t> scripted_; ///< bodies
+    std::vector<double> speed_;          ///< m/s, fastest, by body; empty: nothing follows
+    std::vector<double> due_;            ///< s, by body: when the place that it makes for was or is due
 };
 
 } // namespace flotilla

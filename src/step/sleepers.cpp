@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who sleeps in a step (islands/sleeping.hpp), and the contacts of those who do.
+// Who sleeps in a step (islands/sleeping.hpp), and what waits with those who do: their contacts and impulses.
 #include <algorithm>
 #include <iterator>
 #include <tuple>
@@ -7,25 +7,71 @@
 #include "step/stepper.hpp"
 
 namespace flotilla {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+template <class PairOfBodies>
+bool by_bodies(const PairOfBodies& x, const PairOfBodies& y) {
+    return std::tuple(x.a, x.b) < std::tuple(y.a, y.b);
+}
+
+/// Moves what is wanted of a list sorted by bodies to another one, pair by pair.
+template <class T, class Wanted>
+void move_if(std::vector<T>& from, std::vector<T>& to, Wanted&& wanted) {
+    const auto before = static_cast<std::ptrdiff_t>(to.size());
+    std::copy_if(from.begin(), from.end(), std::back_inserter(to), wanted);
+    std::erase_if(from, wanted);
+    std::inplace_merge(to.begin(), to.begin() + before, to.end(), by_bodies<T>);
+}
+
+} // namespace
+
+/// After State's sleepers changed.
+void Stepper::mark_asleep() {
+    sleepers_.awake.clear();
+    sleepers_.count = 0;
+    sleepers_.energy = 0;
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        Body& body = model_.bodies[i];
+        body.asleep = body.dynamic() && asleep(state_, i);
+        if (!body.asleep) {
+            sleepers_.awake.push_back(static_cast<std::int32_t>(i));
+            continue;
+        }
+        ++sleepers_.count;
+        sleepers_.energy -= body.mass * dot(model_.gravity, state_.pose[i].com);
+    }
+    model_.list_active();
+    ++lists_.still_version;
+    lists_.frozen.pairs = nullptr; // who sleeps pairs with others than who is awake
+    const auto waits = [&](const WarmImpulse& w) { return rests(w.a, w.b); };
+    const auto is_due = [&](const WarmImpulse& w) { return !rests(w.a, w.b); };
+    for (auto [impulses, waiting] :
+         {std::pair(&state_.warm_half, &state_.waiting_half), std::pair(&state_.warm_final, &state_.waiting_final)}) {
+        move_if(*waiting, *impulses, is_due);
+        move_if(*impulses, *waiting, waits);
+    }
+    sleepers_.hash = sleepers_hash(state_);
+}
 
 /// Wakes the islands that something moving may come near in this step.
 void Stepper::wake_disturbed(StepData& d) {
-    const auto sleeps = [&](std::int32_t i) { return asleep(state_, static_cast<std::size_t>(i)); };
+    if (sleepers_.count == 0) return;
     bool woken = false;
-    if (std::none_of(state_.sleep.begin(), state_.sleep.end(), [](const Sleep& s) { return s.island >= 0; })) return;
-    for (std::size_t i = 0; i < model_.size();
-         ++i) // a scripted body pairs with no sleeping one unless that counts as movable
-        model_.bodies[i].asleep = false;
-    for (const CandidatePair& p : swept_pairs(d, true)) {
+    for (const CandidatePair& p : waking_pairs(d)) {
+        const auto sleeps = [&](std::int32_t i) { return asleep(state_, at(i)); };
         if (sleeps(p.a) == sleeps(p.b)) continue;
         const std::int32_t sleeper = sleeps(p.a) ? p.a : p.b, other = sleeps(p.a) ? p.b : p.a;
-        if (trajectories_.still(static_cast<std::size_t>(other))) continue;
-        wake_island(static_cast<std::size_t>(sleeper), state_);
+        if (trajectories_.still(at(other))) continue;
+        wake_island(at(sleeper), state_);
         woken = true;
     }
-    mark_asleep();
+    lists_.frozen.pairs = nullptr; // sleeping bodies are in no other list
     if (!woken) return;
+    mark_asleep();
     std::erase_if(sleeping_contacts_, [&](const Contact& c) { return !rests(c.a, c.b); });
+    place_still();
     start_clusters(state_.motion);
 }
 
@@ -34,13 +80,13 @@ void Stepper::put_to_sleep() {
     if (!model_.settings.sleeping) return;
     const SleepRule rule = sleep_rule(model_);
     // Where forces do not carry the weight yet, velocities say nothing.
-    for (std::size_t i = 0; i < model_.size(); ++i)
-        disturbed_[i] = failsafe_bodies_[i] != 0 || static_.solver.unsolved[i] != 0 ? 1 : 0;
+    for (const std::int32_t i : model_.active)
+        disturbed_[at(i)] = failsafe_bodies_[at(i)] != 0 || static_.solver.unsolved[at(i)] != 0 ? 1 : 0;
     count_quiet_steps(model_, rule, disturbed_, state_);
     touching_.clear();
     for (const Contact& c : contacts_.contacts)
         if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
-    fall_asleep(model_, rule, touching_, sleep_, state_);
+    if (!fall_asleep(model_, rule, touching_, sleep_, state_)) return;
     mark_asleep();
     // Contacts of bodies that sleep now are no longer searched for: those at hand would make the next step depend on more than State.
     // They are put aside, for who asks.
@@ -52,16 +98,17 @@ void Stepper::put_to_sleep() {
         return false;
     });
     std::inplace_merge(sleeping_contacts_.begin(), sleeping_contacts_.begin() + before, sleeping_contacts_.end(),
-                       [](const Contact& x, const Contact& y) { return std::tuple(x.a, x.b) < std::tuple(y.a, y.b); });
+                       by_bodies<Contact>);
     std::erase_if(contacts_.near, [&](const CandidatePair& c) { return rests(c.a, c.b); });
 }
 
 /// As the step found them in which they fell asleep: the points of a pair go by its poses alone.
 void Stepper::find_sleeping_contacts(StepData& d) {
     sleeping_contacts_.clear();
-    const auto sleeps = [](const Body& body) { return body.asleep; };
-    if (std::none_of(model_.bodies.begin(), model_.bodies.end(), sleeps)) return;
+    if (sleepers_.count == 0) return;
     for (Body& body : model_.bodies) body.asleep = false;
+    model_.list_active();
+    ++lists_.still_version;
     ContactSet all;
     find_contacts(d, search_, all);
     mark_asleep();

@@ -174,7 +174,8 @@ void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& ou
     for (const auto& worker : data.workers) out.counters += worker->proximity.counters;
 }
 
-void VelocityArrays::load(Team* team, const Model& model, std::span<const Pose> poses, std::span<const Motion> motion) {
+void VelocityArrays::load(Team* team, const Model& model, std::uint64_t version, std::span<const Pose> poses,
+                          std::span<const Motion> motion) {
     const std::size_t n = model.size();
     position.resize(n);
     velocity.resize(n);
@@ -182,7 +183,9 @@ void VelocityArrays::load(Team* team, const Model& model, std::span<const Pose> 
     inverse_mass.resize(n);
     inverse_inertia.resize(n);
     inertia.resize(n);
-    for_each(team, "load velocities", n, kBodyGrain, [&](std::size_t i) {
+    const bool all = std::exchange(still_version, version) != version;
+    for_each(team, "load velocities", all ? n : model.active.size(), kBodyGrain, [&](std::size_t k) {
+        const std::size_t i = all ? k : at(model.active[k]);
         const RigidShape& shape = model.shape_of(i);
         const bool movable = model.bodies[i].movable();
         position[i] = poses[i].com;
@@ -196,7 +199,8 @@ void VelocityArrays::load(Team* team, const Model& model, std::span<const Pose> 
 
 void VelocityArrays::store(Team* team, const Model& model, std::span<const Vec3> angular_before,
                            std::span<Motion> motion) const {
-    for_each(team, "store velocities", model.size(), kBodyGrain, [&](std::size_t i) {
+    for_each(team, "store velocities", model.active.size(), kBodyGrain, [&](std::size_t k) {
+        const std::size_t i = at(model.active[k]);
         if (!model.bodies[i].movable()) return;
         motion[i].velocity = velocity[i];
         if (angular_velocity[i] != angular_before[i])
@@ -348,10 +352,11 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
                                       StaticStageScratch& scratch) {
     const Settings& s = model.settings;
     VelocityArrays& b = scratch.bodies;
-    b.load(options.team, model, poses, motion);
+    b.load(options.team, model, options.still_version, poses, motion);
     select_contacts(model, set, poses, motion, options, scratch);
     load_warm(options.team, scratch.selected, warm, other, options.warm_factor, scratch.impulses);
-    scratch.angular_before = b.angular_velocity;
+    scratch.angular_before.resize(model.size());
+    for (const std::int32_t i : model.active) scratch.angular_before[at(i)] = b.angular_velocity[at(i)];
     ContactSolveOptions solve;
     solve.iterations = s.static_iterations;
     solve.tolerance = std::numeric_limits<double>::infinity(); // that of the contacts

@@ -63,7 +63,11 @@ struct VelocityArrays {
     std::vector<Mat3> inverse_inertia;
     std::vector<Mat3> inertia;
 
-    void load(Team* team, const Model& model, std::span<const Pose> poses, std::span<const Motion> motion);
+    std::uint64_t still_version = 0; ///< of the bodies loaded that stand still
+
+    /// Of the active bodies, and of those that stand still where these are of another version.
+    void load(Team* team, const Model& model, std::uint64_t version, std::span<const Pose> poses,
+              std::span<const Motion> motion);
     /// Writes back; a momentum changes only where the angular velocity did, so that untouched bodies keep theirs to the bit.
     void store(Team* team, const Model& model, std::span<const Vec3> angular_before, std::span<Motion> motion) const;
 };
@@ -74,6 +78,7 @@ struct StaticStageOptions {
     bool keep_approach = false;
     double warm_factor = 1; ///< of impulses taken over from the other stage
     std::int64_t step = 0;
+    std::uint64_t still_version = 0;     ///< ListBuffers::still_version
     std::span<const Motion> last_motion; ///< at x^n: which contacts stick
     std::span<const Pose> start;         ///< x^n; read with keep_approach
     std::span<const std::uint8_t>

@@ -21,6 +21,8 @@ constexpr int kMostHalvings = 4;
 /// held and all at rest with two; four give the same.
 constexpr int kLooksAhead = 2;
 
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
 /// A named stretch of the step in the record of the team's tasks, where there is one.
 class RecordedSpan {
   public:
@@ -65,8 +67,14 @@ void add_counters(const StageCounters& c, StepReport& report) {
 
 /// Adds dt * gravity to the movable bodies (stages 2 and 6).
 void accelerate(const Model& model, double dt, std::span<Motion> motion) {
-    for (std::size_t i = 0; i < motion.size(); ++i)
-        if (model.bodies[i].movable()) motion[i].velocity += dt * model.gravity;
+    for (const std::int32_t i : model.active)
+        if (model.bodies[at(i)].movable()) motion[at(i)].velocity += dt * model.gravity;
+}
+
+/// Of the active bodies; the others have the same in both.
+template <class T>
+void copy_active(const Model& model, std::span<const T> from, std::span<T> to) {
+    for (const std::int32_t i : model.active) to[at(i)] = from[at(i)];
 }
 
 } // namespace
@@ -154,13 +162,12 @@ StepReport Stepper::step() {
 void Stepper::advance(StepReport& report) {
     const double dt = model_.settings.time_step;
     auto& [end, collided, half, next] = buffers_;
-    end.resize(model_.size());
     FailsafeStats failsafe;
     {
         const RecordedSpan recorded("step", team_);
         pairs_.start_step(team_, report.step);
-        first_version_.resize(model_.size());
-        for (std::size_t i = 0; i < model_.size(); ++i) first_version_[i] = trajectories_.version(i);
+        place_still();
+        for (const std::int32_t i : model_.active) first_version_[at(i)] = trajectories_.version(at(i));
         StepData d = data();
         for (const auto& worker : workers_) worker->pushed.clear();
         { // 1) collisions: v^n becomes v^
@@ -171,19 +178,19 @@ void Stepper::advance(StepReport& report) {
             add_counters(c, report);
             report.collisions = c.impulses;
             if (c.limit) report.warnings |= kCollisionLimit;
-            collided.assign(clusters_.motion().begin(), clusters_.motion().end());
+            copy_active<Motion>(model_, clusters_.motion(), collided);
             open_account();
         }
         { // 2) v^{n+1/2} = v^ + dt/2 a
             const PhaseWatch watch(report, Phase::half_velocity, team_);
-            half = collided;
+            copy_active<Motion>(model_, collided, half);
             accelerate(model_, 0.5 * dt, half);
         }
         { // 3) static contact on v^{n+1/2}, contacts at x^n
             const PhaseWatch watch(report, Phase::half_static_contact, team_);
             static_contact(d, half, state_.pose, false, report);
             if (mark_level(half)) {
-                half = collided;
+                copy_active<Motion>(model_, collided, half);
                 accelerate(model_, 0.5 * dt, half);
                 static_contact(d, half, state_.pose, false, report);
                 level_.clear();
@@ -196,14 +203,14 @@ void Stepper::advance(StepReport& report) {
         {
             const PhaseWatch watch(report, Phase::certificate, team_);
             certify(d);
-            for (std::size_t i = 0; i < end.size(); ++i) end[i] = trajectories_.end_pose(i);
+            for (const std::int32_t i : model_.active) end[at(i)] = trajectories_.end_pose(at(i));
         }
         { // 6) v^{n+1} = v^ + dt a
             const PhaseWatch watch(report, Phase::velocity, team_);
-            next = collided;
+            copy_active<Motion>(model_, collided, next);
             accelerate(model_, dt, next);
-            for (std::size_t i = 0; i < next.size(); ++i)
-                if (!model_.bodies[i].movable()) next[i] = clusters_.motion()[i];
+            for (const std::int32_t i : model_.active)
+                if (!model_.bodies[at(i)].movable()) next[at(i)] = clusters_.motion()[at(i)];
             turn_momenta(collided, next);
             held_velocities(collided, next, end, report);
         }
@@ -224,34 +231,53 @@ void Stepper::advance(StepReport& report) {
     report.min_distance = contacts_.min_distance;
 }
 
-void Stepper::mark_asleep() {
-    lists_.frozen.pairs = nullptr; // who sleeps pairs with others than who is awake
-    for (std::size_t i = 0; i < model_.size(); ++i)
-        model_.bodies[i].asleep = model_.bodies[i].dynamic() && asleep(state_, i);
+/// What the stages read of bodies that stand still: once for as long as the same ones do. The stages themselves see active bodies only.
+void Stepper::place_still() {
+    if (placed_version_ == lists_.still_version) return;
+    placed_version_ = lists_.still_version;
+    const std::size_t n = model_.size();
+    auto& [end, collided, half, next] = buffers_;
+    clusters_.resize(model_);
+    end = state_.pose;
+    collided = half = next = state_.motion;
+    first_version_.resize(n);
+    way_.resize(n);
+    before_solve_.resize(n);
+    auto active = model_.active.begin();
+    for (std::size_t i = 0; i < n; ++i) {
+        if (active != model_.active.end() && at(*active) == i) {
+            ++active;
+            continue;
+        }
+        clusters_.start(i, trajectories_, state_.motion[i]);
+        turns_[i] = {};
+        activity_[i] = {};
+        first_version_[i] = trajectories_.version(i);
+    }
 }
 
 void Stepper::start_clusters(std::span<const Motion> motion) {
-    clusters_.resize(model_);
-    team_.for_each("start clusters", model_.size(), kBodyGrain,
-                   [&](std::size_t i, int) { clusters_.start(i, trajectories_, motion[i]); });
+    const std::vector<std::int32_t>& active = model_.active;
+    team_.for_each("start clusters", active.size(), kBodyGrain,
+                   [&](std::size_t k, int) { clusters_.start(at(active[k]), trajectories_, motion[at(active[k])]); });
     scripts_.move(model_, state_, trajectories_, clusters_);
-    team_.for_each("move bodies", model_.size(), kBodyGrain, [&](std::size_t i, int) {
-        if (model_.bodies[i].movable())
-            clusters_.evolve(static_cast<std::int32_t>(i), model_.settings.time_step, trajectories_);
+    team_.for_each("move bodies", active.size(), kBodyGrain, [&](std::size_t k, int) {
+        if (model_.bodies[at(active[k])].movable())
+            clusters_.evolve(active[k], model_.settings.time_step, trajectories_);
     });
 }
 
 void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                              StepReport& report) {
     const PhaseWatch watch(report, Phase::static_response, team_);
-    if (looks_ahead_) before_solve_.assign(motion.begin(), motion.end());
+    if (looks_ahead_) copy_active<Motion>(model_, motion, before_solve_);
     StaticStageStats stats = solve_contacts_at(motion, poses, final_stage, report);
     report.iterations += stats.solve.iterations;
     const StepEnd at = final_stage ? StepEnd::end : StepEnd::start;
     const int rounds = !looks_ahead_ ? 0 : final_stage ? 1 : kLooksAhead;
     for (int k = 0; k < rounds && add_contacts_ahead(d, at, static_.bodies, ahead_, contacts_); ++k) {
         if (!final_stage) join_contacts();
-        std::copy(before_solve_.begin(), before_solve_.end(), motion.begin());
+        copy_active<Motion>(model_, before_solve_, motion);
         stats = solve_contacts_at(motion, poses, final_stage, report);
         report.iterations += stats.solve.iterations;
     }
@@ -267,30 +293,15 @@ void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<co
 
 StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                                             const StepReport& report) {
-    // Contacts between sleeping bodies are not solved; their impulses wait for the day they wake.
-    const auto waits = [&](const WarmImpulse& w) { return rests(w.a, w.b); };
-    std::vector<WarmImpulse>& warm = final_stage ? state_.warm_final : state_.warm_half;
-    waiting_.clear();
-    const auto sleeps = [](const Body& body) { return body.asleep; };
-    if (std::any_of(model_.bodies.begin(), model_.bodies.end(), sleeps))
-        std::copy_if(warm.begin(), warm.end(), std::back_inserter(waiting_), waits);
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1 ended by its
     // limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
-    const StaticStageStats stats = solve_static_contact(
-        model_, contacts_, poses, motion, warm, final_stage ? state_.warm_half : state_.warm_final,
-        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, state_.motion, state_.pose, level_, &team_},
-        static_);
-    if (!waiting_.empty()) {
-        const auto middle = static_cast<std::ptrdiff_t>(warm.size());
-        warm.insert(warm.end(), waiting_.begin(), waiting_.end());
-        std::inplace_merge(warm.begin(), warm.begin() + middle, warm.end(),
-                           [](const WarmImpulse& p, const WarmImpulse& q) {
-                               return std::tuple(p.a, p.b) < std::tuple(q.a, q.b); // a pair waits as a whole
-                           });
-    }
-    return stats;
+    return solve_static_contact(model_, contacts_, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
+                                final_stage ? state_.warm_half : state_.warm_final,
+                                {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, lists_.still_version,
+                                 state_.motion, state_.pose, level_, &team_},
+                                static_);
 }
 
 FailsafeStats Stepper::move_bodies(StepData& d, std::span<Motion> half, StepReport& report) {
@@ -325,8 +336,8 @@ void Stepper::record_failsafe(const DynamicContactStats& dynamic, const Failsafe
     report.trigger_a = dynamic.trigger_a >= 0 ? dynamic.trigger_a : failsafe.trigger_a;
     report.trigger_b = dynamic.trigger_a >= 0 ? dynamic.trigger_b : failsafe.trigger_b;
     failsafe_bodies_.assign(slowed_.begin(), slowed_.end());
-    for (std::size_t i = 0; i < model_.size(); ++i) {
-        const Cluster& c = clusters_[static_cast<std::int32_t>(i)];
+    for (const std::int32_t i : model_.active) {
+        const Cluster& c = clusters_[i];
         if (c.members.empty()) continue;
         // A body that the failsafe kept from passing a body of infinite mass stays free, yet its planned velocity would push on.
         if (c.members.size() == 1 && c.rung == Rung::free && c.resolved_against.empty()) continue;
@@ -345,7 +356,8 @@ void Stepper::record_failsafe(const DynamicContactStats& dynamic, const Failsafe
 /// is O(dt^2) where contact acts steadily, so the momentum turned with it is as exact as the scheme, and the energy is kept.
 void Stepper::turn_momenta(std::span<const Motion> collided, std::span<Motion> motion) {
     const double dt = model_.settings.time_step;
-    team_.for_each("turn momenta", model_.size(), kBodyGrain, [&](std::size_t i, int) {
+    team_.for_each("turn momenta", model_.active.size(), kBodyGrain, [&](std::size_t k, int) {
+        const std::size_t i = at(model_.active[k]);
         if (!model_.bodies[i].movable()) return;
         const Cluster& c = clusters_[clusters_.of(i)];
         if (c.members.size() == 1 && c.rung == Rung::free && clusters_.motion()[i].momentum == collided[i].momentum)
@@ -373,9 +385,9 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         const Vec3 omega = angular_velocity(model_.shape_of(i), state_.pose[i].rotation, collided[i].momentum);
         return 0.5 * model_.bodies[i].mass * length_sq(collided[i].velocity) + 0.5 * dot(omega, collided[i].momentum);
     };
-    for (std::size_t id = 0; id < model_.size(); ++id) {
-        const Cluster& c = clusters_[static_cast<std::int32_t>(id)];
-        if (c.members.empty() || failsafe_bodies_[id] == 0) continue;
+    for (const std::int32_t id : model_.active) {
+        const Cluster& c = clusters_[id];
+        if (c.members.empty() || failsafe_bodies_[at(id)] == 0) continue;
         double planned = 0, real = 0, allowed = 0;
         std::vector<Motion> made;
         for (std::int32_t m : c.members) {
@@ -411,8 +423,7 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
 /// The step's account of energy, after stage 1.
 void Stepper::open_account() {
     energy_.start(team_, model_, state_.pose, state_.motion);
-    for (std::size_t i = 0; i < model_.size(); ++i)
-        energy_.add_work(static_cast<std::int32_t>(i), clusters_.work(static_cast<std::int32_t>(i)));
+    for (const std::int32_t i : model_.active) energy_.add_work(i, clusters_.work(i));
     join_contacts();
     join_pushed();
 }
@@ -420,8 +431,7 @@ void Stepper::open_account() {
 /// Marks the bodies of islands that stage 3 would raise by more than they have. Bodies pressed together closer than their rest distance
 /// then stay as near as they are, until they can afford to part. Whether there are any.
 bool Stepper::mark_level(std::span<const Motion> half) {
-    way_.resize(model_.size());
-    for (std::size_t i = 0; i < model_.size(); ++i) way_[i] = model_.settings.time_step * half[i].velocity;
+    for (const std::int32_t i : model_.active) way_[at(i)] = model_.settings.time_step * half[at(i)].velocity;
     const std::span<const std::int32_t> bodies = energy_.overdrawn(model_, way_, state_.lift);
     if (bodies.empty()) return false;
     level_.assign(model_.size(), 0);
@@ -432,7 +442,7 @@ bool Stepper::mark_level(std::span<const Motion> half) {
 /// Bodies of islands that stages 3 and 5 raised by more than all their energy.
 std::span<const std::int32_t> Stepper::overdrawn() {
     join_pushed();
-    for (std::size_t i = 0; i < model_.size(); ++i) way_[i] = trajectories_.end_pose(i).com - state_.pose[i].com;
+    for (const std::int32_t i : model_.active) way_[at(i)] = trajectories_.end_pose(at(i)).com - state_.pose[at(i)].com;
     return energy_.overdrawn(model_, way_, state_.lift);
 }
 
@@ -443,10 +453,9 @@ std::span<const std::int32_t> Stepper::overdrawn() {
 bool Stepper::slow_down(std::span<Motion> half) {
     const std::span<const std::int32_t> raised = overdrawn();
     std::vector<std::int32_t> bodies(raised.begin(), raised.end());
-    for (std::size_t i = 0; i < model_.size(); ++i) {
-        const auto body = static_cast<std::int32_t>(i);
-        if (clusters_[clusters_.of(i)].rung == Rung::held && !energy_.touches_script(body)) bodies.push_back(body);
-    }
+    for (const std::int32_t body : model_.active)
+        if (clusters_[clusters_.of(at(body))].rung == Rung::held && !energy_.touches_script(body))
+            bodies.push_back(body);
     std::sort(bodies.begin(), bodies.end());
     bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
     for (const std::int32_t body : bodies) {
@@ -486,9 +495,9 @@ void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
 void Stepper::join_pushed() {
     for (const auto& worker : workers_)
         for (const CandidatePair& p : worker->pushed) energy_.join(model_, p.a, p.b);
-    for (std::size_t id = 0; id < model_.size(); ++id)
-        for (const std::int32_t member : clusters_[static_cast<std::int32_t>(id)].members)
-            if (member != static_cast<std::int32_t>(id)) energy_.join(model_, static_cast<std::int32_t>(id), member);
+    for (const std::int32_t id : model_.active)
+        for (const std::int32_t member : clusters_[id].members)
+            if (member != id) energy_.join(model_, id, member);
 }
 
 /// Bodies in contact are of one island.
@@ -517,7 +526,8 @@ void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end,
 
 void Stepper::record_activity() {
     static_assert(static_cast<int>(Rung::held) == static_cast<int>(ClusterState::held));
-    for (std::size_t i = 0; i < model_.size(); ++i) {
+    for (const std::int32_t body : model_.active) {
+        const std::size_t i = at(body);
         activity_[i].cluster = static_cast<ClusterState>(clusters_[clusters_.of(i)].rung);
         activity_[i].cost = static_cast<std::int64_t>(trajectories_.version(i) - first_version_[i]);
     }
@@ -525,23 +535,27 @@ void Stepper::record_activity() {
 
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
     scripts_.commit(model_, failsafe, state_);
-    for (std::size_t i = 0; i < model_.size(); ++i) turns_[i] = trajectories_.turn(i);
+    for (const std::int32_t i : model_.active) turns_[at(i)] = trajectories_.turn(at(i));
     record_activity();
-    state_.motion.assign(motion.begin(), motion.end());
-    state_.pose.assign(end.begin(), end.end());
+    for (const std::int32_t i : model_.active) {
+        state_.motion[at(i)] = motion[at(i)];
+        state_.pose[at(i)] = end[at(i)];
+    }
     ++state_.step;
     state_.time = static_cast<double>(state_.step) * model_.settings.time_step;
-    trajectories_.advance();
+    trajectories_.advance(model_.active);
     if (looks_ahead_)
         contacts_.keep([&](std::size_t i) { return contacts_.ahead[i] == 0; }); // the next step looks for itself
     put_to_sleep();
 }
 
 void Stepper::measure(StepReport& report) const {
-    for (std::size_t i = 0; i < model_.size(); ++i) {
+    report.sleeping = sleepers_.count;
+    report.energy = sleepers_.energy;
+    for (const std::int32_t id : model_.active) {
+        const std::size_t i = at(id);
         const Body& body = model_.bodies[i];
         if (!body.dynamic()) continue;
-        report.sleeping += body.asleep ? 1 : 0;
         const Motion& m = state_.motion[i];
         const Vec3 p = body.mass * m.velocity;
         report.momentum += p;
@@ -552,7 +566,7 @@ void Stepper::measure(StepReport& report) const {
         report.energy -= body.mass * dot(model_.gravity, state_.pose[i].com);
     }
     report.energy += report.kinetic_energy;
-    report.state_hash = state_hash(state_);
+    report.state_hash = state_hash(state_, sleepers_.awake, sleepers_.hash);
 }
 
 } // namespace flotilla

@@ -48,6 +48,7 @@ class Stepper {
 
   private:
     void prepare();
+    void place_still();
     void find_sleeping_contacts(StepData& d);
     void advance(StepReport& report);
     StepData data();
@@ -112,7 +113,15 @@ class Stepper {
     std::vector<Motion> before_solve_;
     SleepScratch sleep_;
     std::vector<BodyPair> touching_;
-    std::vector<WarmImpulse> waiting_; ///< of contacts between sleeping bodies
+    std::uint64_t placed_version_ = 0; ///< ListBuffers::still_version that place_still() was called for
+    /// What does not change while the same bodies sleep.
+    struct Sleepers {
+        std::vector<std::int32_t> awake; ///< bodies that do not sleep
+        std::int64_t count = 0;
+        double energy = 0; ///< J, of gravity
+        std::uint64_t hash = 0;
+    };
+    Sleepers sleepers_;
     std::vector<Vec3> turns_;
     std::vector<std::uint8_t> failsafe_bodies_; ///< those that a failsafe event of the step touched, as flags
     std::vector<std::uint8_t> disturbed_;       ///< bodies that may not fall asleep
