@@ -63,6 +63,9 @@ struct Settings {
     double static_tolerance = -1;
     /// Of that tolerance, where none is given in m/s. Below 1 only static_iterations ends a solve above it.
     double tolerance_share = 1;
+    /// Of the rest distance: how far the bodies of a pair may move before the features in contact are searched for anew; their points,
+    /// gaps and normals are always those of the present poses. 0: in every step, as the paper does.
+    double contact_reuse = 1.0 / 64;
     bool warm_start = true;        ///< start PGS from the last impulses
     bool shock_propagation = true; ///< after PGS reached its limit
 

@@ -94,7 +94,7 @@ class World {
     [[nodiscard]] std::uint64_t state_hash() const;
     /// Of all that the bits of every step depend on: settings, shapes, bodies and their start.
     [[nodiscard]] std::uint64_t scene_hash() const;
-    /// Everything that can change a later bit; about 150 bytes a body and 80 bytes a contact.
+    /// Everything that can change a later bit; about 240 bytes a body and 80 bytes a contact.
     [[nodiscard]] std::vector<std::byte> snapshot() const;
     [[nodiscard]] std::vector<ThreadReport> threads() const;
 

@@ -23,6 +23,13 @@ struct FeaturePair {
            static_cast<std::uint64_t>(static_cast<std::uint32_t>(f.b));
 }
 
+/// Whose key it is.
+[[nodiscard]] constexpr FeaturePair features_of(std::uint64_t key) {
+    constexpr std::uint64_t kIndex = (std::uint64_t{1} << 31) - 1;
+    return {static_cast<FeatureKind>(key >> 62), static_cast<std::int32_t>((key >> 31) & kIndex),
+            static_cast<std::int32_t>(key & kIndex)};
+}
+
 [[nodiscard]] constexpr CcdKind ccd_kind(FeatureKind kind) {
     return kind == FeatureKind::edge_edge ? CcdKind::edge_edge : CcdKind::vertex_face;
 }

@@ -23,6 +23,9 @@ struct PairCandidates {
     std::int32_t queries = 0; ///< in that step
     bool busy = false;        ///< there were several in the step before
     double last_strayed = 0;  ///< m, at the end of the step, when the last list no longer covered the motion
+    /// At the last search for contacts: the poses, and the distance of the bodies, m; < 0: there was none.
+    MatrixPose searched_a, searched_b;
+    double searched_distance = -1;
 };
 
 /// Two cache lines: what every step reads of every pair, then what it reads of some.
@@ -33,6 +36,7 @@ struct alignas(64) PairRecord {
     bool active = false;                      ///< stage 1 applied an impulse to it in this step
     bool processed = false;                   ///< examined by stage 1 and found hitting or near: stage 7 acts on it
     bool assumed = false;                     ///< processed only by what stay_by_bounds() said of its present versions
+    float doubt = 0;                          ///< m, by how much less the known distance below may be
     double start_distance = -1;               ///< m, at x^n; infinite beyond the proximity distance, < 0: not known
     double end_distance = -1;                 ///< the same at the end of the step
     double slack = -1;                        ///< m, see stay_by_bounds(); a cache: changes cost only

@@ -104,6 +104,7 @@ double start_distance(const StepData& data, Worker& worker, PairRecord& r) {
             find_proximities(data.trajectories.at_start(at(r.a)), data.trajectories.at_start(at(r.b)),
                              r.lengths.proximity, data.angle_cos, {}, worker.proximity);
         r.start_distance = result.near ? result.distance : std::numeric_limits<double>::infinity();
+        r.doubt = 0;
     }
     return r.start_distance;
 }
@@ -122,7 +123,7 @@ double change_of_distance(const BodyMotion& a, const BodyMotion& b) {
 /// same thing as the query's, which then has nothing to find.
 bool stay_apart(const StepData& data, const PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
     if (!data.keep_candidates || r.start_distance < 0 || !a.straight() || !b.straight()) return false;
-    const double from = std::min(r.start_distance, r.lengths.proximity); // infinite: not within the proximity distance
+    const double from = std::min(r.start_distance - r.doubt, r.lengths.proximity); // infinite: beyond that
     return (1 - kRoundingRoom) * from - change_of_distance(a, b) > kClearOfSeparation * r.lengths.separation;
 }
 
@@ -270,17 +271,51 @@ void collect(StepData& data, StageCounters& counters) {
     }
 }
 
-void record_distance(const StepData& data, PairRecord& r, const ProximityResult& found, const CoveringList& list) {
-    r.end_distance = found.near ? found.distance : std::numeric_limits<double>::infinity();
+namespace {
+
+/// PairRecord::slack of bodies whose distance, m, is at least `least` and at most `most`.
+double slack_of(const StepData& data, const PairRecord& r, double least, double most) {
     const BodyMotion a = data.trajectories.at_end(at(r.a)), b = data.trajectories.at_end(at(r.b));
     const double proximity = r.lengths.proximity;
     // As stay_apart() and near_at_end() compare, with the rounding of vertices one proximity distance farther on at most.
     const double rounding = 2 * kVertexRounding * (std::max(a.max_abs(), b.max_abs()) + proximity);
-    const double apart =
-        (1 - kRoundingRoom) * std::min(r.end_distance, proximity) - kClearOfSeparation * r.lengths.separation;
-    const double inside = found.near ? (1 - kRoundingRoom) * proximity - r.end_distance : apart;
-    r.slack = (1 - kRoundingRoom) * (std::min(apart, inside) - rounding) / ((1 + kRoundingRoom) * std::numbers::sqrt3);
+    const double apart = (1 - kRoundingRoom) * std::min(least, proximity) - kClearOfSeparation * r.lengths.separation;
+    const double inside = most < proximity ? (1 - kRoundingRoom) * proximity - most : apart;
+    return (1 - kRoundingRoom) * (std::min(apart, inside) - rounding) / ((1 + kRoundingRoom) * std::numbers::sqrt3);
+}
+
+} // namespace
+
+void record_distance(const StepData& data, PairRecord& r, const ProximityResult& found, const CoveringList& list) {
+    r.end_distance = found.near ? found.distance : std::numeric_limits<double>::infinity();
+    r.doubt = 0;
+    r.slack = slack_of(data, r, r.end_distance, r.end_distance);
     if (!found.near) r.slack = std::min(r.slack, list.list != nullptr ? list.list->room_at_end(list.strayed.end) : -1);
+    if (r.candidates == nullptr) return;
+    PairCandidates& c = *r.candidates;
+    c.searched_distance = found.near ? found.distance : -1;
+    if (!found.near) return;
+    c.searched_a = matrix_pose(data.trajectories.at_end(at(r.a)).at0);
+    c.searched_b = matrix_pose(data.trajectories.at_end(at(r.b)).at0);
+}
+
+void record_renewed_distance(const StepData& data, PairRecord& r, double distance) {
+    r.end_distance = r.slack =
+        -1; // where nothing is known; and paths that turn are cut by the distance, which must be exact
+    r.doubt = 0;
+    if (r.candidates == nullptr || r.candidates->searched_distance < 0 ||
+        data.model.settings.trajectory == Trajectory::rigid)
+        return;
+    const PairCandidates& c = *r.candidates;
+    const BodyMotion a = data.trajectories.at_end(at(r.a)), b = data.trajectories.at_end(at(r.b));
+    const double moved = (1 + kRoundingRoom) * std::numbers::sqrt3 *
+                             relative_displacement(*a.shape, c.searched_a, matrix_pose(a.at0), *b.shape, c.searched_b,
+                                                   matrix_pose(b.at0)) +
+                         kVertexRounding * std::max(a.max_abs(), b.max_abs());
+    const double least = std::min(distance, (1 - kRoundingRoom) * c.searched_distance - moved);
+    r.end_distance = distance;
+    r.doubt = std::nextafter(static_cast<float>(distance - least), std::numeric_limits<float>::infinity());
+    r.slack = slack_of(data, r, least, distance);
 }
 
 bool far_by_bounds(const StepData& data, PairRecord& r) {

@@ -29,6 +29,7 @@ struct alignas(64) Worker {
     CcdScratch ccd;
     ProximityScratch proximity;
     std::vector<ProximityPoint> points;
+    std::vector<FeaturePair> features;
     PairManifold manifold; ///< of the operation under way
     std::vector<PairManifold::Change> changes;
     std::vector<ContactPoint> hits; ///< at one time
@@ -68,6 +69,8 @@ struct ListBuffers {
     std::vector<BodyBounds> bounds;  ///< by body, of the motion that the last list was made from
     std::uint64_t still_version = 1; ///< another one where others stand still than before, or elsewhere
     std::uint64_t still_placed = 0;  ///< the version that `swept` and `bounds` hold
+    std::vector<double>
+        stray; ///< by body: m, from where contacts were last searched for on its account (State::searched)
     std::vector<PairRecord*> record; ///< of each candidate pair; null: there is none yet
     std::vector<std::uint8_t> wanted;
     std::vector<std::size_t> chunk_places; ///< in `listed`, by chunk of candidate pairs
@@ -150,6 +153,8 @@ const std::vector<ListedPair>& end_pairs(StepData& data);
 
 /// Keeps what the contact search found of the pair, for the next step.
 void record_distance(const StepData& data, PairRecord& record, const ProximityResult& found, const CoveringList& list);
+/// The same where there was no search: the bodies are at most `distance` (m) apart, which is within the proximity distance.
+void record_renewed_distance(const StepData& data, PairRecord& record, double distance);
 
 /// Whether bodies that were beyond the proximity distance at x^n still are at the end of the step, by bounds alone. Then there is
 /// nothing to search for, and this has recorded it.

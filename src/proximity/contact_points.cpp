@@ -134,6 +134,28 @@ struct PassingPair {
     }
 };
 
+struct ClosestPoints {
+    Vec3 a, b;
+    double distance_sq;
+    bool interior; ///< not at the end of an edge of an edge-edge pair
+    Vec3 e, f;     ///< edges of the face, or both edges
+};
+ClosestPoints closest(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) {
+    if (f.kind == FeatureKind::edge_edge) {
+        const Edge &ea = a.shape->topology.edges[at(f.a)], &eb = b.shape->topology.edges[at(f.b)];
+        const Vec3 &a0 = a.at0.x[at(ea[0])], &a1 = a.at0.x[at(ea[1])], &b0 = b.at0.x[at(eb[0])],
+                   &b1 = b.at0.x[at(eb[1])];
+        const auto c = closest_edge_edge(a0, a1, b0, b1);
+        return {c.p, c.q, c.distance_sq, c.s > 0 && c.s < 1 && c.t > 0 && c.t < 1, a1 - a0, b1 - b0};
+    }
+    const bool vertex_first = f.kind == FeatureKind::vertex_face;
+    const Vec3& v = vertex_first ? a.at0.x[at(f.a)] : b.at0.x[at(f.b)];
+    const auto face = vertex_first ? corners(b, f.b) : corners(a, f.a);
+    const auto c = closest_vertex_triangle(v, face[0], face[1], face[2]);
+    return {vertex_first ? v : c.point, vertex_first ? c.point : v, c.distance_sq, true,
+            face[1] - face[0],          face[2] - face[0]};
+}
+
 template <class Pair = AnyPair>
 class Finder {
   public:
@@ -207,7 +229,7 @@ class Finder {
 
     void add(const FeaturePair& f) {
         if (done()) return;
-        const ClosestPoints p = closest(f);
+        const ClosestPoints p = closest(a_, b_, f);
         if (!(p.distance_sq < proximity_ * proximity_)) return;
         ++scratch_.counters.proximities;
         const double distance = std::sqrt(p.distance_sq);
@@ -219,32 +241,6 @@ class Finder {
         const Vec3 normal = direction_between(p.b - p.a, largest_, p.e, p.f);
         if (normal == Vec3{} || !pair_.meets(p.a, p.b, normal, distance)) return;
         scratch_.found.push_back({f, p.a, p.b, normal, distance});
-    }
-
-    struct ClosestPoints {
-        Vec3 a, b;
-        double distance_sq;
-        bool interior; ///< not at the end of an edge of an edge-edge pair
-        Vec3 e, f;     ///< edges of the face, or both edges
-    };
-    [[nodiscard]] ClosestPoints closest(const FeaturePair& f) const {
-        if (f.kind == FeatureKind::edge_edge) {
-            const Edge &ea = a_.shape->topology.edges[at(f.a)], &eb = b_.shape->topology.edges[at(f.b)];
-            const auto c =
-                closest_edge_edge(a_.at0.x[at(ea[0])], a_.at0.x[at(ea[1])], b_.at0.x[at(eb[0])], b_.at0.x[at(eb[1])]);
-            return {c.p,
-                    c.q,
-                    c.distance_sq,
-                    c.s > 0 && c.s < 1 && c.t > 0 && c.t < 1,
-                    a_.at0.x[at(ea[1])] - a_.at0.x[at(ea[0])],
-                    b_.at0.x[at(eb[1])] - b_.at0.x[at(eb[0])]};
-        }
-        const bool vertex_first = f.kind == FeatureKind::vertex_face;
-        const Vec3& v = vertex_first ? a_.at0.x[at(f.a)] : b_.at0.x[at(f.b)];
-        const auto face = vertex_first ? corners(b_, f.b) : corners(a_, f.a);
-        const auto c = closest_vertex_triangle(v, face[0], face[1], face[2]);
-        return {vertex_first ? v : c.point, vertex_first ? c.point : v, c.distance_sq, true,
-                face[1] - face[0],          face[2] - face[0]};
     }
 
     /// Of the faces near one vertex in one direction, to within theta, the nearest stays (the lowest number, at equal distance).
@@ -352,6 +348,27 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
         if (admissible(a, b, p, angle_cos, scratch)) out.push_back(p);
     if (out.size() == first + 1 && scratch.found.size() > 1) add_other_directions(a, b, angle_cos, scratch, out);
     return result;
+}
+
+bool renew_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity,
+                          std::span<const FeaturePair> features, double& distance, std::vector<ProximityPoint>& out) {
+    const std::size_t first = out.size();
+    const double largest = std::max(a.max_abs(), b.max_abs());
+    distance = std::numeric_limits<double>::infinity();
+    for (const FeaturePair& f : features) {
+        const ClosestPoints p = closest(a, b, f);
+        const bool near = p.distance_sq < proximity * proximity && p.interior;
+        const Vec3 normal = near ? direction_between(p.b - p.a, largest, p.e, p.f) : Vec3{};
+        if (normal == Vec3{}) {
+            out.resize(first);
+            return false;
+        }
+        out.push_back({f, p.a, p.b, normal, std::sqrt(p.distance_sq)});
+        distance = std::min(distance, out.back().distance);
+    }
+    std::ranges::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), {},
+                      [](const ProximityPoint& p) { return feature_key(p.features); });
+    return true;
 }
 
 void find_passing_points(const BodyMotion& a, const BodyMotion& b, const PassingBodies& passing, double proximity,

@@ -75,6 +75,13 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
                                     const CoveringList& list, ProximityScratch& scratch,
                                     std::vector<ProximityPoint>& out);
 
+/// The contact points of feature pairs that were contacts a little while ago: appends them to `out`, in the order of their feature keys, and
+/// sets `distance` to that of the nearest, m. False, and nothing appended, where one of them is none any more: not within `proximity`, or
+/// at the end of an edge of two.
+[[nodiscard]] bool renew_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity,
+                                        std::span<const FeaturePair> features, double& distance,
+                                        std::vector<ProximityPoint>& out);
+
 /// Where the points of a rigid body go at constant velocities, linearised: x to x + at(x).
 struct PointWays {
     Vec3 center, way, turn; ///< m, m, rad

@@ -141,6 +141,14 @@ const std::vector<SettingRow>& table() {
          "where static_tolerance is -1: the tolerance is this share of it; below 1 only static_iterations ends a solve "
          "above it",
          "lower: slower, less creep"},
+        {"contact_reuse",
+         &Settings::contact_reuse,
+         "",
+         0,
+         0.25,
+         {},
+         "share of the rest distance that a pair may move before the features in contact are searched for anew",
+         "0: in every step, which takes most of the time of a pile at rest"},
         {"warm_start",
          &Settings::warm_start,
          "",
@@ -383,6 +391,7 @@ struct Preset {
 void apply_accurate(Settings& s) {
     s.static_iterations = 5000;
     s.tolerance_share = 0.005;
+    s.contact_reuse = 0;
     s.trajectory = Trajectory::rigid;
     s.sleeping = false;
 }
@@ -391,6 +400,7 @@ constexpr std::array kPresets{
     Preset{"paper",
            [](Settings& s) {
                s.static_tolerance = 1e-6;
+               s.contact_reuse = 0;
                s.tangents = Tangents::random;
                s.warm_start = false;
                s.contact_solver = ContactSolver::pgs;

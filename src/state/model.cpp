@@ -88,6 +88,12 @@ void add(Hasher& h, const State& s, std::span<const std::int32_t> bodies) {
     each([&](std::size_t i) { h.add(word(s.sleep[i].quiet_steps, s.sleep[i].island)); });
     each([&](std::size_t i) { h.add(s.script_delay[i]); });
     each([&](std::size_t i) { h.add(s.lift[i]); });
+    if (s.searched.empty()) return;
+    each([&](std::size_t i) {
+        const Searched& from = s.searched[i];
+        h.add(from.pose.com), h.add(from.pose.rotation), h.add(from.pose.origin);
+        h.add(static_cast<std::uint64_t>(from.step));
+    });
 }
 
 void add(Hasher& h, const std::vector<WarmImpulse>& impulses) {

@@ -87,6 +87,12 @@ struct Sleep {
     std::int32_t island = -1; ///< lowest body of the island that fell asleep together; -1: awake
 };
 
+/// Where a body was when the contacts of its pairs were last searched for on its account, and after which step.
+struct Searched {
+    Pose pose;
+    std::int64_t step = 0;
+};
+
 /// Everything that can change a later bit. A checkpoint holds exactly this, and the state hash covers it.
 struct State {
     std::int64_t step = 0;
@@ -103,6 +109,7 @@ struct State {
     std::vector<WarmImpulse> warm_half, warm_final;
     /// Those of contacts that no awake body is part of: they wait for the day their bodies wake.
     std::vector<WarmImpulse> waiting_half, waiting_final;
+    std::vector<Searched> searched; ///< by body; empty where contacts are searched for in every step (contact_reuse)
 };
 
 /// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its movable

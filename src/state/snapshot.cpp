@@ -16,6 +16,7 @@ static_assert(std::endian::native == std::endian::little);
 // Arrays are copied as they lie in memory, so none may have padding: those bytes would be anything.
 static_assert(sizeof(Pose) == 10 * sizeof(double) && sizeof(Motion) == 6 * sizeof(double));
 static_assert(sizeof(Sleep) == 8 && sizeof(RestDistance) == 16 && sizeof(WarmImpulse) == 40);
+static_assert(sizeof(Searched) == sizeof(Pose) + 8);
 
 constexpr std::uint64_t kMagic = 0x50414e534c464c46; // "FLFLSNAP"
 constexpr std::uint64_t kVersion = 3;
@@ -100,7 +101,7 @@ template <typename S, typename Visit>
 void visit(S& state, Visit&& part) {
     part(state.step), part(state.time), part(state.pose), part(state.motion), part(state.sleep);
     part(state.script_delay), part(state.lift), part(state.rest_distances), part(state.warm_half),
-        part(state.warm_final), part(state.waiting_half), part(state.waiting_final);
+        part(state.warm_final), part(state.waiting_half), part(state.waiting_final), part(state.searched);
 }
 
 } // namespace

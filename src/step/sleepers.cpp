@@ -110,7 +110,7 @@ void Stepper::find_sleeping_contacts(StepData& d) {
     model_.list_active();
     ++lists_.still_version;
     ContactSet all;
-    find_contacts(d, search_, all);
+    find_contacts(d, state_.step, search_, all);
     mark_asleep();
     std::copy_if(all.contacts.begin(), all.contacts.end(), std::back_inserter(sleeping_contacts_),
                  [&](const Contact& c) { return rests(c.a, c.b); });

@@ -19,17 +19,41 @@ constexpr int kPatience = 50, kPatienceShare = 20;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-void append_pair(const StepData& data, Worker& worker, const ListedPair& listed, ContactSet& out) {
+/// Appends the features to `out` that were in contact in the last step, of a pair that is near enough to where they were searched for.
+/// What is near is a pure function of State: those features are the ones of its impulses.
+void list_known_features(const StepData& data, const PairRecord& record, std::int64_t step,
+                         std::vector<FeaturePair>& out) {
+    const std::vector<Searched>& searched = data.state.searched;
+    if (searched.empty() || searched[at(record.a)].step == step || searched[at(record.b)].step == step) return;
+    const std::vector<double>& stray = data.lists.stray;
+    if (!(stray[at(record.a)] + stray[at(record.b)] < data.model.settings.contact_reuse * record.lengths.rest)) return;
+    const CandidatePair pair{record.a, record.b};
+    const auto of = [](const WarmImpulse& w) { return CandidatePair{w.a, w.b}; };
+    for (const auto* impulses : {&data.state.warm_final, &data.state.waiting_final}) {
+        auto w = std::ranges::lower_bound(*impulses, pair, {}, of);
+        for (; w != impulses->end() && of(*w) == pair; ++w) out.push_back(features_of(w->feature_key));
+    }
+}
+
+void append_pair(const StepData& data, Worker& worker, const ListedPair& listed, std::int64_t step, ContactSet& out) {
     const CandidatePair& pair = listed.pair;
     PairRecord& record = *listed.record;
     if (far_by_bounds(data, record)) return;
+    const BodyMotion a = data.trajectories.at_end(at(pair.a)), b = data.trajectories.at_end(at(pair.b));
+    const double proximity = record.lengths.proximity;
     worker.points.clear();
-    const CoveringList list = kept_candidates(data, worker, record);
-    const auto result =
-        find_contact_points(data.trajectories.at_end(at(pair.a)), data.trajectories.at_end(at(pair.b)),
-                            record.lengths.proximity, data.angle_cos, list, worker.proximity, worker.points);
-    if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
-    record_distance(data, record, result, list);
+    worker.features.clear();
+    list_known_features(data, record, step, worker.features);
+    double nearest = 0;
+    if (!worker.features.empty() && renew_contact_points(a, b, proximity, worker.features, nearest, worker.points)) {
+        out.min_distance = std::min(out.min_distance, nearest);
+        record_renewed_distance(data, record, nearest);
+    } else {
+        const CoveringList list = kept_candidates(data, worker, record);
+        const auto result = find_contact_points(a, b, proximity, data.angle_cos, list, worker.proximity, worker.points);
+        if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
+        record_distance(data, record, result, list);
+    }
     for (const ProximityPoint& p : worker.points)
         out.add(contact_of(pair.a, pair.b, p, pair_friction(data.model, pair.a, pair.b)), record.lengths.rest,
                 record.processed, false);
@@ -80,22 +104,29 @@ void load_warm(Team* team, const std::vector<Contact>& contacts, std::span<const
 }
 
 /// Also where a shock pass went over the velocities: these are still the impulses of projected Gauss-Seidel, and with them the
-/// next solve goes on where this one had to stop. Open contacts are stored too: they are not new.
-void store_warm(Team* team, const StaticStageScratch& scratch, std::vector<WarmImpulse>& warm) {
+/// next solve goes on where this one had to stop. Open contacts are stored too: they are not new. `left_out`: contacts that are not, as
+/// flags; may be empty.
+void store_warm(Team* team, StaticStageScratch& scratch, std::span<const std::uint8_t> left_out,
+                std::vector<WarmImpulse>& warm) {
     const auto& contacts = scratch.selected;
-    warm.resize(contacts.size());
-    for_each(team, "store warm impulses", contacts.size(), kContactGrain, [&](std::size_t i) {
-        const Contact& c = contacts[i];
-        warm[i] = {c.a, c.b, c.feature_key, scratch.impulses[i]};
+    std::vector<std::int32_t>& stored = scratch.stored;
+    stored.clear();
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+        if (left_out.empty() || left_out[i] == 0) stored.push_back(static_cast<std::int32_t>(i));
+    warm.resize(stored.size());
+    for_each(team, "store warm impulses", stored.size(), kContactGrain, [&](std::size_t i) {
+        const Contact& c = contacts[at(stored[i])];
+        warm[i] = {c.a, c.b, c.feature_key, scratch.impulses[at(stored[i])]};
     });
     // Contacts come pair by pair: what is left to sort are those of one pair, by the contact that begins it.
     const auto same_pair = [&](std::size_t i, std::size_t j) {
-        return contacts[i].a == contacts[j].a && contacts[i].b == contacts[j].b;
+        const Contact &p = contacts[at(stored[i])], &q = contacts[at(stored[j])];
+        return p.a == q.a && p.b == q.b;
     };
     for_each(team, "sort warm impulses", warm.size(), kContactGrain, [&](std::size_t i) {
         if (i > 0 && same_pair(i - 1, i)) return;
         std::size_t end = i + 1;
-        while (end < contacts.size() && same_pair(i, end)) ++end;
+        while (end < warm.size() && same_pair(i, end)) ++end;
         std::sort(warm.begin() + static_cast<std::ptrdiff_t>(i), warm.begin() + static_cast<std::ptrdiff_t>(end),
                   [](const WarmImpulse& x, const WarmImpulse& y) {
                       return std::tuple(group_key(x), x.feature_key) < std::tuple(group_key(y), y.feature_key);
@@ -151,7 +182,7 @@ void ContactSet::append(const ContactSet& part, std::size_t begin, std::size_t e
     copy(part.ahead, ahead);
 }
 
-void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& out) {
+void find_contacts(StepData& data, std::int64_t step, ContactSearchScratch& scratch, ContactSet& out) {
     constexpr std::size_t kGrain = 16;
     const std::vector<ListedPair>& pairs = end_pairs(data);
     out.near.clear();
@@ -163,7 +194,7 @@ void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& ou
     data.team.for_chunks("contact points", pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int thread) {
         ContactSet& part = scratch.parts[begin / kGrain];
         part.clear();
-        for (std::size_t i = begin; i < end; ++i) append_pair(data, data.worker(thread), pairs[i], part);
+        for (std::size_t i = begin; i < end; ++i) append_pair(data, data.worker(thread), pairs[i], step, part);
     });
     const std::span<const ContactSet> parts(scratch.parts.data(), chunks);
     const auto put = [&](std::size_t place, const ContactSet& part) { out.put(place, part); };
@@ -376,7 +407,9 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
         scratch.selected, {b.position, b.velocity, b.angular_velocity, b.inverse_mass, b.inverse_inertia}, solve,
         scratch.impulses, scratch.solver);
     b.store(options.team, model, scratch.angular_before, motion);
-    store_warm(options.team, scratch, warm);
+    // State's impulses of stage 7 are those of the contacts at its poses, whose features the next step may know again.
+    store_warm(options.team, scratch,
+               options.final_stage ? std::span<const std::uint8_t>(set.ahead) : std::span<const std::uint8_t>(), warm);
     return {stats, static_cast<std::int64_t>(scratch.selected.size())};
 }
 

@@ -54,7 +54,8 @@ struct ContactSearchScratch {
     std::vector<ContactSet> parts;
     std::vector<std::size_t> places;
 };
-void find_contacts(StepData& data, ContactSearchScratch& scratch, ContactSet& out);
+/// `step`: that ends, or ended, at the end poses.
+void find_contacts(StepData& data, std::int64_t step, ContactSearchScratch& scratch, ContactSet& out);
 
 /// Bodies as stages 3 and 7 see them: velocities to be changed and the inertia of the poses where the contacts are.
 struct VelocityArrays {
@@ -95,6 +96,7 @@ struct StaticStageScratch {
     std::vector<ArcContact> arcs;    ///< of `selected`
     std::vector<std::size_t> places; ///< in `selected`, by chunk of contacts
     std::vector<Vec3> impulses;
+    std::vector<std::int32_t> stored; ///< of `selected`, those whose impulses are kept
 };
 
 struct StaticStageStats {

@@ -98,9 +98,10 @@ void Stepper::prepare() {
     trajectories_.resize(model_);
     team_.for_each("place bodies", model_.size(), kBodyGrain,
                    [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
+    measure_strays();
     StepData d = data();
     if (state_.step > 0) find_sleeping_contacts(d);
-    find_contacts(d, search_, contacts_);
+    find_contacts(d, state_.step, search_, contacts_);
     if (state_.step > 0) return;
     // Pairs that start closer than their rest distance keep their start distance as such (DESIGN section 3).
     for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
@@ -114,7 +115,43 @@ void Stepper::prepare() {
     }
     if (state_.rest_distances.empty()) return;
     pairs_.clear(); // of other lengths
-    find_contacts(d, search_, contacts_);
+    find_contacts(d, state_.step, search_, contacts_);
+}
+
+namespace {
+
+/// How far points of a body are along any axis from where they were at a pose, m.
+double stray_from(const Pose& from, const BodyMotion& now) {
+    return displacement(*now.shape, {from.origin, matrix(from.rotation)}, matrix_pose(now.at0));
+}
+
+} // namespace
+
+/// Of all bodies, at x^n.
+void Stepper::measure_strays() {
+    if (model_.settings.contact_reuse == 0) return;
+    if (state_.searched.empty())
+        for (const Pose& pose : state_.pose) state_.searched.push_back({pose, state_.step});
+    lists_.stray.resize(model_.size());
+    team_.for_each("strays", model_.size(), kBodyGrain, [&](std::size_t i, int) {
+        lists_.stray[i] = stray_from(state_.searched[i].pose, trajectories_.at_start(i));
+    });
+}
+
+/// Of the active bodies, at x^{n+1} of the given step. Pairs are searched anew with whom strayed by half of what a pair may.
+void Stepper::note_strays(std::int64_t step) {
+    if (state_.searched.empty()) return;
+    const std::vector<std::int32_t>& active = model_.active;
+    team_.for_each("strays", active.size(), kBodyGrain, [&](std::size_t k, int) {
+        const std::size_t i = at(active[k]);
+        double& stray = lists_.stray[i];
+        stray = stray_from(state_.searched[i].pose, trajectories_.at_end(i));
+        const double most =
+            model_.bodies[i].movable() ? 0.5 * model_.settings.contact_reuse * body_lengths(model_, i).rest : 0.0;
+        if (!(stray > most)) return;
+        state_.searched[i] = {trajectories_.end_pose(i), step};
+        stray = 0;
+    });
 }
 
 QueryCounters Stepper::query_counters() const {
@@ -218,7 +255,8 @@ void Stepper::advance(StepReport& report) {
             const PhaseWatch watch(report, Phase::static_contact, team_);
             {
                 const PhaseWatch detection(report, Phase::static_detection, team_);
-                find_contacts(d, search_, contacts_);
+                note_strays(report.step);
+                find_contacts(d, report.step, search_, contacts_);
                 set_counters(contacts_.counters, report);
             }
             static_contact(d, next, end, true, report);

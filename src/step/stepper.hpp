@@ -50,6 +50,8 @@ class Stepper {
     void prepare();
     void place_still();
     void find_sleeping_contacts(StepData& d);
+    void measure_strays();
+    void note_strays(std::int64_t step);
     void advance(StepReport& report);
     StepData data();
     void wake_disturbed(StepData& d);

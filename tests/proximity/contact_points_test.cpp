@@ -162,5 +162,37 @@ TEST(ContactPoints, WhatATiltedBoxPassesIsWhatItsWaysLeadTo) {
     for (const ProximityPoint& p : high) EXPECT_NEAR(p.distance, kRest + std::sin(kTilt), 1e-12);
 }
 
+TEST(ContactPoints, OnesThatAreKnownAreFoundAgain) {
+    const Placed box{make_box(1, 1, 1), {2, -2, 0.51}, rotation_from_vector({0.003, -0.002, 0.4})};
+    const Placed groove_up{groove(), {}},
+        bar{make_box(0.2, 1, 0.2), {0.002, 0, 0.158}, rotation_from_vector({0, 0.785, 0})};
+    for (const auto& [a, b] : {std::pair(box, Placed{make_plate(10, 10), {}}), std::pair(groove_up, bar)}) {
+        const Pair pair(a, b);
+        const BodyMotion at_a = pair.trajectories.at_start(0), at_b = pair.trajectories.at_start(1);
+        ProximityScratch scratch;
+        std::vector<ProximityPoint> points, again;
+        const ProximityResult found = find_contact_points(at_a, at_b, kProximity, kAngleCos, {}, scratch, points);
+        ASSERT_GE(points.size(), 2u);
+        std::vector<FeaturePair> features;
+        for (const ProximityPoint& p : points) {
+            EXPECT_EQ(features_of(feature_key(p.features)), p.features);
+            features.insert(features.begin(), p.features);
+        }
+        double distance = 0;
+        ASSERT_TRUE(renew_contact_points(at_a, at_b, kProximity, features, distance, again));
+        EXPECT_EQ(distance, found.distance);
+        ASSERT_EQ(again.size(), points.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            EXPECT_EQ(again[i].features, points[i].features) << i;
+            EXPECT_EQ(again[i].a, points[i].a) << i;
+            EXPECT_EQ(again[i].b, points[i].b) << i;
+            EXPECT_EQ(again[i].normal, points[i].normal) << i;
+            EXPECT_EQ(again[i].distance, points[i].distance) << i;
+        }
+        EXPECT_FALSE(renew_contact_points(at_a, at_b, 0.5 * distance, features, distance, again)); // beyond its reach
+        EXPECT_EQ(again.size(), points.size());
+    }
+}
+
 } // namespace
 } // namespace flotilla

@@ -103,6 +103,7 @@ const std::map<std::string_view, Effect>& effects() {
         {"static_iterations", {"1", swept_tower, 10}},
         {"static_tolerance", {"0.5", tower, 10}},
         {"tolerance_share", {"1000", tower, 10}},
+        {"contact_reuse", {"0", library("falling-boats"), 60}},
         {"warm_start", {"false", swept_tower, 10}},
         {"shock_propagation", {"false", swept_tower, 10}},
         {"sleeping", {"false", library("stack"), 40}},
