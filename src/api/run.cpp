@@ -217,8 +217,8 @@ class CheckpointClock {
     Clock::time_point last_time_ = Clock::now();
 };
 
-/// What is written into the run folder, step by step: collected after a step and written, in order, while the next ones compute. An error
-/// is thrown by the next call after it.
+/// What is written into the run folder, step by step: collected after a step and written, in order, while the next ones compute.
+/// An error is thrown by the next call after it.
 class RunRecorder {
   public:
     RunRecorder(std::unique_ptr<io::RunWriter> writer, const World& world, const RunOptions& options)
@@ -226,7 +226,7 @@ class RunRecorder {
           options_(options),
           writer_(std::move(writer)),
           clock_(world.steps(), options.checkpoint_every) {
-        if (world.steps() == 0) add_frame();
+        if (writer_->frames() == 0) add_frame(); // a run that goes on after step 0 has it
     }
 
     void after_step(const StepReport& report) {

@@ -51,6 +51,19 @@ class Resume : public testing::Test {
         return false;
     }
 
+    /// The verdict of compare on the folder and on a run that was never interrupted; `set` are options of both.
+    [[nodiscard]] std::string compared_with_a_run_at_once(int steps, const std::string& set = "") const {
+        const std::string whole = (folder_.path() / "whole").string();
+        const CommandOutput r = run_flotilla("run " + scene_ + " --threads 1 --output " + whole + " --steps " +
+                                             std::to_string(steps) + " " + set);
+        if (r.exit_code != 0) return r.err;
+        const std::string verdict = run_flotilla("compare " + run().string() + " " + whole).out;
+        const std::string key = "verdict:              ";
+        const auto at = verdict.find(key);
+        if (at == std::string::npos) return verdict;
+        return verdict.substr(at + key.size(), verdict.find('\n', at) - at - key.size());
+    }
+
     TemporaryFolder folder_;
     std::string scene_;
 };
@@ -67,6 +80,13 @@ TEST_F(Resume, AFinishedRunCanBeExtended) {
     const CommandOutput nothing = run_flotilla(options(20) + "--resume");
     EXPECT_EQ(nothing.exit_code, 0) << nothing.err;
     EXPECT_EQ(step_hashes(run()), resumed);
+}
+
+TEST_F(Resume, ARunOfNoStepsHasItsInitialStateOnce) {
+    ASSERT_EQ(run_flotilla(options(0)).exit_code, 0);
+    ASSERT_EQ(run_flotilla(options(0) + "--resume").exit_code, 0);
+    ASSERT_EQ(run_flotilla(options(3) + "--resume").exit_code, 0);
+    EXPECT_EQ(compared_with_a_run_at_once(3), "the same bits");
 }
 
 TEST_F(Resume, StartsFromTheBeginningWhereThereIsNothing) {
@@ -311,6 +331,24 @@ TEST_F(Resume, AScriptThatCannotGoOnStopsTheRunWithWhatItHas) {
     ASSERT_EQ(run_flotilla(options(30) + "--overwrite --set unsatisfiable_script=hold").exit_code, 0);
     EXPECT_EQ(step_hashes(run()), resumed);
     EXPECT_EQ(run_flotilla(options(30) + "--overwrite --set unsatisfiable_script=follow --audit").exit_code, 0);
+}
+
+TEST_F(Resume, AScriptThatCannotGoOnFromTheStartLeavesTheInitialStateOnce) {
+    std::string scene = kPressScene;
+    const auto replace = [&](const std::string& what, const char* by) {
+        scene.replace(scene.find(what), what.size(), by);
+    };
+    replace(R"("position": [0, 0, 2])", R"("position": [0, 0, 1.03])");
+    replace(R"("time": 1,)", R"("time": 0.1,)");
+    scene_ = folder_.write("press.json", scene);
+    EXPECT_EQ(run_flotilla(options(20)).exit_code, 7);
+    EXPECT_EQ(step_hashes(run()).size(), 0u);
+    const std::string hold = "--set unsatisfiable_script=hold";
+    const CommandOutput held = run_flotilla(options(20) + "--resume --audit " + hold);
+    EXPECT_EQ(held.exit_code, 0) << held.err;
+    EXPECT_NE(held.out.find("frames checked:       21"), std::string::npos) << held.out;
+    EXPECT_EQ(held.out.find("as states"), std::string::npos) << held.out;
+    EXPECT_EQ(compared_with_a_run_at_once(20, hold), "the same bits");
 }
 
 } // namespace
