@@ -455,7 +455,9 @@ class IslandSweeps {
     void finish(const Course& course, bool solved) {
         island_.solved = solved;
         island_.residual = course.left.residual;
-        island_.let_off = solved && island_.residual > island_.tolerance;
+        // Without a load that is let off, what is above the island's tolerance and solved is rounding (kOfSpeed).
+        island_.let_off =
+            solved && load_share_ > 0 && island_.residual > std::max(island_.tolerance, options_.tolerance);
         island_.iterations += course.sweeps();
         island_.visits += course.whole * num_swept();
         island_.part_rounds += part_rounds_;

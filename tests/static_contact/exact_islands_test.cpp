@@ -108,6 +108,21 @@ TEST(ExactIslands, WhatOnlyRoundingLeavesIsSolved) {
     }
 }
 
+TEST(ExactIslands, AtSpeedWhatRoundingMayLeaveIsSolvedAndNothingIsLetOff) {
+    constexpr double kTolerance = 1e-12, kSpeed = 300;
+    ContactWorld w = make_column(2, 0.4);
+    w.inv_mass.back() = 3; // sweeps get on fast
+    for (const std::size_t body : {1u, 2u}) w.velocity[body].x = kSpeed;
+    ContactSolveOptions options = exact_at(kTolerance);
+    options.momentum = false; // it would pass by
+    const ContactSolveStats stats = w.solve(options);
+    EXPECT_GT(stats.residual, kTolerance) << "or this test shows nothing";
+    EXPECT_LT(stats.residual, 1.01 * kOfSpeed * kSpeed);
+    EXPECT_EQ(stats.exact_islands, 0);
+    EXPECT_EQ(stats.unsolved_islands, 0);
+    EXPECT_EQ(stats.let_off_islands, 0);
+}
+
 TEST(ExactIslands, ThePyramidIsLeftToTheSweeps) {
     ContactWorld w = make_loaded_column(8), swept = w;
     ContactSolveOptions options = exact_at(1e-4);
