@@ -79,7 +79,7 @@ class TaskTrace {
         recorder_.set_active(true);
         const std::clock_t cpu = std::clock(); // of all threads of the process
         const Clock::time_point wall = Clock::now();
-        const StepReport report = world_.step();
+        const StepReport report = step_or_drop();
         info_.wall_seconds += std::chrono::duration<double>(Clock::now() - wall).count();
         info_.cpu_seconds += static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
         recorder_.set_active(false);
@@ -91,6 +91,17 @@ class TaskTrace {
     [[nodiscard]] std::int64_t steps() const { return info_.steps; }
 
   private:
+    /// One that throws is undone, and so are its tasks.
+    StepReport step_or_drop() {
+        try {
+            return world_.step();
+        } catch (...) {
+            recorder_.set_active(false);
+            recorder_.drop_step();
+            throw;
+        }
+    }
+
     const RunOptions& options_;
     World& world_;
     Team& team_;

@@ -37,4 +37,14 @@ std::int32_t TaskRecorder::begin_region(const char* name, RegionKind kind, std::
     return static_cast<std::int32_t>(record_.regions.size()) - 1;
 }
 
+void TaskRecorder::drop_step() {
+    TaskRecord& r = record_;
+    for (; !r.regions.empty() && r.regions.back().step == step_; r.regions.pop_back())
+        r.links.resize(static_cast<std::size_t>(r.regions.back().first_link));
+    const auto gone = [&](const auto& span) { return span.region >= static_cast<std::int32_t>(r.regions.size()); };
+    for (std::vector<TaskSpan>& tasks : r.threads) std::erase_if(tasks, gone);
+    std::erase_if(r.groups, gone);
+    std::erase_if(r.phases, [&](const PhaseSpan& phase) { return phase.step == step_; });
+}
+
 } // namespace flotilla

@@ -74,6 +74,8 @@ class TaskRecorder {
     [[nodiscard]] bool active() const { return active_; }
     void set_active(bool active) { active_ = active; }
     void set_step(std::int64_t step) { step_ = step; }
+    /// Forgets what was recorded since set_step(): the step was undone. Between regions only.
+    void drop_step();
 
     /// Begins a region; only the thread that calls the team does. `successors` of ordered tasks, else null.
     std::int32_t begin_region(const char* name, RegionKind kind, std::int32_t tasks, const Successors* successors);

@@ -146,6 +146,23 @@ TEST(RunTrace, EveryKthStepOnSeveralThreads) {
     EXPECT_GT(trace.info.cpu_seconds, 0);
 }
 
+TEST(RunTrace, AStepThatAScriptUndoesLeavesNothing) {
+    const TemporaryFolder folder;
+    const std::string scene = folder.write("walls.json", run_flotilla("scene closing-walls").out);
+    const std::string file = (folder.path() / "t.json").string();
+    const std::string run = "run --threads 1 --set unsatisfiable_script=error " + scene + " --trace " + file;
+    ASSERT_EQ(run_flotilla(run + " --steps 100").exit_code, 7);
+    const io::Trace stopped = io::read_trace(file);
+    ASSERT_GT(stopped.info.steps, 0);
+    ASSERT_EQ(run_flotilla(run + " --steps " + std::to_string(stopped.info.steps)).exit_code, 0);
+    const io::Trace whole = io::read_trace(file);
+    EXPECT_EQ(stopped.record.phases.size(), whole.record.phases.size());
+    EXPECT_EQ(stopped.record.regions.size(), whole.record.regions.size());
+    EXPECT_EQ(stopped.record.threads.front().size(), whole.record.threads.front().size());
+    EXPECT_EQ(stopped.record.groups.size(), whole.record.groups.size());
+    EXPECT_EQ(stopped.record.links.size(), whole.record.links.size());
+}
+
 TEST(RunTrace, RefusesBeforeTheFirstStep) {
     const TemporaryFolder folder;
     const std::string scene = write_boats(folder);
