@@ -2,6 +2,7 @@
 #include <flotilla/picture.hpp>
 
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <flotilla/error.hpp>
@@ -70,8 +71,9 @@ PictureReport write_initial_state(const std::filesystem::path& file, const std::
 PictureReport write_picture(const std::filesystem::path& source, const std::filesystem::path& output,
                             const PictureOptions& options, std::optional<std::int64_t> frame) {
     const DefaultFloatingPoint environment;
-    return std::filesystem::is_directory(source) ? write_frame(source, output, options, frame)
-                                                 : write_initial_state(source, output, options, frame);
+    std::error_code error; // reading names it
+    return std::filesystem::is_directory(source, error) ? write_frame(source, output, options, frame)
+                                                        : write_initial_state(source, output, options, frame);
 }
 
 } // namespace flotilla

@@ -7,7 +7,6 @@
 #include <limits>
 #include <numeric>
 #include <span>
-#include <stdexcept>
 #include <tuple>
 #include <variant>
 
@@ -29,7 +28,7 @@ using Words = std::array<std::uint16_t, kWords>;
 class Deflate {
   public:
     Deflate() {
-        if (deflateInit(&stream_, Z_DEFAULT_COMPRESSION) != Z_OK) throw std::runtime_error("zlib: cannot start");
+        if (deflateInit(&stream_, Z_DEFAULT_COMPRESSION) != Z_OK) throw IoError("zlib: cannot start");
     }
     ~Deflate() { deflateEnd(&stream_); }
     Deflate(const Deflate&) = delete;
@@ -50,7 +49,7 @@ class Deflate {
         do {
             stream_.next_out = reinterpret_cast<Bytef*>(chunk.data());
             stream_.avail_out = static_cast<uInt>(chunk.size());
-            if (deflate(&stream_, flush) == Z_STREAM_ERROR) throw std::runtime_error("zlib: cannot compress");
+            if (deflate(&stream_, flush) == Z_STREAM_ERROR) throw IoError("zlib: cannot compress");
             out_.insert(out_.end(), chunk.begin(), chunk.end() - stream_.avail_out);
         } while (stream_.avail_out == 0);
     }

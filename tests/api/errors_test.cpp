@@ -2,8 +2,10 @@
 // What the library refuses, and what its exceptions say besides their text.
 #include <flotilla/error.hpp>
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
+#include <string>
 
 #include <flotilla/run.hpp>
 #include <flotilla/verify.hpp>
@@ -40,6 +42,22 @@ TEST(Errors, AllHaveOneBase) {
     static_assert(std::is_base_of_v<Error, InputError> && std::is_base_of_v<Error, IoError> &&
                   std::is_base_of_v<Error, OverlapError> && std::is_base_of_v<Error, ScriptError> &&
                   std::is_base_of_v<Error, BrokenPromise>);
+}
+
+/// But for memory, where the standard library's own fail as well.
+TEST(Errors, NoSourceThrowsAnother) {
+    int files = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(FLOTILLA_SOURCE_DIR "/src")) {
+        if (entry.path().extension() != ".cpp" && entry.path().extension() != ".hpp") continue;
+        std::ifstream in(entry.path());
+        for (std::string line; std::getline(in, line);) {
+            const auto at = line.find("throw std::");
+            EXPECT_TRUE(at == std::string::npos || line.substr(at).starts_with("throw std::bad_"))
+                << entry.path() << ": " << line;
+        }
+        ++files;
+    }
+    EXPECT_GT(files, 100);
 }
 
 TEST(Errors, OfAnOverlapListThePairs) {

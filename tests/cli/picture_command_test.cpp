@@ -96,6 +96,9 @@ TEST(PictureCommand, TellsBadOptionsFromFailures) {
     EXPECT_EQ(run_flotilla("picture " + scene + " --output " + out + "/a.png --zoom nan").exit_code, 2);
     EXPECT_EQ(run_flotilla("picture " + out + "/absent.json --output " + out + "/a.png").exit_code, 5);
     EXPECT_EQ(run_flotilla("picture " + out + " --output " + out + "/a.png").exit_code, 5) << "no run folder";
+    const CommandOutput too_long = run_flotilla("picture " + std::string(300, 'x') + " --output " + out + "/a.png");
+    EXPECT_EQ(too_long.exit_code, 5) << too_long.err;
+    EXPECT_NE(too_long.err.find("File name too long"), std::string::npos) << too_long.err;
     EXPECT_EQ(run_flotilla("picture " + scene + " --output " + out + "/absent/a.png" + kSmall).exit_code, 5);
     EXPECT_FALSE(std::filesystem::exists(out + "/a.png"));
 }
