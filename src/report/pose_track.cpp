@@ -103,17 +103,22 @@ class Source {
     std::vector<Vec3> middles_; ///< c by body
 };
 
-/// A frame of the run with its placements; or what keeps it from being read.
+/// A frame of the run with its placements, none where it is not shown; or what keeps it from being read.
 struct PlacedFrame {
     double time = 0; ///< s
     std::vector<Placement> placements;
     std::string problem;
 };
 
-/// use(placed frame, k) for the given frames in order; they are read in order and placed side by side.
+/// Every `frame_every`-th, and the last.
+bool is_shown(const PoseTrack& track, std::int64_t k) {
+    return k % track.frame_every == 0 || k + 1 == track.frames_in_run;
+}
+
+/// use(placed frame, k) for the given frames in order; they are read in order, and those that are shown placed side by side.
 template <class Use>
-void placed_in_order(io::RunReader& run, const Source& source, std::span<const std::int64_t> frames, int threads,
-                     Use&& use) {
+void placed_in_order(io::RunReader& run, const Source& source, const PoseTrack& track,
+                     std::span<const std::int64_t> frames, int threads, Use&& use) {
     using Read = std::variant<io::Frame, std::string>;
     const auto read = [&](std::size_t k) -> Read {
         try {
@@ -130,6 +135,7 @@ void placed_in_order(io::RunReader& run, const Source& source, std::span<const s
         }
         const auto& frame = std::get<io::Frame>(item);
         placed.time = frame.time;
+        if (!is_shown(track, frame.index)) return placed;
         for (std::size_t i = 0; i < source.bodies(); ++i) placed.placements.push_back(source.at(frame, i));
         return placed;
     };
@@ -143,14 +149,14 @@ std::vector<Box> survey(io::RunReader& run, const Source& source, int threads, P
     std::int64_t not_finite = 0;
     std::vector<std::int64_t> all(static_cast<std::size_t>(track.frames_in_run)); // every loss is named
     std::iota(all.begin(), all.end(), 0);
-    placed_in_order(run, source, all, threads, [&](const PlacedFrame& placed, std::int64_t k) {
+    placed_in_order(run, source, track, all, threads, [&](const PlacedFrame& placed, std::int64_t k) {
         if (!placed.problem.empty()) {
             // A damaged segment gives the same message for each of its frames.
             if (track.problems.empty() || track.problems.back() != placed.problem)
                 track.problems.push_back(placed.problem);
             return;
         }
-        if (k % track.frame_every != 0 && k + 1 != track.frames_in_run) return;
+        if (!is_shown(track, k)) return;
         track.frames.push_back(k);
         track.times.push_back(placed.time);
         for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -313,7 +319,7 @@ PoseTrack encode_poses(io::RunReader& run, const DrawOrder& order, std::int64_t 
     set_boxes(track, boxes);
     if (track.frames.empty() || boxes.empty()) return track;
     Encoder encoder(source.bodies(), track);
-    placed_in_order(run, source, track.frames, threads, [&](const PlacedFrame& placed, std::int64_t) {
+    placed_in_order(run, source, track, track.frames, threads, [&](const PlacedFrame& placed, std::int64_t) {
         if (!placed.problem.empty()) throw IoError(placed.problem);
         encoder.add(placed.placements);
     });
