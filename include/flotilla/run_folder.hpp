@@ -38,7 +38,7 @@ void export_csv(const std::filesystem::path& folder, std::ostream& out, const Fr
 void export_run(const std::filesystem::path& folder, ExportFormat format, const std::filesystem::path& output,
                 const FrameRange& range = {});
 
-/// How much export_run writes, to within a third; nothing is read but the bodies and shapes. InputError as there.
+/// How much export_run writes, to within a third, by the bodies, the shapes and three frames. Errors as there.
 [[nodiscard]] ExportSize estimate_export(const std::filesystem::path& folder, ExportFormat format,
                                          const FrameRange& range = {});
 

@@ -97,9 +97,9 @@ void export_run(const std::filesystem::path& folder, ExportFormat format, const 
 }
 
 ExportSize estimate_export(const std::filesystem::path& folder, ExportFormat format, const FrameRange& range) {
-    const io::RunReader reader(folder);
-    const std::int64_t frames = io::count(io::frames_of(reader, range));
-    return {frames, io::export_bytes(reader.scene(), format, frames)};
+    io::RunReader reader(folder);
+    const FrameRange frames = io::frames_of(reader, range);
+    return {io::count(frames), io::export_bytes(reader, format, frames)};
 }
 
 } // namespace flotilla

@@ -16,8 +16,9 @@ namespace flotilla::io {
 [[nodiscard]] FrameRange frames_of(const RunReader& run, const FrameRange& range);
 [[nodiscard]] inline std::int64_t count(const FrameRange& r) { return (r.last - r.first) / r.every + 1; }
 
-/// Bytes of a format, from the numbers that it writes for a body and a vertex, a triangle or a name; to within a third.
-[[nodiscard]] std::uintmax_t export_bytes(const RunScene& scene, ExportFormat format, std::int64_t frames);
+/// Bytes of a format, from the numbers that it writes for a body and a vertex, a triangle or a name, to within a third. How long they
+/// are as text is seen in the first, middle and last frame. `range` is one of frames_of().
+[[nodiscard]] std::uintmax_t export_bytes(RunReader& run, ExportFormat format, const FrameRange& range);
 
 // All of the following write the frames of `range`, which is one of frames_of(); frames keep their numbers in the run.
 

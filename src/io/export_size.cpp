@@ -1,22 +1,53 @@
 // SPDX-License-Identifier: MIT
 // Which frames an export writes, and about how much that is.
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <string>
 
 #include <flotilla/error.hpp>
 
 #include "io/export.hpp"
+#include "io/poses_csv.hpp"
+#include "mesh/placement.hpp"
 
 namespace flotilla::io {
 namespace {
 
-/// Of an export.
-struct Bytes {
-    double once = 0, per_frame = 0;
-};
+constexpr double kFloat = 11; // characters of a number in single precision, mostly, with its separator
 
-// Text has as many digits as read back to the same number: 17 to 19 with sign, point and separator, 11 in single precision.
-constexpr double kDouble = 18.5, kFloat = 11;
+/// Of numbers as text; Number is float where they are written in single precision.
+template <class Number>
+double characters(std::initializer_list<double> values) {
+    char buffer[32];
+    std::ptrdiff_t sum = 0;
+    for (const double value : values)
+        sum += std::to_chars(buffer, buffer + sizeof buffer, static_cast<Number>(value)).ptr - buffer;
+    return static_cast<double>(sum);
+}
+
+/// The first frame, which may be a start where nothing moves yet, one in the middle, and the last, which may be a rest.
+struct Samples {
+    Samples(RunReader& run, const FrameRange& range) : count(io::count(range)) {
+        for (const std::int64_t k : {std::int64_t{0}, count / 2, count - 1})
+            frames.push_back(run.frame(range.first + k * range.every));
+    }
+    /// Of all frames, by the bytes of one.
+    template <class BytesOf>
+    [[nodiscard]] double sum(BytesOf&& bytes_of) const {
+        if (count == 1) return bytes_of(frames[0]);
+        return bytes_of(frames[0]) + static_cast<double>(count - 1) / 2 * (bytes_of(frames[1]) + bytes_of(frames[2]));
+    }
+    /// Whether not all of them are the same; value(frame) is written in single precision.
+    template <class Value>
+    [[nodiscard]] bool change(Value&& value) const {
+        const auto differs = [&](const Frame& frame) { return value(frame) != value(frames[0]); };
+        return std::any_of(frames.begin(), frames.end(), differs);
+    }
+
+    std::int64_t count;
+    std::vector<Frame> frames;
+};
 
 double sum_names(const RunScene& scene) {
     double sum = 0;
@@ -33,32 +64,104 @@ struct Features {
     }
 };
 
-Bytes bytes_of(const RunScene& scene, ExportFormat format) {
-    const auto bodies = static_cast<double>(scene.bodies.size());
-    const auto dynamic = static_cast<double>(std::count_if(
-        scene.bodies.begin(), scene.bodies.end(), [](const RunBody& b) { return b.type == BodyType::dynamic; }));
-    Features shapes, all;
-    for (const auto& shape : scene.shapes) shapes.add(shape.mesh);
+Features of_bodies(const RunScene& scene) {
+    Features all;
     for (const auto& body : scene.bodies) all.add(scene.shapes[static_cast<std::size_t>(body.shape)].mesh);
-    const double digits = static_cast<double>(std::to_string(static_cast<std::int64_t>(all.vertices)).size());
+    return all;
+}
+
+// Bodies differ: what is fixed, sleeps or was never turned has few digits, anything else all that read back to the same number.
+
+double csv_frame(const RunScene& scene, const Frame& frame) {
+    std::vector<std::string> names;
+    for (const auto& body : scene.bodies) names.push_back(body.name);
+    return static_cast<double>(poses_csv_rows(frame, names).size());
+}
+
+/// Lines of vertices; some of each body, since a frame may hold millions.
+double obj_vertices(const RunScene& scene, const Frame& frame) {
+    constexpr std::size_t kLooks = 4;
+    double sum = 0;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        const std::vector<Vec3>& vertices = scene.shapes[static_cast<std::size_t>(scene.bodies[i].shape)].mesh.vertices;
+        const std::size_t looks = std::min(kLooks, vertices.size());
+        for (std::size_t k = 0; k < looks; ++k) {
+            std::array<Vec3, 1> world;
+            world_vertices({&vertices[(2 * k + 1) * vertices.size() / (2 * looks)], 1}, frame.position[i],
+                           frame.rotation[i], world);
+            const double line = 5 + characters<double>({world[0].x, world[0].y, world[0].z});
+            sum += line * static_cast<double>(vertices.size()) / static_cast<double>(looks);
+        }
+    }
+    return sum;
+}
+
+/// Five attributes: position, rotation twice, velocity, angular velocity.
+double usd_frame(const Frame& frame) {
+    double sum = 0;
+    for (std::size_t i = 0; i < frame.position.size(); ++i) {
+        const Vec3 &p = frame.position[i], &v = frame.velocity[i], &w = frame.angular_velocity[i];
+        const Quat& q = frame.rotation[i];
+        sum += 27 + characters<float>({p.x, p.y, p.z, v.x, v.y, v.z, w.x, w.y, w.z}) +
+               2 * characters<float>({q.w, q.x, q.y, q.z});
+    }
+    return sum;
+}
+
+/// Three numbers of vertices each, as text.
+double faces(const RunScene& scene, const Features& features) {
+    const auto vertices = static_cast<std::int64_t>(of_bodies(scene).vertices);
+    const auto digits = static_cast<double>(std::to_string(vertices).size());
+    return features.triangles * (2 + 3 * (digits + 1));
+}
+
+/// A node in JSON for each body, and where its position or its rotation changes a track: JSON, and 4 bytes a number and frame.
+double glb_bodies(const Samples& samples) {
+    constexpr double kNode = 60, kTrack = 260;
+    const auto frames = static_cast<double>(samples.count);
+    using Position = std::array<float, 3>;
+    using Rotation = std::array<float, 4>;
+    double sum = 0;
+    for (std::size_t i = 0; i < samples.frames[0].position.size(); ++i) {
+        const auto position = [i](const Frame& frame) {
+            const Vec3& p = frame.position[i];
+            return Position{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+        };
+        const auto rotation = [i](const Frame& frame) {
+            const Quat& q = frame.rotation[i];
+            return Rotation{static_cast<float>(q.w), static_cast<float>(q.x), static_cast<float>(q.y),
+                            static_cast<float>(q.z)};
+        };
+        sum += kNode;
+        for (const float x : position(samples.frames[0])) sum += characters<double>({x});
+        for (const float x : rotation(samples.frames[0])) sum += characters<double>({x});
+        if (samples.change(position)) sum += kTrack + sizeof(Position) * frames;
+        if (samples.change(rotation)) sum += kTrack + sizeof(Rotation) * frames;
+    }
+    return sum;
+}
+
+double bytes_of(const RunScene& scene, ExportFormat format, const Samples& samples) {
+    const auto bodies = static_cast<double>(scene.bodies.size());
+    Features shapes;
+    for (const auto& shape : scene.shapes) shapes.add(shape.mesh);
     switch (format) {
-    case ExportFormat::csv:
-        return {0, sum_names(scene) + bodies * 20 + 13 * (kDouble * dynamic + 2 * (bodies - dynamic))};
-    case ExportFormat::obj:
-        return {0, sum_names(scene) + 3 * bodies + all.vertices * (2 + 3 * kDouble) +
-                       all.triangles * (2 + 3 * (digits + 1))};
+    case ExportFormat::csv: return samples.sum([&](const Frame& frame) { return csv_frame(scene, frame); });
+    case ExportFormat::obj: {
+        const double same = sum_names(scene) + 3 * bodies + faces(scene, of_bodies(scene));
+        return samples.sum([&](const Frame& frame) { return same + obj_vertices(scene, frame); });
+    }
     case ExportFormat::vtp: { // 22 numbers a body, three a vertex and four a triangle, of 8 bytes in base64, in XML
         constexpr double kBase64 = 8 * 4.0 / 3, kXml = 1500;
-        return {kBase64 * (3 * shapes.vertices + 4 * shapes.triangles), kXml + bodies * 22 * kBase64};
+        return kBase64 * (3 * shapes.vertices + 4 * shapes.triangles) +
+               static_cast<double>(samples.count) * (kXml + bodies * 22 * kBase64);
     }
-    case ExportFormat::glb: // JSON of a body's node and its two tracks; 7 numbers of 4 bytes a frame
-        return {sum_names(scene) + 700 * bodies + 12 * (shapes.vertices + shapes.triangles), 28 * bodies};
-    case ExportFormat::usd: // five attributes of 17 numbers; those of fixed bodies are mostly 0
-        return {sum_names(scene) + 10 * bodies + shapes.vertices * 3 * kFloat +
-                    shapes.triangles * (2 + 3 * (digits + 1)),
-                10 * bodies + 17 * (kFloat * dynamic + 2 * (bodies - dynamic))};
+    case ExportFormat::glb: return sum_names(scene) + 12 * (shapes.vertices + shapes.triangles) + glb_bodies(samples);
+    case ExportFormat::usd:
+        return sum_names(scene) + 10 * bodies + shapes.vertices * 3 * kFloat + faces(scene, shapes) +
+               samples.sum(usd_frame);
     }
-    return {};
+    return 0;
 }
 
 } // namespace
@@ -72,9 +175,8 @@ FrameRange frames_of(const RunReader& run, const FrameRange& range) {
     return {range.first, last - (last - range.first) % range.every, range.every};
 }
 
-std::uintmax_t export_bytes(const RunScene& scene, ExportFormat format, std::int64_t frames) {
-    const Bytes bytes = bytes_of(scene, format);
-    return static_cast<std::uintmax_t>(bytes.once + bytes.per_frame * static_cast<double>(frames));
+std::uintmax_t export_bytes(RunReader& run, ExportFormat format, const FrameRange& range) {
+    return static_cast<std::uintmax_t>(bytes_of(run.scene(), format, Samples(run, range)));
 }
 
 } // namespace flotilla::io
