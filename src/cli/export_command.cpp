@@ -47,13 +47,14 @@ FrameRange parse_range(const std::string& text) {
             parts.emplace_back();
         else
             parts.back() += c;
+    const InputError refused("export: --frames wants FIRST:LAST:EVERY, got \"" + text + "\"");
+    if (parts.size() > 3) throw InputError(refused);
     const auto number = [&](std::size_t k, std::int64_t missing) {
         if (k >= parts.size() || parts[k].empty()) return missing;
         std::int64_t value = -1;
         const char* const end = parts[k].data() + parts[k].size();
         const auto parsed = std::from_chars(parts[k].data(), end, value);
-        if (parsed.ec != std::errc{} || parsed.ptr != end || value < (k == 2 ? 1 : 0) || parts.size() > 3)
-            throw InputError("export: --frames wants FIRST:LAST:EVERY, got \"" + text + "\"");
+        if (parsed.ec != std::errc{} || parsed.ptr != end || value < (k == 2 ? 1 : 0)) throw InputError(refused);
         return value;
     };
     range.first = number(0, 0);

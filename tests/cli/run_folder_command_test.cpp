@@ -179,7 +179,7 @@ TEST(ExportCommand, WritesARangeOfFrames) {
     EXPECT_EQ(frames(":2"), "012");
     EXPECT_EQ(frames("4"), "4");
     EXPECT_EQ(frames("4:99"), "45");
-    for (const char* bad : {"x", "1:2:0", "1:2:3:4", "1.5", "9", "3:2", "-1"})
+    for (const char* bad : {"x", "1:2:0", "1:2:3:4", ":::", "1:2:3:", "1.5", "9", "3:2", "-1"})
         EXPECT_EQ(run_flotilla(export_run + " --frames=" + bad).exit_code, 2) << bad;
 }
 
