@@ -15,6 +15,8 @@
 
 namespace flotilla {
 
+struct RunTotals;
+
 struct RunOptions {
     std::filesystem::path output; ///< run folder; empty: nothing is written
     bool overwrite = false;       ///< replace what an earlier run left in the folder
@@ -24,8 +26,8 @@ struct RunOptions {
     bool resume = false;
     std::int64_t steps = 0; ///< total, the steps before a resumption included
     int frame_every = 1;    ///< steps per frame, >= 1
-    int checkpoint_every =
-        0; ///< steps per checkpoint; 0: 100, and at least one in five minutes. The last step has one in any case.
+    /// Steps per checkpoint; 0: 100, and at least one in five minutes. The last step has one in any case.
+    int checkpoint_every = 0;
     WorldOptions world; ///< threads and their use
     std::vector<std::string> command_line;
     std::string scene_json; ///< the scene file's text, for the record
@@ -38,15 +40,17 @@ struct RunOptions {
     std::filesystem::path contacts;
     /// Called after every step; returning false ends the run early. Where there is a folder, the run can then be resumed.
     std::function<bool(const StepReport&)> after_step;
-    std::function<void(const std::string&)>
-        note; ///< called with what the user should know, one line each; may be empty
+    /// Called with what was done, before run_scene throws ScriptError; may be empty.
+    std::function<void(const RunTotals&)> blocked;
+    /// Called with what the user should know, one line each; may be empty.
+    std::function<void(const std::string&)> note;
 };
 
 /// Sums over a run, or over its part since it was resumed.
 struct RunTotals {
     std::int64_t steps = 0;
     std::int64_t resumed_after = 0; ///< steps that were there already
-    bool complete = false;          ///< false: after_step ended it
+    bool complete = false;          ///< false: after_step or a script ended it
     std::int64_t bodies = 0;
     double total_ms = 0, worst_ms = 0; ///< wall time in steps; of the slowest
     double output_ms = 0;              ///< wall time that steps waited for what is written into the run folder

@@ -334,8 +334,9 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         trace->write();
         summary.traced_steps = trace->steps();
     }
-    if (blocked) throw ScriptError(*blocked);
-    return summary;
+    if (!blocked) return summary;
+    if (options.blocked) options.blocked(summary);
+    throw ScriptError(*blocked);
 }
 
 } // namespace flotilla

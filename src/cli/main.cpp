@@ -30,8 +30,7 @@ int run(const cli::Action& action) {
         std::cerr << "flotilla: " << e.what() << '\n';
         return cli::kOverlap;
     } catch (const ScriptError& e) {
-        std::cerr << "flotilla: " << e.what()
-                  << "\nflotilla: a run folder can go on from here with --resume --set unsatisfiable_script=hold\n";
+        std::cerr << "flotilla: " << e.what() << '\n';
         return cli::kScript;
     } catch (const BrokenPromise& e) {
         std::cerr << "flotilla: " << e.what() << '\n';

@@ -156,6 +156,31 @@ void print_summary(const RunTotals& s) {
     print_threads(s.threads);
 }
 
+/// What a run did, and the script that ended it early.
+struct Ended {
+    RunTotals totals;
+    std::optional<ScriptError> blocked;
+};
+
+Ended simulate(const SceneDescription& scene, const std::string& source, RunOptions run, StopRequest& stop,
+               bool quiet) {
+    Ended ended;
+    Progress progress("step", run.steps, quiet);
+    StepTimes times;
+    run.after_step = [&](const StepReport& r) {
+        times.add(r.total_ms);
+        progress.update(r.step, note(r, times.mean()));
+        return !stop.asked(r.total_ms / 1000);
+    };
+    run.blocked = [&](const RunTotals& totals) { ended.totals = totals; };
+    try {
+        ended.totals = run_scene(scene, source, run);
+    } catch (const ScriptError& e) {
+        ended.blocked = e;
+    }
+    return ended;
+}
+
 int run_run(const RunArguments& arguments) {
     const auto needs_output = [&](bool given, const char* option, const char* what) {
         if (given && arguments.output.empty())
@@ -187,26 +212,23 @@ int run_run(const RunArguments& arguments) {
     run.trace = arguments.trace;
     run.contacts = arguments.contacts;
     run.trace_every = arguments.trace_every;
-    RunTotals summary;
-    {
-        Progress progress("step", run.steps, arguments.quiet);
-        StepTimes times;
-        run.after_step = [&](const StepReport& r) {
-            times.add(r.total_ms);
-            progress.update(r.step, note(r, times.mean()));
-            return !stop.asked(r.total_ms / 1000);
-        };
-        summary = run_scene(scene, source, run);
-    }
-    if (!arguments.quiet) print_summary(summary);
+    const Ended ended = simulate(scene, source, run, stop, arguments.quiet);
+    const RunTotals& totals = ended.totals;
+    if (!arguments.quiet) print_summary(totals);
     if (!arguments.quiet && !arguments.trace.empty())
-        std::printf("trace of %ld steps: %s\n", static_cast<long>(summary.traced_steps), arguments.trace.c_str());
-    if (!summary.complete) {
-        std::cerr << "flotilla: stopped after step " << summary.last.step << " of " << run.steps << " ("
-                  << stop.reason() << "); --resume goes on\n";
+        std::printf("trace of %ld steps: %s\n", static_cast<long>(totals.traced_steps), arguments.trace.c_str());
+    if (!totals.complete && !ended.blocked) {
+        std::cerr << "flotilla: stopped after step " << totals.last.step << " of " << run.steps << " (" << stop.reason()
+                  << "); --resume goes on\n";
+        if (arguments.audit) std::cerr << "flotilla: not audited; flotilla verify proves what there is\n";
         return kResumable;
     }
-    return arguments.audit ? audit_run(arguments.output, arguments.threads, arguments.quiet) : kOk;
+    const int proved = arguments.audit ? audit_run(arguments.output, arguments.threads, arguments.quiet) : kOk;
+    if (!ended.blocked) return proved;
+    std::cerr << "flotilla: " << ended.blocked->what() << '\n';
+    if (!arguments.output.empty())
+        std::cerr << "flotilla: --resume --set unsatisfiable_script=hold goes on from here\n";
+    return proved != kOk ? proved : kScript;
 }
 
 } // namespace

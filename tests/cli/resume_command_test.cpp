@@ -287,8 +287,9 @@ TEST_F(Resume, AReadOnlyFolderIsNamed) {
 }
 
 TEST_F(Resume, ATimeLimitLeavesACheckpoint) {
-    const CommandOutput r = run_flotilla(options(100000) + "--time-limit 0:0:1");
+    const CommandOutput r = run_flotilla(options(100000) + "--audit --time-limit 0:0:1");
     EXPECT_EQ(r.exit_code, 6);
+    EXPECT_NE(r.err.find("not audited"), std::string::npos) << r.err;
     EXPECT_NE(r.err.find("(time limit); --resume goes on"), std::string::npos) << r.err;
     const CommandOutput info = run_flotilla("info " + run().string());
     EXPECT_NE(info.out.find("stopped"), std::string::npos) << info.out;
@@ -310,9 +311,15 @@ constexpr const char* kPressScene = R"({"flotilla_scene": 1, "settings": {"unsat
 
 TEST_F(Resume, AScriptThatCannotGoOnStopsTheRunWithWhatItHas) {
     scene_ = folder_.write("press.json", kPressScene);
-    const CommandOutput stopped = run_flotilla(options(30));
+    const CommandOutput stopped = run_flotilla(options(30) + "--audit");
     EXPECT_EQ(stopped.exit_code, 7);
     const auto hashes = step_hashes(run());
+    const std::string steps = std::to_string(hashes.size());
+    EXPECT_NE(stopped.out.find("3 bodies, " + steps + " steps, "), std::string::npos) << "no summary: " << stopped.out;
+    EXPECT_NE(stopped.out.find("verdict:              free of intersections"), std::string::npos) << stopped.out;
+    const CommandOutput not_kept = run_flotilla("run --steps 30 " + scene_);
+    EXPECT_EQ(not_kept.exit_code, 7);
+    EXPECT_EQ(not_kept.err.find("--resume"), std::string::npos) << "nothing was kept: " << not_kept.err;
     EXPECT_GT(hashes.size(), 10u);
     EXPECT_LT(hashes.size(), 24u);
     EXPECT_NE(stopped.err.find("step " + std::to_string(hashes.size() + 1) +
@@ -341,7 +348,10 @@ TEST_F(Resume, AScriptThatCannotGoOnFromTheStartLeavesTheInitialStateOnce) {
     replace(R"("position": [0, 0, 2])", R"("position": [0, 0, 1.03])");
     replace(R"("time": 1,)", R"("time": 0.1,)");
     scene_ = folder_.write("press.json", scene);
-    EXPECT_EQ(run_flotilla(options(20)).exit_code, 7);
+    const CommandOutput stopped = run_flotilla(options(20) + "--audit");
+    EXPECT_EQ(stopped.exit_code, 7);
+    EXPECT_NE(stopped.out.find("3 bodies, 0 steps\n"), std::string::npos) << stopped.out;
+    EXPECT_NE(stopped.out.find("frames checked:       1 "), std::string::npos) << stopped.out;
     EXPECT_EQ(step_hashes(run()).size(), 0u);
     const std::string hold = "--set unsatisfiable_script=hold";
     const CommandOutput held = run_flotilla(options(20) + "--resume --audit " + hold);
