@@ -13,10 +13,10 @@
 namespace flotilla {
 
 struct HtmlReportOptions {
-    bool verify = false;          ///< prove the run first and show the verdict; cost: that of verify_run
-    VerifyOptions verification;   ///< of that proof
-    std::int64_t frame_every = 0; ///< frames of the run per frame of the page; 0: as few as keep the poses below 64 MiB
-                                  ///< before compression
+    bool verify = false;        ///< prove the run first and show the verdict; cost: that of verify_run
+    VerifyOptions verification; ///< of that proof; its number of threads is that of the page as well
+    /// Frames of the run per frame of the page; 0: as few as keep the poses below 64 MiB before compression.
+    std::int64_t frame_every = 0;
 };
 
 /// What a page holds.

@@ -71,13 +71,14 @@ HtmlReport write_html_report(const std::filesystem::path& folder, const std::fil
                              const HtmlReportOptions& options) {
     const DefaultFloatingPoint environment;
     if (options.frame_every < 0) throw InputError("report: frame_every must not be negative");
+    const int threads = options.verification.threads;
+    if (threads < 0) throw InputError(std::to_string(threads) + " threads: at least one is needed");
     io::RunReader run(folder); // a folder that is none is known before the proof
     HtmlReport result;
     if (options.verify) result.verification = verify_run(folder, options.verification);
-    const int threads = options.verification.threads > 0 ? options.verification.threads : free_threads();
     const auto page =
         report::write_page(run, result.verification ? verification_of(*result.verification) : not_verified(folder),
-                           options.frame_every, threads, output);
+                           options.frame_every, threads > 0 ? threads : free_threads(), output);
     result.frames = run.frames();
     result.frames_shown = page.frames_shown;
     result.position_error = page.position_error;

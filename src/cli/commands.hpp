@@ -26,6 +26,10 @@ enum ExitCode : int {
     kScript = 7,    ///< a script cannot be satisfied and the scene asked for an error; resumable
 };
 
+/// What --threads is where it is not given (default_threads()).
+inline constexpr const char* kThreadsHelp =
+    "threads (default FLOTILLA_NUM_THREADS, else OpenMP's: OMP_NUM_THREADS, else all usable cores)";
+
 /// What the command line asks for; returns the exit code.
 using Action = std::function<int()>;
 

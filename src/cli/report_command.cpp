@@ -48,16 +48,14 @@ void register_report(CLI::App& app, Action& action) {
         "report", "Write a run as one HTML file: animation, plots and tables; works offline, in any browser");
     command->add_option("DIR", arguments->folder, "Run folder")->required();
     command->add_option("--output", arguments->output, "File to write (default DIR/report.html)");
-    CLI::Option* verify = command->add_flag("--verify", arguments->options.verify,
-                                            "Prove the run free of intersections first and show the verdict; exit "
-                                            "code 3 where it is not");
+    command->add_flag("--verify", arguments->options.verify,
+                      "Prove the run free of intersections first and show the verdict; exit "
+                      "code 3 where it is not");
     command
         ->add_option("--frame-every", arguments->options.frame_every,
                      "Frames of the run per frame shown (default: as few as the page can hold)")
         ->check(CLI::PositiveNumber);
-    command->add_option("--threads", arguments->options.verification.threads, "Of --verify (default: all cores)")
-        ->needs(verify)
-        ->check(CLI::PositiveNumber);
+    command->add_option("--threads", arguments->options.verification.threads, kThreadsHelp)->check(CLI::PositiveNumber);
     command->add_flag("--quiet", arguments->quiet, "Print problems only");
     command->callback([arguments, &action] { action = [arguments] { return run_report(*arguments); }; });
 }

@@ -258,10 +258,7 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
         ->check(CLI::PositiveNumber);
     command->add_option("--time-limit", arguments->time_limit,
                         "H:M:S; stop with a checkpoint before so much time has passed (exit code 6)");
-    command
-        ->add_option("--threads", arguments->threads,
-                     "threads (default FLOTILLA_NUM_THREADS, else OpenMP's: OMP_NUM_THREADS, else all usable cores)")
-        ->check(CLI::PositiveNumber);
+    command->add_option("--threads", arguments->threads, kThreadsHelp)->check(CLI::PositiveNumber);
     command
         ->add_option("--executor", arguments->executor,
                      "parallel, or serial: a plain loop on one thread; the results are the same bits")

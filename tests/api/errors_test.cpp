@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include <flotilla/html_report.hpp>
 #include <flotilla/run.hpp>
 #include <flotilla/verify.hpp>
 
@@ -125,6 +126,8 @@ TEST(Errors, NumbersOfThreadsBelowZeroAreRefused) {
     EXPECT_TRUE(verify_run(run.output, verify).proved());
     verify.threads = -1;
     EXPECT_EQ(message([&] { (void)verify_run(run.output, verify); }), expected);
+    const HtmlReportOptions page{.verification = verify};
+    EXPECT_EQ(message([&] { (void)write_html_report(run.output, folder.path() / "run.html", page); }), expected);
     run.overwrite = true;
     run.frame_every = 0;
     EXPECT_EQ(message([&] { (void)run_scene(scene, "scene", run); }), "frame_every must be at least 1, not 0");

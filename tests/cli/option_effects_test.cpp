@@ -223,7 +223,7 @@ Options::Rows Options::rows_of(const std::string& command) {
         return {{"--output", {report, report + " --output " + at("files/r.html"), new_files()}},
                 {"--verify", {report, verified, written("r.html")}},
                 {"--frame-every", {report, report + " --frame-every 3", written("r.html")}},
-                {"--threads", {verified + " --threads 1", verified + " --threads 3", threads_started()}},
+                {"--threads", {report + " --threads 1", report + " --threads 3", threads_started()}},
                 {"--quiet", {report, report + " --quiet", how_much_is_printed}}};
     }
     if (command == "scene") {
