@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Pastes what the README shows: its C++ program is built against the installed package and run, its scene is simulated and proved.
+# Its rows of other engines are those of the measured page.
 # usage: readme_test.sh CMAKE COMPILER BUILD_DIR [LINK_FLAGS]
 set -euo pipefail
 cmake=$1 compiler=$2 build=$3 link_flags=${4:-}
@@ -15,6 +16,12 @@ blocks() {
                  else { inside = 1; wanted = $0 == "```" language; block = "" }; next }
         inside { block = block $0 "\n" }' "$root/README.md"
 }
+
+awk -F' *[|] *' '
+    FNR == NR { if (!($2 in measured)) measured[$2] = $3 " " $6 " " $7; next }
+    /^\| (flotilla|Bullet|ODE)/ { gsub(",", "", $4); gsub(",", "", $5); rows++
+                                  if (measured[$2] != $3 " " $4 " " $5) { print "not as measured: " $0; wrong = 1 } }
+    END { exit wrong || rows < 5 }' "$root/bench/results/engines.md" "$root/README.md"
 
 mkdir "$work/program"
 blocks cpp "int main" >"$work/program/main.cpp"
