@@ -6,25 +6,12 @@
 #include <numbers>
 
 #include "base/assert.hpp"
-#include "base/rotation.hpp"
+#include "mesh/building.hpp"
 #include "mesh/mesh_file.hpp"
 #include "mesh/topology.hpp"
 
 namespace flotilla {
 namespace {
-
-SinCos fraction_of_turn(int i, int n) { return sin_cos(2 * std::numbers::pi * i / n); }
-
-std::int32_t add_vertex(TriangleMesh& mesh, const Vec3& v) {
-    mesh.vertices.push_back(v);
-    return static_cast<std::int32_t>(mesh.vertices.size() - 1);
-}
-
-/// Two triangles of the quadrilateral a b c d.
-void add_quad(TriangleMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
-    mesh.triangles.push_back({a, b, c});
-    mesh.triangles.push_back({a, c, d});
-}
 
 /// Cells of a grid of (nu + 1) x (nv + 1) vertices, u running fastest, that starts at `first`. Where `closed_u` or
 /// `closed_v` is set there are only nu or nv vertices that way and the last cell comes back to the first.

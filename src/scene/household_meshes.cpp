@@ -1,29 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "scene/household_meshes.hpp"
 
-#include <numbers>
-
 #include "base/assert.hpp"
-#include "base/rotation.hpp"
+#include "mesh/building.hpp"
 #include "mesh/primitives.hpp"
 
 namespace flotilla::library {
-
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-SinCos fraction_of_turn(double i, int n) { return sin_cos(2 * kPi * i / n); }
-
-std::int32_t add_vertex(TriangleMesh& mesh, const Vec3& v) {
-    mesh.vertices.push_back(v);
-    return static_cast<std::int32_t>(mesh.vertices.size() - 1);
-}
-
-void add_quad(TriangleMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
-    mesh.triangles.push_back({a, b, c});
-    mesh.triangles.push_back({a, c, d});
-}
 
 void append(TriangleMesh& mesh, const TriangleMesh& part, const Vec3& offset) {
     const auto first = static_cast<std::int32_t>(mesh.vertices.size());

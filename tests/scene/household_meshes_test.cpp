@@ -3,12 +3,16 @@
 
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <flotilla/scene_library.hpp>
 #include <gtest/gtest.h>
 
 #include "base/rotation.hpp"
+#include "geometry/box.hpp"
 #include "mesh/mass_properties.hpp"
 #include "mesh/topology.hpp"
 #include "scene/library.hpp"
@@ -120,9 +124,42 @@ TEST(Household, MassesAreThoseOfSuchThings) {
     }
 }
 
-// Parts that overlapped would count twice in the mass: what the parts of a stool and a pallet come to, and its centre
-// on the axis.
+/// The boxes of the parts of a mesh that share no vertex.
+std::vector<Box> boxes_of_parts(const TriangleMesh& mesh) {
+    std::vector<std::int32_t> part(mesh.vertices.size());
+    std::iota(part.begin(), part.end(), 0);
+    const auto at = [&](std::int32_t v) -> std::int32_t& { return part[static_cast<std::size_t>(v)]; };
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (const auto& [a, b, c] : mesh.triangles) {
+            const std::int32_t least = std::min({at(a), at(b), at(c)});
+            for (const std::int32_t v : {a, b, c}) changed |= std::exchange(at(v), least) != least;
+        }
+    }
+    std::map<std::int32_t, Box> boxes;
+    for (std::size_t i = 0; i < part.size(); ++i) boxes[part[i]] = extended(boxes[part[i]], mesh.vertices[i]);
+    std::vector<Box> out;
+    for (const auto& [first, box] : boxes) out.push_back(box);
+    return out;
+}
+
+// Parts that overlapped would count twice in the mass. Those of a stool and of a pallet have boxes that touch at most.
 TEST(Household, PartsTouchWithoutOverlapping) {
+    constexpr double kRounding = 1e-15; // m
+    const std::pair<TriangleMesh, std::size_t> things[] = {{stool_mesh(), 4}, {pallet_mesh(), 11}};
+    for (const auto& [mesh, parts] : things) {
+        const std::vector<Box> boxes = boxes_of_parts(mesh);
+        ASSERT_EQ(boxes.size(), parts);
+        for (std::size_t i = 0; i < parts; ++i)
+            for (std::size_t k = 0; k < i; ++k) {
+                const Vec3 common = min(boxes[i].upper, boxes[k].upper) - max(boxes[i].lower, boxes[k].lower);
+                EXPECT_LT(std::min({common.x, common.y, common.z}), kRounding) << k << ' ' << i;
+            }
+    }
+}
+
+// Their volumes, and a centre on the axis.
+TEST(Household, MassesOfThingsOfPartsAddUp) {
     EXPECT_NEAR(volume(stool_mesh()), polygon(0.14, 24) * 0.025 + 3 * polygon(0.014, 8) * 0.275, 1e-15);
     EXPECT_NEAR(volume(pallet_mesh()), 8 * 0.4 * 0.048 * 0.012 + 3 * 0.04 * 0.3 * 0.046, 1e-15);
     const MassProperties stool = solid_mass_properties(stool_mesh(), 1, "stool");

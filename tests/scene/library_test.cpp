@@ -47,48 +47,54 @@ TEST(SceneLibrary, TrianglesAndStacksNeverIntersectAtTheStart) {
         expect_valid_and_free(make_scene("falling-boats", bodies, 3), "falling boats");
 }
 
-// Whole boats start inside the cylinder over the rim and above it, and there is room for them below the rim.
-TEST(SceneLibrary, BoatsFallIntoTheBowl) {
+/// The bowl of a scene whose last bodies are a bowl and the ground.
+struct Bowl {
+    std::size_t body = 0;
+    double rim_radius = 0, rim_height = 0; // m
+};
+Bowl bowl_of(const Scene& scene) {
+    Bowl bowl{scene.bodies.size() - 2};
+    EXPECT_TRUE(scene.bodies[bowl.body].name.ends_with("bowl"));
+    for (const Vec3& v : initial_vertices(scene, bowl.body)) {
+        bowl.rim_radius = std::max(bowl.rim_radius, std::hypot(v.x, v.y));
+        bowl.rim_height = std::max(bowl.rim_height, v.z);
+    }
+    return bowl;
+}
+
+/// Whole bodies start inside the cylinder over the rim and above it.
+void expect_all_over(const Bowl& bowl, const Scene& scene) {
+    for (std::size_t i = 0; i < bowl.body; ++i)
+        for (const Vec3& v : initial_vertices(scene, i)) {
+            ASSERT_LT(std::hypot(v.x, v.y), bowl.rim_radius) << scene.bodies.size();
+            ASSERT_GT(v.z, bowl.rim_height) << scene.bodies.size();
+        }
+}
+
+TEST(SceneLibrary, BoatsFallIntoTheBowlAndHaveRoomInIt) {
     for (const int bodies : {3, 12, 102, 252, 1002}) {
         const Scene scene = build_scene(make_scene("boats-in-bowl", bodies, 9));
-        double rim_radius = 0, rim_height = 0;
-        const std::size_t bowl = scene.bodies.size() - 2;
-        ASSERT_EQ(scene.bodies[bowl].name, "bowl");
-        for (const Vec3& v : initial_vertices(scene, bowl)) {
-            rim_radius = std::max(rim_radius, std::hypot(v.x, v.y));
-            rim_height = std::max(rim_height, v.z);
-        }
-        for (std::size_t i = 0; i < bowl; ++i)
-            for (const Vec3& v : initial_vertices(scene, i)) {
-                ASSERT_LT(std::hypot(v.x, v.y), rim_radius) << bodies;
-                ASSERT_GT(v.z, rim_height) << bodies;
-            }
-        const double pi = std::acos(-1.0);
-        const double volume =
-            pi * rim_height * (3 * rim_radius * rim_radius + rim_height * rim_height) / 6; // spherical cap
+        const Bowl bowl = bowl_of(scene);
+        expect_all_over(bowl, scene);
+        const double pi = std::acos(-1.0), r = bowl.rim_radius, h = bowl.rim_height;
+        const double volume = pi * h * (3 * r * r + h * h) / 6; // spherical cap
         EXPECT_GT(volume, 4.5 * (bodies - 2)) << "at 4.5 m^3 per boat the pile must fit";
     }
 }
 
-// Whole things start inside the cylinder over the rim and above it, one of each kind at least.
-TEST(SceneLibrary, HouseholdThingsStandOverTheirBowl) {
+TEST(SceneLibrary, HouseholdThingsOfEachKindStandOverTheirBowl) {
+    constexpr int kKinds = 8;
     for (const int bodies : {10, 22, 52, 102, 1002})
         for (const std::uint64_t seed : {0U, 1U, 9U}) {
             const SceneDescription description = make_scene("household", bodies, seed);
             ASSERT_EQ(description.bodies.size(), static_cast<std::size_t>(bodies));
             expect_valid_and_free(description, std::to_string(bodies) + " bodies, seed " + std::to_string(seed));
             const Scene scene = build_scene(description);
-            const std::size_t bowl = scene.bodies.size() - 2;
-            double rim_radius = 0, rim_height = 0;
-            for (const Vec3& v : initial_vertices(scene, bowl)) {
-                rim_radius = std::max(rim_radius, std::hypot(v.x, v.y));
-                rim_height = std::max(rim_height, v.z);
-            }
-            for (std::size_t i = 0; i < bowl; ++i)
-                for (const Vec3& v : initial_vertices(scene, i)) {
-                    ASSERT_LT(std::hypot(v.x, v.y), rim_radius) << bodies;
-                    ASSERT_GT(v.z, rim_height) << bodies;
-                }
+            expect_all_over(bowl_of(scene), scene);
+            std::set<std::int32_t> kinds;
+            for (const BodyDescription& body : description.bodies)
+                if (body.type == BodyType::dynamic) kinds.insert(body.shape);
+            EXPECT_EQ(kinds.size(), kKinds) << bodies << ' ' << seed;
         }
 }
 
