@@ -11,7 +11,7 @@
 
 namespace flotilla {
 
-/// The timed parts of a step, in the order of DESIGN section 3. `detection` and the three after it split the same time
+/// The timed parts of a step, in the order in which it runs them. `detection` and the three after it split the same time
 /// another way (the paper's figure 17), so they are not part of the sum.
 enum class Phase : std::uint8_t {
     collisions,          ///< stage 1
@@ -36,12 +36,19 @@ inline constexpr std::array<std::string_view, kNumPhases> kPhaseNames{
 
 /// Reasons to look at a step; a set of bits. Each names the setting to raise.
 enum StepWarning : std::uint32_t {
-    kCollisionLimit = 1u << 0, ///< collision_iterations ended stage 1 before it was quiet
-    kDynamicLimit = 1u << 1,   ///< dynamic_iterations ended Algorithm 2: the failsafe had to finish
-    kStaticLimit = 1u << 2,    ///< a contact solve ended above its tolerance: at static_iterations, or given up
-    kScriptDelayed = 1u << 3,  ///< a scripted body was held for this step (DESIGN 4.6)
-    kReboundLost = 1u << 4,    ///< a held body lost a rebound of stage 1 (DESIGN 4.5)
-    kStaticLetOff = 1u << 5,   ///< another did so as loaded contacts of jams at rest are let off up to ten times it
+    /// collision_iterations ended stage 1 before it was quiet.
+    kCollisionLimit = 1u << 0,
+    /// dynamic_iterations ended Algorithm 2: the failsafe had to finish.
+    kDynamicLimit = 1u << 1,
+    /// A contact solve ended above its tolerance (of fast bodies: and above the rounding of its normals): at static_iterations, or as
+    /// more sweeps gained nothing.
+    kStaticLimit = 1u << 2,
+    /// A scripted body was held for this step, as bodies were in its way (unsatisfiable_script).
+    kScriptDelayed = 1u << 3,
+    /// A body that the failsafe held lost a rebound of stage 1.
+    kReboundLost = 1u << 4,
+    /// A contact solve ended above its tolerance, but only by what loaded contacts of resting jams are allowed: up to ten times it.
+    kStaticLetOff = 1u << 5,
 };
 
 struct StepReport {

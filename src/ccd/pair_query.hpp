@@ -14,8 +14,8 @@
 
 namespace flotilla {
 
-/// The earliest hit of a pair. No hit of the conservative method: both bodies are proved farther apart than the separation (relaxed for features that start
-/// closer, see CcdStart) during the whole motion.
+/// The earliest hit of a pair. No hit of the conservative method: both bodies are proved farther apart than the separation
+/// (relaxed for features that start closer, see CcdStart) during the whole motion.
 struct PairHit {
     bool hit = false;
     double toi = 1;       ///< [0, 1]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Earliest collision of a body pair along the turning paths of both bodies (DESIGN 4.4).
+// Earliest collision of a body pair along the turning paths of both bodies (`trajectory: rigid`).
 //
 // The centre of mass moves on a straight line, the orientation is R(t w) q with the rotation vector w of the whole step. The step
 // is cut into k = 1, 2, 4, ... segments of equal angle. In each, the chords of the vertices go through the linear query, with

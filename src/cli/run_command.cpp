@@ -141,7 +141,8 @@ void print_summary(const RunTotals& s) {
     std::printf("contact solves above tolerance: in %ld of %ld steps", static_cast<long>(s.above_tolerance),
                 static_cast<long>(s.steps));
     if (s.let_off > 0)
-        std::printf(" (in %ld of them loaded contacts of jams at rest alone)", static_cast<long>(s.let_off));
+        std::printf(" (in %ld of them only by what loaded contacts of resting jams are allowed)",
+                    static_cast<long>(s.let_off));
     std::printf(", %.3g m/s in the last\n", s.last.residual);
     std::printf("energy taken by the last resort: %.3g J from %ld islands (all steps together); lift: %.3g J\n",
                 s.energy_removed, static_cast<long>(s.energy_corrections), s.last.lift);

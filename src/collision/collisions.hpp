@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage 1: elastic and partially elastic collisions (paper, section 3, Algorithm 1), as frozen sweeps (DESIGN section 5).
+// Stage 1: elastic and partially elastic collisions (paper, section 3, Algorithm 1), as frozen sweeps
+// (pair/ordered_sweep.hpp).
 //
 // Reads x^n and settings; writes the clusters' velocities, the end states and the pairs' records. On return the clusters of
 // infinite iterations would have no hit and no fast end proximity left; at the limit some may, for stage 5.

@@ -38,7 +38,7 @@ class Failsafe {
 
   private:
     /// Clusters whose motion no longer keeps their members apart by itself need a proof for every pair of members; without it
-    /// a kinematic one becomes rigid and a rigid one is held (DESIGN 4.2).
+    /// a kinematic one becomes rigid and a rigid one is held (step/certificate.hpp).
     void check_turned_clusters() {
         for (const std::int32_t c : data_.model.active) {
             while (!data_.clusters[c].members.empty() && !data_.clusters[c].internal_proved) {

@@ -31,7 +31,7 @@ struct CcdResult {
 /// What a query does when the features start closer than the separation.
 enum class CcdStart : std::uint8_t {
     strict,  ///< a hit at t = 0
-    relaxed, ///< the separation of this query becomes 0.95 of the start distance, never below the floor (DESIGN 4.1)
+    relaxed, ///< the separation of this query becomes 0.95 of the start distance, never below the floor (16 err)
 };
 
 struct CcdOptions {

@@ -46,7 +46,7 @@ inline constexpr double kTiny = 0x1p-800;            // covers underflow
 inline constexpr double kLargest = 0x1p80;           // larger differences count as hits
 inline constexpr double kHuge = 0x1p300;             // above every finite product
 inline constexpr double kLeastSquare = 0x1p-500;     // a direction shorter than 2^-250 is none
-inline constexpr double kFloorFactor = 16;           // floor = 16 err (DESIGN 4.1)
+inline constexpr double kFloorFactor = 16;           // floor = 16 err: gaps below it are not told from none
 inline constexpr double kKeep = 0.95;                // relaxed start: share of the start distance that must be kept
 inline constexpr double kSlackOfSeparation = 0x1p-7; // a hit is reported within this share of the separation ...
 inline constexpr double kSlackOfErr = 1024;          // ... or this multiple of err above it

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Trajectories as CSV (DESIGN section 6): one row per body and frame, bodies numbered in scene order from 0, 17 significant
-// digits. p is the position of the mesh's own origin, q rotates mesh coordinates into the world, v is the velocity of the
+// Trajectories as CSV: one row per body and frame, bodies numbered in scene order from 0, 17 significant digits. p is the position of the mesh's own origin, q rotates mesh coordinates into the world, v is the velocity of the
 // centre of mass.
 #pragma once
 

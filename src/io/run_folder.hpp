@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The folder of a run (DESIGN section 6):
+// The folder of a run:
 //   run.json          where the run comes from: version, commit, compiler, machine, threads, settings, command line
 //   scene.json        the scene as it was read, for people
 //   meshes.h5         what the frames need: every shape once, and the bodies' names, shapes and types

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Colours for body pairs: no two pairs of one colour share a movable body, so the pairs of a colour can be solved in any
 // order, side by side or in the lanes of a vector, with the same bits. Bodies of infinite mass are only read and use no
-// colour (ALGORITHM: static bodies must not consume colours, or a floor would make every pair its own colour).
+// colour: a floor would make every pair that stands on it a colour of its own.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Resting islands sleep (DESIGN 4.8): an island whose bodies have all been quiet for a while stands still until something comes
+// Resting islands sleep: an island whose bodies have all been quiet for a while stands still until something comes
 // near it. Sleeping bodies are obstacles like static ones, so the guarantee does not depend on who sleeps.
 #pragma once
 

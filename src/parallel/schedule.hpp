@@ -93,8 +93,8 @@ struct ScheduleScratch {
 };
 
 /// ns that the region takes on `cores` cores under a greedy schedule that takes the lowest ready task. As the team does, a region never
-/// takes more threads than it has tasks; sweeps never take more than the solver gives them. The order in which a loop's chunks go to threads, own stretch
-/// first, is simplified to list order.
+/// takes more threads than it has tasks; sweeps never take more than the solver gives them. The order in which a loop's chunks go
+/// to threads, own stretch first, is simplified to list order.
 [[nodiscard]] double region_time(const RegionTasks& region, int cores, const CostModel& costs,
                                  ScheduleScratch& scratch);
 

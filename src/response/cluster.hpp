@@ -23,7 +23,7 @@ struct Cluster {
     std::vector<std::int32_t> members; ///< ascending; empty after it was merged into another
     Rung rung = Rung::free;
     bool rigid = true;           ///< base poses are those at x^n
-    bool internal_proved = true; ///< all pairs of members are proved for the present end states (DESIGN 4.2 c)
+    bool internal_proved = true; ///< all pairs of members are proved for the present end states (certificate.hpp, c)
     double inverse_mass = 0;     ///< 0: static, scripted or held
     Vec3 com0, base_com;         ///< m, equations 6 and 11
     WorldInertia inertia;        ///< equation 7, about com0 at x^n

@@ -188,8 +188,7 @@ const std::vector<SettingRow>& table() {
          0,
          {},
          "continuous collision detection of stage 1: proved, or the paper's cubic with a tolerance (separation where "
-         "given, "
-         "else 1e-4 m)",
+         "given, else 1e-4 m)",
          "cubic: a baseline for comparison; what it overlooks, the proved one of stage 5 finds and resolves without "
          "rebound"},
         {"contact_solver",
@@ -224,8 +223,7 @@ const std::vector<SettingRow>& table() {
          0,
          {},
          "scripted motion that would crush a body: hold the body back and its script with it, or follow: let the "
-         "script go "
-         "on and catch up with it at most twice as fast as it ever is, or stop with an error (exit code 7)",
+         "script go on and catch up with it at most twice as fast as it ever is, or stop with an error (exit code 7)",
          "hold: jaws that jammed while closing stay shut; follow: they open when their script says so"},
         {"initial_overlap",
          choice<&Settings::initial_overlap>(kInitialOverlaps),

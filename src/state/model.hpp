@@ -105,7 +105,7 @@ struct State {
     std::vector<double> lift;                 ///< J of each body's energy that are lift (step/energy_account.hpp)
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
     /// The impulses of the last stage 3 and of the last stage 7, each sorted by (a, b, feature pair without a face, feature_key). The
-    /// stages solve different problems (DESIGN section 3): at rest each finds its own solution of the step before.
+    /// stages solve different problems (half a step's velocity, a whole one's): at rest each finds its own solution of the step before.
     std::vector<WarmImpulse> warm_half, warm_final;
     /// Those of contacts that no awake body is part of: they wait for the day their bodies wake.
     std::vector<WarmImpulse> waiting_half, waiting_final;

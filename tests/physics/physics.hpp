@@ -107,8 +107,8 @@ class Motion {
   public:
     explicit Motion(const SceneDescription& scene);
     StepReport step();
-    /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes more than `most` s of the stepping thread, and when the
-    /// energy has risen by half of the scale without scripts: what follows an explosion is slow and teaches nothing.
+    /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes more than `most` s of the stepping
+    /// thread, and when the energy has risen by half of the scale without scripts: what follows an explosion teaches nothing.
     void run(double time, const std::function<void(const StepReport&)>& each = {}, double most = 60);
 
     [[nodiscard]] World& world() { return world_; }

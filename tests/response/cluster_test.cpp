@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a turning rigid cluster proves about its members depends on how they move on the way (DESIGN 4.2 c).
+// What a turning rigid cluster proves about its members depends on how they move on the way (step/certificate.hpp, c).
 #include <gtest/gtest.h>
 
 #include "mesh/primitives.hpp"

@@ -44,7 +44,7 @@ TEST(RotationStep, KeepsTheEnergyOfFastSlenderAndFlatBodies) {
 }
 
 TEST(RotationStep, AsymmetricTopTumblesWithTheEllipticPeriod) {
-    // ALGORITHM 8: I = (1,2,3), omega = (.01,1,.01): T = 39.1057 s; omega dt = 0.04.
+    // By Jacobi's elliptic functions: I = (1,2,3), omega = (.01,1,.01): T = 39.1057 s; omega dt = 0.04.
     Top top = spinning({1, 2, 3}, {0.01, 1, 0.01});
     const double dt = 1.0 / 24;
     std::vector<double> crossings;

@@ -155,7 +155,7 @@ TEST(Incline, SlidesJustBelowTheThresholdAtTheAccelerationOfCoulomb) {
 }
 
 TEST(Friction, OfTheRandomPyramidIsTooLargeByFourOverPi) {
-    // ALGORITHM section 3: both rows saturate, |cos| + |sin| of a uniform angle has the mean 4/pi.
+    // Both rows saturate, |cos| + |sin| of a uniform angle has the mean 4/pi.
     ContactWorld w;
     w.add_body(0);
     w.add_body(1);
@@ -215,7 +215,7 @@ TEST(Friction, TangentsDependOnKeyAndStepOnly) {
 // --- columns: the convergence law of Gauss-Seidel ---
 
 TEST(SolveContacts, AColumnConvergesAtTheLawOfGaussSeidel) {
-    // ALGORITHM section 3: the error falls by cos^2(pi / 2N) per sweep, whatever the order, because the matrix of a column
+    // The error falls by cos^2(pi / 2N) per sweep, whatever the order, because the matrix of a column
     // is tridiagonal and so consistently ordered by rows as well as by two colours.
     for (const int n : {5, 10, 20, 50}) {
         const auto residual_after = [&](int sweeps) {
