@@ -51,6 +51,8 @@ enum StepWarning : std::uint32_t {
     kStaticLetOff = 1u << 5,
 };
 
+/// A step that is made of inner ones (Settings::substeps) reports their times and counts together, of residual, smallest distance, clusters
+/// and held bodies the worst of them, and of the rest what the last one left.
 struct StepReport {
     std::int64_t step = 0; ///< 1 after the first step
     double time = 0;       ///< s, at the end of the step
@@ -123,8 +125,9 @@ struct ContactState {
     Vec3 point;                          ///< m, world
     Vec3 normal;                         ///< unit, from a to b
     double distance = 0;                 ///< m
-    Vec3
-        impulse; ///< on b, N s, world; of the last step's stage 7, zero where that left the contact out. a got its opposite
+    /// On b, N s, world; of the last step's stage 7, zero where that left the contact out. a got its opposite. With substeps that of the
+    /// last inner one times their number: divided by the time step, it is the force.
+    Vec3 impulse;
     /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse is that of the step
     /// in which the island fell asleep.
     bool asleep = false;

@@ -26,6 +26,14 @@ struct BodyState {
     Vec3 angular_velocity; ///< rad/s, world axes
 };
 
+/// Where an inner step of a body's last step ended (Settings::substeps), and how it came there from the one before: its centre of mass on
+/// a straight line, its orientation by `turn`.
+struct WayPoint {
+    Vec3 position; ///< of the mesh's own origin, m
+    Quat rotation;
+    Vec3 turn; ///< rotation vector with whole turns, rad, world axes
+};
+
 /// A body that `initial_overlap: separate` moved, so that it intersects no other at the start.
 struct MovedBody {
     std::int32_t body = 0;
@@ -73,7 +81,7 @@ class World {
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
 
-    /// Advances by settings().time_step. Throws BrokenPromise rather than leave bodies that are not proved apart; with
+    /// Advances by settings().time_step, in settings().substeps inner steps, each of them proved. Throws BrokenPromise rather than leave bodies that are not proved apart; with
     /// `unsatisfiable_script: error` ScriptError, which leaves everything as it was before.
     StepReport step();
 
@@ -81,10 +89,12 @@ class World {
     [[nodiscard]] std::int64_t steps() const;
     [[nodiscard]] double time() const; ///< s
     [[nodiscard]] const Settings& settings() const;
-    /// InputError where there is no such body; so does turn().
+    /// InputError where there is no such body; so do turn() and way().
     [[nodiscard]] BodyState body(std::size_t index) const;
-    /// The rotation vector of a body's motion in the last step, with whole turns, radians, world axes.
+    /// The rotation vector of a body's motion in the last inner step, with whole turns, radians, world axes.
     [[nodiscard]] Vec3 turn(std::size_t index) const;
+    /// Of all inner steps of the last step, whose end is the present pose; before a step of this World, the present pose alone.
+    [[nodiscard]] std::vector<WayPoint> way(std::size_t index) const;
     /// Sorted by bodies. Those of sleeping bodies with each other or with infinite mass are among them, marked as asleep.
     [[nodiscard]] std::vector<ContactState> contacts() const;
     /// Of every body, in scene order; before the first step only the contacts are known.

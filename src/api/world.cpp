@@ -162,8 +162,8 @@ StepReport World::step() {
 }
 
 std::size_t World::size() const { return impl_->model.size(); }
-std::int64_t World::steps() const { return impl_->stepper.state().step; }
-double World::time() const { return impl_->stepper.state().time; }
+std::int64_t World::steps() const { return impl_->stepper.steps(); }
+double World::time() const { return impl_->stepper.time(); }
 const Settings& World::settings() const { return impl_->model.settings; }
 
 BodyState World::body(std::size_t index) const {
@@ -183,6 +183,15 @@ Vec3 World::turn(std::size_t index) const {
     return impl_->stepper.turns()[index];
 }
 
+std::vector<WayPoint> World::way(std::size_t index) const {
+    impl_->check(index);
+    std::vector<WayPoint> points;
+    const auto add = [&](const Pose& pose, const Vec3& turn) { points.push_back({pose.origin, pose.rotation, turn}); };
+    for (const InnerState& inner : impl_->stepper.inner_states()) add(inner.pose[index], inner.turn[index]);
+    add(impl_->stepper.state().pose[index], impl_->stepper.turns()[index]);
+    return points;
+}
+
 std::vector<ContactState> World::contacts() const {
     std::vector<ContactState> out;
     const std::vector<Contact>& awake = impl_->stepper.contacts().contacts;
@@ -191,6 +200,7 @@ std::vector<ContactState> World::contacts() const {
     const auto bodies = [](const auto& x) { return std::pair(x.a, x.b); };
     std::span<const WarmImpulse> solved = state.warm_final,
                                  waiting = state.waiting_final; // all lists are sorted by bodies
+    const double substeps = impl_->stepper.substeps();
     const auto add = [&](const Contact& c, bool sleeps) {
         std::span<const WarmImpulse>& list = sleeps ? waiting : solved;
         const auto first =
@@ -198,7 +208,7 @@ std::vector<ContactState> World::contacts() const {
         list = list.subspan(static_cast<std::size_t>(first - list.begin()));
         ContactState contact{c.a, c.b, c.point, c.normal, c.distance, {}, sleeps};
         for (auto w = list.begin(); w != list.end() && bodies(*w) == bodies(c); ++w)
-            if (w->feature_key == c.feature_key) contact.impulse = w->impulse;
+            if (w->feature_key == c.feature_key) contact.impulse = substeps * w->impulse;
         out.push_back(contact);
     };
     auto sleeper = asleep.begin();

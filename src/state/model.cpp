@@ -38,6 +38,12 @@ PairLengths body_lengths(const Model& model, std::size_t body) {
     return lengths_of_size(model.settings, model.bodies[body].extent);
 }
 
+Model inner_model(Model model) {
+    model.settings.time_step /= model.settings.substeps;
+    model.settings.substeps = 1;
+    return model;
+}
+
 double fall_in_step(const Model& model, std::size_t body) {
     const double dt = model.settings.time_step;
     return std::min(0.5 * length(model.gravity) * dt * dt, model.bodies[body].size);

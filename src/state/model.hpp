@@ -95,8 +95,8 @@ struct Searched {
 
 /// Everything that can change a later bit. A checkpoint holds exactly this, and the state hash covers it.
 struct State {
-    std::int64_t step = 0;
-    double time = 0; ///< s
+    std::int64_t step = 0; ///< inner ones, where a step is made of several (Settings::substeps)
+    double time = 0;       ///< s
     std::vector<Pose> pose;
     std::vector<Motion> motion;
     std::vector<Sleep> sleep;
@@ -119,6 +119,8 @@ struct PairLengths {
 };
 /// The lengths of a pair of which the body is the smaller one.
 [[nodiscard]] PairLengths body_lengths(const Model& model, std::size_t body);
+/// The model of an inner step (Settings::substeps), which is all that the stages know of.
+[[nodiscard]] Model inner_model(Model model);
 /// How far gravity alone moves a body from rest in one step, m; no more than its size.
 [[nodiscard]] double fall_in_step(const Model& model, std::size_t body);
 [[nodiscard]] PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b);

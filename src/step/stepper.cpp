@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "collision/collisions.hpp"
+#include "step/inner_report.hpp"
 
 namespace flotilla {
 namespace {
@@ -80,7 +81,13 @@ void copy_active(const Model& model, std::span<const T> from, std::span<T> to) {
 } // namespace
 
 Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
-    : model_(model), options_(options), team_(options.team), state_(std::move(state)), scripts_(model_) {
+    : model_(inner_model(model)),
+      substeps_(model.settings.substeps),
+      time_step_(model.settings.time_step),
+      options_(options),
+      team_(options.team),
+      state_(std::move(state)),
+      scripts_(model_) {
     for (int k = 0; k < team_.size(); ++k) workers_.push_back(std::make_unique<Worker>());
     state_.sleep.resize(model_.size());
     turns_.assign(model_.size(), {});
@@ -181,14 +188,19 @@ StepData Stepper::data() {
 
 StepReport Stepper::step() {
     StepReport report;
-    report.step = state_.step + 1;
-    report.time = static_cast<double>(report.step) * model_.settings.time_step;
-    if (model_.settings.unsatisfiable_script == UnsatisfiableScript::error) before_ = state_;
+    report.step = steps() + 1;
+    report.time = static_cast<double>(report.step) * time_step_;
+    if (model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
+        before_ = {state_, turns_, activity_, inner_};
+    inner_.resize(static_cast<std::size_t>(substeps_) - 1);
     try {
         const Stopwatch total(report.total_ms);
-        team_.region([&] { advance(report); });
+        make_inner_steps(report);
     } catch (const BlockedScripts&) {
-        state_ = before_;
+        state_ = before_.state;
+        turns_ = before_.turns;
+        activity_ = before_.activity;
+        inner_ = before_.inner;
         team_.region([&] { prepare(); });
         throw;
     }
@@ -196,6 +208,20 @@ StepReport Stepper::step() {
     return report;
 }
 
+void Stepper::make_inner_steps(StepReport& report) {
+    activity_.assign(model_.size(), {});
+    for (int k = 0; k < substeps_; ++k) {
+        StepReport inner;
+        inner.step = state_.step + 1;
+        team_.region([&] { advance(inner); });
+        add_inner_step(inner, report);
+        if (k + 1 == substeps_) return;
+        inner_[static_cast<std::size_t>(k)].pose = state_.pose;
+        inner_[static_cast<std::size_t>(k)].turn = turns_;
+    }
+}
+
+/// One inner step.
 void Stepper::advance(StepReport& report) {
     const double dt = model_.settings.time_step;
     auto& [end, collided, half, next] = buffers_;
@@ -566,8 +592,9 @@ void Stepper::record_activity() {
     static_assert(static_cast<int>(Rung::held) == static_cast<int>(ClusterState::held));
     for (const std::int32_t body : model_.active) {
         const std::size_t i = at(body);
-        activity_[i].cluster = static_cast<ClusterState>(clusters_[clusters_.of(i)].rung);
-        activity_[i].cost = static_cast<std::int64_t>(trajectories_.version(i) - first_version_[i]);
+        activity_[i].cluster =
+            std::max(activity_[i].cluster, static_cast<ClusterState>(clusters_[clusters_.of(i)].rung));
+        activity_[i].cost += static_cast<std::int64_t>(trajectories_.version(i) - first_version_[i]);
     }
 }
 

@@ -22,6 +22,12 @@ struct StepperOptions {
     TeamOptions team{};
 };
 
+/// Where an inner step ended, by body.
+struct InnerState {
+    std::vector<Pose> pose;
+    std::vector<Vec3> turn; ///< rad, see Stepper::turns()
+};
+
 class Stepper {
   public:
     /// The state must be free of intersections.
@@ -30,13 +36,19 @@ class Stepper {
     Stepper(const Stepper&) = delete;
     Stepper& operator=(const Stepper&) = delete;
 
-    /// Advances by the settings' time step. Throws CertificateError rather than leave an unproved state, and
-    /// BlockedScripts, with everything as it was before, where the settings ask for that.
+    /// Advances by the settings' time step, in as many inner steps as they say. Throws CertificateError rather than leave an unproved
+    /// state, and BlockedScripts, with everything as it was before, where the settings ask for that.
     StepReport step();
 
+    /// Steps and time of the settings' time step, whatever it is made of.
+    [[nodiscard]] std::int64_t steps() const { return state_.step / substeps_; }
+    [[nodiscard]] double time() const { return static_cast<double>(steps()) * time_step_; }
+    [[nodiscard]] int substeps() const { return substeps_; }
     [[nodiscard]] const State& state() const { return state_; }
-    /// The rotation vector of each body's motion in the last step, with whole turns, radians.
+    /// The rotation vector of each body's motion in the last inner step, with whole turns, radians.
     [[nodiscard]] const std::vector<Vec3>& turns() const { return turns_; }
+    /// Of the inner steps of the last step but for its last one.
+    [[nodiscard]] const std::vector<InnerState>& inner_states() const { return inner_; }
     /// Contact points at the present poses, but for those of sleeping_contacts().
     [[nodiscard]] const ContactSet& contacts() const { return contacts_; }
     /// Those of sleeping bodies with each other and with infinite mass, sorted by bodies.
@@ -53,6 +65,7 @@ class Stepper {
     void measure_strays();
     void note_strays(std::int64_t step);
     void advance(StepReport& report);
+    void make_inner_steps(StepReport& report);
     StepData data();
     void wake_disturbed(StepData& d);
     void mark_asleep();
@@ -84,13 +97,21 @@ class Stepper {
     void record_activity();
     void measure(StepReport& report) const;
 
-    Model model_; ///< its own: who sleeps changes from step to step
+    Model model_; ///< its own, of an inner step: who sleeps changes from step to step
+    int substeps_;
+    double time_step_; ///< s, of all inner steps together
     StepperOptions options_;
     Team team_;
     Workers workers_;
     ListBuffers lists_; ///< kept between steps
     State state_;
-    State before_; ///< the step under way, where that may have to be undone
+    struct Before {
+        State state;
+        std::vector<Vec3> turns;
+        std::vector<BodyActivity> activity;
+        std::vector<InnerState> inner;
+    };
+    Before before_; ///< the step under way, where that may have to be undone
     Scripts scripts_;
     Trajectories trajectories_;
     Clusters clusters_;
@@ -125,6 +146,7 @@ class Stepper {
     };
     Sleepers sleepers_;
     std::vector<Vec3> turns_;
+    std::vector<InnerState> inner_;
     std::vector<std::uint8_t> failsafe_bodies_; ///< those that a failsafe event of the step touched, as flags
     std::vector<std::uint8_t> disturbed_;       ///< bodies that may not fall asleep
     std::vector<std::uint64_t> first_version_;  ///< of the bodies' end states in this step

@@ -88,6 +88,7 @@ const std::map<std::string_view, Effect>& effects() {
     const auto library = [](const char* name) { return [name] { return make_scene(name); }; };
     static const std::map<std::string_view, Effect> all{
         {"time_step", {"0.01", block, 5}},
+        {"substeps", {"3", block, 5}},
         {"friction", {"0.6", block, 10}},
         {"restitution", {"0.9", block, 10}},
         {"seed", {"7", random_block, 20}},
