@@ -18,6 +18,7 @@ struct RunSummary {
     std::vector<std::string> command_line;
     int threads = 0;
     double time_step = 0; ///< s
+    int substeps = 1;     ///< inner ones of a step
     std::int64_t bodies = 0, dynamic_bodies = 0, shapes = 0;
     std::int64_t triangles = 0; ///< of all bodies
     std::int64_t frames = 0;

@@ -144,7 +144,8 @@ class Planner {
                            ", certified separation " + separation.text("m") + ", by the smaller body of a pair");
     }
     void speeds() {
-        const double dt = model_.settings.time_step, gravity = length(model_.gravity) * dt;
+        const int substeps = model_.settings.substeps;
+        const double dt = model_.settings.time_step, inner = dt / substeps, gravity = length(model_.gravity) * inner;
         Range size, first_way;
         for (std::size_t i = 0; i < model_.size(); ++i) {
             if (!model_.bodies[i].dynamic()) continue;
@@ -152,7 +153,9 @@ class Planner {
             first_way.add(dt * length(state_.motion[i].velocity + 0.5 * dt * model_.gravity));
         }
         if (size.empty()) return;
-        add("time step", number(dt) + " s; gravity adds " + number(gravity) + " m/s in a step");
+        const std::string parts = substeps == 1 ? "" : " of " + std::to_string(substeps) + " inner ones";
+        add("time step", number(dt) + " s" + (substeps == 1 ? "" : ", a step" + parts) + "; gravity adds " +
+                             number(gravity) + " m/s in " + (substeps == 1 ? "a step" : "one of these"));
         const FreeFlight flight = fly(description_, source_, first_way.high);
         const std::string way = " by up to " + number(flight.way) + " m";
         std::string text = "bodies of " + size.text("m");
@@ -189,12 +192,15 @@ class Planner {
                                script_policy(model_.settings.unsatisfiable_script));
     }
     void rest() {
-        add("rest", model_.settings.sleeping
-                        ? "islands that rest for twelve steps sleep until something moves near them"
-                        : "no body sleeps: every contact is solved in every step");
+        add("rest", model_.settings.sleeping ? std::string("islands that rest for twelve ") +
+                                                   (model_.settings.substeps > 1 ? "inner " : "") +
+                                                   "steps sleep until something moves near them"
+                                             : "no body sleeps: every contact is solved in every step");
     }
     void frames() {
-        add("output", "a frame takes " + std::to_string(io::kFrameBytesPerBody * model_.size()) + " bytes");
+        add("output", "a frame takes " +
+                          std::to_string(io::frame_bytes_per_body(model_.settings.substeps) * model_.size()) +
+                          " bytes");
     }
     void changed_settings() {
         std::string text;

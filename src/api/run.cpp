@@ -30,7 +30,7 @@ namespace {
 
 /// A frame on its way to the writer.
 struct OwnedFrame {
-    explicit OwnedFrame(const World& world) : step(world.steps()), time(world.time()) {
+    OwnedFrame(const World& world, bool with_way) : step(world.steps()), time(world.time()) {
         const std::size_t n = world.size();
         position.resize(n), rotation.resize(n), velocity.resize(n), angular.resize(n);
         if (step > 0) turn.resize(n);
@@ -42,10 +42,20 @@ struct OwnedFrame {
             angular[i] = b.angular_velocity;
             if (step > 0) turn[i] = world.turn(i);
         }
+        if (step > 0 && with_way) add_way(world);
         for (const BodyActivity& body : world.activity()) activity.append(body);
     }
     [[nodiscard]] io::FrameView view() const {
-        return {step, time, position, rotation, velocity, angular, turn, activity.view()};
+        return {step, time, position, rotation, velocity, angular, turn, activity.view(), &way};
+    }
+    void add_way(const World& world) {
+        std::vector<std::vector<WayPoint>> ways;
+        for (std::size_t i = 0; i < world.size(); ++i) ways.push_back(world.way(i));
+        for (int k = 0; k + 1 < world.settings().substeps; ++k)
+            for (const auto& points : ways) {
+                const WayPoint& p = points[static_cast<std::size_t>(k)];
+                way.append(p.position, p.rotation, p.turn);
+            }
     }
 
     std::int64_t step;
@@ -53,6 +63,7 @@ struct OwnedFrame {
     std::vector<Vec3> position, velocity, angular, turn;
     std::vector<Quat> rotation;
     io::Activity activity;
+    io::Way way;
 };
 
 /// Records the tasks of every k-th step. The world must outlive it.
@@ -147,6 +158,7 @@ io::RunInfo run_info(const SceneDescription& scene, const World& world, const Ru
     info.scene_hash = world.scene_hash();
     info.trajectory = scene.settings.trajectory;
     info.time_step = scene.settings.time_step;
+    info.substeps = scene.settings.substeps;
     info.frame_every = options.frame_every;
     info.threads = static_cast<int>(world.threads().size());
     return info;
@@ -258,7 +270,10 @@ class RunRecorder {
     static constexpr std::size_t kMostJobs = 16; // some frames; of 10,000 bodies each is a megabyte
 
     void add_frame() {
-        jobs_.add([this, frame = std::make_shared<const OwnedFrame>(world_)] { writer_->add_frame(frame->view()); });
+        const bool with_way = options_.frame_every == 1 && world_.settings().substeps > 1;
+        jobs_.add([this, frame = std::make_shared<const OwnedFrame>(world_, with_way)] {
+            writer_->add_frame(frame->view());
+        });
     }
     void add_checkpoint() {
         const std::int64_t step = world_.steps();

@@ -26,6 +26,7 @@ RunSummary summarize_run(const std::filesystem::path& folder) {
     summary.command_line = info.command_line;
     summary.threads = info.threads;
     summary.time_step = info.time_step;
+    summary.substeps = info.substeps;
     summary.settings_json = info.settings_json;
     const io::RunScene& scene = reader.scene();
     summary.bodies = static_cast<std::int64_t>(scene.bodies.size());

@@ -55,12 +55,15 @@ class Verifier {
         report_.bodies = static_cast<std::int64_t>(bodies_.size());
     }
 
-    /// `one_step`: this frame is one time step after the one before.
-    void add(io::Frame frame, bool one_step) {
+    /// Why motions are skipped, for people.
+    void explain(std::string reason) { why_skipped_ = std::move(reason); }
+
+    /// `one_step`: this frame is one time step after the one before; `way`: what came between, where that step has inner ones.
+    void add(io::Frame frame, bool one_step, const io::Way& way = {}) {
         audit::Placement placement = audit::place(scene_, poses_of(frame), threads_);
         check_frame(frame, placement);
         if (last_ && wants_motion(one_step))
-            check_motion(frame, placement);
+            check_motion(frame, placement, way);
         else if (last_ || gap_)
             ++report_.motions_skipped;
         gap_ = false;
@@ -78,9 +81,8 @@ class Verifier {
 
     VerifyReport finish() {
         if (report_.motions_skipped > 0 && options_.motion != VerifyMotion::never && report_.unreadable.empty())
-            report_.notes.push_back(
-                "frames are more than one time step apart: " + std::to_string(report_.motions_skipped) +
-                " of them were checked as states, not the motion before them");
+            report_.notes.push_back(why_skipped_ + ": " + std::to_string(report_.motions_skipped) +
+                                    " of them were checked as states, not the motion before them");
         return std::move(report_);
     }
 
@@ -121,11 +123,26 @@ class Verifier {
         report_.smallest_distance_b = name(nearest.body_b);
     }
 
-    void check_motion(const io::Frame& frame, const audit::Placement& placement) {
-        const io::Frame& before = last_->frame;
+    /// Inner step by inner step.
+    void check_motion(const io::Frame& frame, const audit::Placement& placement, const io::Way& way) {
+        const Placed* before = &*last_;
+        std::optional<Placed> inner;
+        for (io::Frame& next : io::inner_frames(last_->frame, frame, way)) {
+            audit::Placement placed = audit::place(scene_, poses_of(next), threads_);
+            for (const auto& bad : placed.bad) add_fault(bad_body(Kind::bad_path, next, bad));
+            check_leg(*before, next, placed);
+            inner = Placed{std::move(next), std::move(placed)};
+            before = &*inner;
+        }
+        check_leg(*before, frame, placement);
+        ++report_.motions;
+    }
+
+    void check_leg(const Placed& from, const io::Frame& frame, const audit::Placement& placement) {
+        const io::Frame& before = from.frame;
         const auto turns = io::path_rotations(before, frame);
         const audit::MotionReport found =
-            audit::check_motion(scene_, last_->placement, placement, motion_, turns, threads_);
+            audit::check_motion(scene_, from.placement, placement, motion_, turns, threads_);
         for (const auto& bad : found.bad_paths) add_fault(bad_body(Kind::bad_path, before, bad));
         for (const auto& passage : found.passages) {
             VerifyFault fault =
@@ -136,7 +153,6 @@ class Verifier {
             fault.place = passage.place;
             add_fault(std::move(fault));
         }
-        ++report_.motions;
         report_.motion_pairs += found.pairs;
         report_.triangle_pairs += found.triangle_pairs;
     }
@@ -185,6 +201,7 @@ class Verifier {
     audit::Motion motion_;
     const VerifyOptions& options_;
     std::optional<Placed> last_;
+    std::string why_skipped_ = "frames are more than one time step apart";
     bool gap_ = false; ///< the frame before could not be read
     VerifyReport report_;
 };
@@ -219,7 +236,9 @@ VerifyReport check_run(const std::filesystem::path& folder, const VerifyOptions&
         try {
             io::Frame frame = reader.frame(k);
             const std::int64_t step = frame.step;
-            verifier.add(std::move(frame), last_step && step == *last_step + 1);
+            const io::Way way = reader.way(k);
+            const bool has_way = reader.info().substeps == 1 || !way.empty();
+            verifier.add(std::move(frame), last_step && step == *last_step + 1 && has_way, way);
             last_step = step;
         } catch (const IoError& error) {
             verifier.skip(error.what());
@@ -237,11 +256,14 @@ VerifyReport check_poses(const std::filesystem::path& scene_file, const std::fil
     for (const auto& body : bodies.bodies) names.push_back(body.name);
     io::PosesCsvReader reader(poses, names);
     Verifier verifier(bodies, motion_of(scene.settings.trajectory), options);
+    const bool whole = scene.settings.substeps == 1;
+    if (!whole) verifier.explain("frames are several inner steps apart");
     std::optional<double> last_time;
     for (io::Frame frame; reader.next(frame);) {
         const double time = frame.time;
         // Times in a file are rounded; half a step tells one step from two.
-        verifier.add(std::move(frame), last_time && std::abs(time - *last_time) < 1.5 * scene.settings.time_step);
+        verifier.add(std::move(frame),
+                     whole && last_time && std::abs(time - *last_time) < 1.5 * scene.settings.time_step);
         last_time = time;
         tell(options,
              static_cast<double>(reader.position()) / static_cast<double>(std::max<std::uintmax_t>(reader.size(), 1)));

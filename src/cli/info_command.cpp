@@ -24,7 +24,8 @@ int run_info(const std::string& folder) {
               << "\n"
               << "bodies:       " << s.bodies << " (" << s.dynamic_bodies << " dynamic), " << s.shapes << " shapes, "
               << s.triangles << " triangles\n"
-              << "time step:    " << s.time_step << " s\n"
+              << "time step:    " << s.time_step << " s"
+              << (s.substeps > 1 ? ", of " + std::to_string(s.substeps) + " inner ones" : "") << "\n"
               << "frames:       " << s.frames << ", the last at step " << s.last_step << ", t = " << s.last_time
               << " s\n"
               << "size:         " << static_cast<double>(s.frame_bytes) / 1e6 << " MB of frames\n"

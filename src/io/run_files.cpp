@@ -140,6 +140,7 @@ std::string run_json_text(const RunInfo& info, std::size_t bodies, const std::st
               {"frame_every", info.frame_every},
               {"time_step", info.time_step},
               {"trajectory", info.trajectory == Trajectory::rigid ? "rigid" : "linear"}};
+    if (info.substeps > 1) json["substeps"] = info.substeps;
     json["resumed"] = Json::parse(info.record.resumed);
     json["settings"] = Json::parse(info.settings_json);
     return json.dump(2) + "\n";
@@ -168,6 +169,7 @@ RunInfo parse_run_json(const fs::path& path, const std::string& text) {
         info.scene_hash = std::stoull(json.at("scene_hash").get<std::string>(), nullptr, 16);
         info.trajectory = json.at("trajectory") == "rigid" ? Trajectory::rigid : Trajectory::linear;
         info.time_step = json.at("time_step").get<double>();
+        info.substeps = json.value("substeps", 1);
         info.frame_every = json.at("frame_every").get<int>();
         const auto text_of = [&json](const char* key) { return json.at(key).get<std::string>(); };
         info.record = {text_of("status"),   text_of("version"), text_of("commit"),

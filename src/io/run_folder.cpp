@@ -24,10 +24,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kSegmentFrames = 120;
 constexpr std::size_t kSegmentBytes = std::size_t{32} << 20;
 
-/// Below this angle (rad) the shortest arc between two rounded rotations is the step's turn; nearer to pi it could be its
-/// complement.
-constexpr double kLargestShortArc = 3.0;
-
 std::span<const double> flat(std::span<const Vec3> values) {
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
     return {reinterpret_cast<const double*>(values.data()), 3 * values.size()};
@@ -68,8 +64,7 @@ std::uint64_t activity_checksum(const ActivityView& activity) {
 std::vector<PathRotation> long_turns(std::span<const Vec3> path_rotation) {
     std::vector<PathRotation> path;
     for (std::size_t i = 0; i < path_rotation.size(); ++i)
-        if (!(length(path_rotation[i]) <= kLargestShortArc))
-            path.push_back({static_cast<std::int32_t>(i), path_rotation[i]});
+        append_long_turn(static_cast<std::int32_t>(i), path_rotation[i], path);
     return path;
 }
 
@@ -172,7 +167,10 @@ void RunWriter::keep_frames(RunReader& reader, std::int64_t count) {
             first_frame_ = segment.first;
             for (std::int64_t k = segment.first; k < count; ++k) {
                 const Frame frame = reader.frame(k);
-                append_frame(view(frame), frame.path);
+                const Way way = reader.way(k);
+                FrameView kept = view(frame);
+                kept.way = &way;
+                append_frame(kept, frame.path);
             }
         } else {
             first_frame_ = segment.last + 1;
@@ -201,7 +199,7 @@ void RunWriter::write_run_json(const std::string& status) const {
     write_file(folder_ / kRunJson, run_json_text(info_, bodies_, started_, status, frames()));
 }
 
-std::size_t RunWriter::frame_bytes() const { return bodies_ * kFrameBytesPerBody; }
+std::size_t RunWriter::frame_bytes() const { return bodies_ * frame_bytes_per_body(keeps_ways() ? info_.substeps : 1); }
 
 void RunWriter::add_frame(const FrameView& frame) {
     FLOTILLA_ASSERT(frame.position.size() == bodies_ && frame.rotation.size() == bodies_ &&
@@ -219,6 +217,7 @@ void RunWriter::append_frame(const FrameView& frame, std::span<const PathRotatio
         append(path_rotation_, flat(std::span<const Vec3>(&turn.rotation, 1)));
     }
     append_activity(frame.activity);
+    append_way(frame);
     steps_.push_back(frame.step);
     times_.push_back(frame.time);
     append(position_, flat(frame.position));
@@ -235,6 +234,15 @@ void RunWriter::append_activity(const ActivityView& activity) {
     append(activity_.cluster, activity.cluster);
     append(activity_.cost, activity.cost);
     activity_checksums_.push_back(activity_checksum(activity));
+}
+
+void RunWriter::append_way(const FrameView& frame) {
+    if (!keeps_ways()) return;
+    if (frame.way != nullptr && !frame.way->empty()) return ways_.append(steps_.size(), *frame.way);
+    Way still; // the first frame
+    for (int k = 1; k < info_.substeps; ++k)
+        for (std::size_t i = 0; i < bodies_; ++i) still.append(frame.position[i], frame.rotation[i], {});
+    ways_.append(steps_.size(), still);
 }
 
 void RunWriter::write_activity(Hdf5Writer& file) const {
@@ -262,6 +270,7 @@ void RunWriter::write_segment() {
                        Hdf5Writer::Checked::by_owner);
     file.write<std::uint64_t>("/checksum", checksums_, {frames_here});
     write_activity(file);
+    ways_.write(file, bodies_);
     file.write<std::int32_t>("/path_index", path_index_, {path_index_.size() / 2, 2});
     file.write<double>("/path_rotation", path_rotation_, {path_rotation_.size() / 3, 3});
     const fs::path path = segment_path(folder_, first_frame_, last);
@@ -275,6 +284,7 @@ void RunWriter::write_segment() {
     path_index_.clear();
     activity_.clear();
     activity_checksums_.clear();
+    ways_.clear();
 }
 
 /// A segment that begins with the same frame is an older form of the one just written.
@@ -339,6 +349,7 @@ void RunReader::open(const SegmentFile& segment) {
             (!activity_checksums_.empty() && activity_checksums_.size() != count) ||
             path_index_.size() * 3 != path_rotation_.size() * 2)
             throw IoError(segment.path.string() + ": damaged: it does not hold the frames that its name says");
+        ways_.open(*file_, count, static_cast<std::size_t>(info_.substeps - 1), scene_.bodies.size());
     } catch (const IoError& error) {
         throw IoError(std::string(error.what()) + "; frames " + std::to_string(segment.first) + " to " +
                       std::to_string(segment.last) + " are lost");
@@ -346,14 +357,23 @@ void RunReader::open(const SegmentFile& segment) {
     open_first_ = segment.first;
 }
 
-Frame RunReader::frame(std::int64_t k) {
+template <class Read>
+auto RunReader::row_of(std::int64_t k, Read&& read) {
     const SegmentFile& segment = segment_of(k);
     open(segment);
     try {
-        return read_frame(k, static_cast<std::size_t>(k - segment.first));
+        return read(static_cast<std::size_t>(k - segment.first));
     } catch (const IoError& error) {
         throw IoError(std::string(error.what()) + "; frame " + std::to_string(k) + " is lost");
     }
+}
+
+Frame RunReader::frame(std::int64_t k) {
+    return row_of(k, [&](std::size_t row) { return read_frame(k, row); });
+}
+
+Way RunReader::way(std::int64_t k) {
+    return row_of(k, [&](std::size_t row) { return ways_.read(*file_, row); });
 }
 
 Frame RunReader::read_frame(std::int64_t k, std::size_t row) const {
@@ -398,6 +418,25 @@ std::uintmax_t RunReader::frame_file_bytes() const {
         if (!error) bytes += size;
     }
     return bytes;
+}
+
+std::vector<Frame> inner_frames(const Frame& a, const Frame& b, const Way& way) {
+    const std::size_t n = a.position.size(), inner = n == 0 ? 0 : way.position.size() / n;
+    std::vector<Frame> frames(inner);
+    for (std::size_t k = 0; k < inner; ++k) {
+        Frame& f = frames[k];
+        f.index = a.index;
+        f.step = a.step;
+        f.time = a.time + (b.time - a.time) * static_cast<double>(k + 1) / static_cast<double>(inner + 1);
+        const auto first = static_cast<std::ptrdiff_t>(k * n), last = static_cast<std::ptrdiff_t>((k + 1) * n);
+        f.position.assign(way.position.begin() + first, way.position.begin() + last);
+        f.rotation.assign(way.rotation.begin() + first, way.rotation.begin() + last);
+    }
+    for (const PathRotation& turn : way.turns) {
+        const auto place = static_cast<std::size_t>(turn.body);
+        frames[place / n].path.push_back({static_cast<std::int32_t>(place % n), turn.rotation});
+    }
+    return frames;
 }
 
 std::vector<Vec3> path_rotations(const Frame& a, const Frame& b) {

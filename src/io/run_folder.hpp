@@ -14,9 +14,10 @@
 // Runs of the solver also have what the step that ended at the frame did with each body, [frames][bodies]: contacts, uint16, contact
 // points of the body; cluster, uint8, 0 free, 1 kinematic, 2 rigid, 3 held by the failsafe, 4 asleep; cost, uint16, how often the step set the
 // body's end state (the counts end at 65535); and activity_checksum [frames] over these. A segment has all four or none.
-// The path of a body between two successive steps is its centre of mass on a straight line and the orientation R(t w) q.
+// The path of a body between two frames one step apart is its centre of mass on a straight line and the orientation R(t w) q.
 // w is the shortest arc between the two stored rotations, except for the rows of path_index [rows][2] (frame in the segment,
-// body): their w is in path_rotation [rows][3] (rad). Only bodies that turn by nearly half a turn in one step have a row.
+// body): their w is in path_rotation [rows][3] (rad). Only bodies that turn by nearly half a turn in one step have a row. Where a step is
+// made of inner ones this is the path in the last of them, and what came before is in io/frame_way.hpp.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +32,7 @@
 #include <flotilla/scene.hpp>
 
 #include "io/file.hpp"
+#include "io/frame_way.hpp"
 #include "io/hdf5.hpp"
 #include "mesh/triangle_mesh.hpp"
 #include "scene/scene.hpp"
@@ -55,8 +57,9 @@ struct RunInfo {
     std::uint64_t scene_hash = 0;     ///< of all that a run's bits depend on
     Trajectory trajectory = Trajectory::linear;
     double time_step = 0; ///< s
-    int frame_every = 1;  ///< steps per frame
-    RunRecord record;     ///< ignored by writing
+    int substeps = 1;
+    int frame_every = 1; ///< steps per frame
+    RunRecord record;    ///< ignored by writing
 };
 
 struct RunShape {
@@ -102,12 +105,7 @@ struct FrameView {
     std::span<const Vec3> angular_velocity;
     std::span<const Vec3> path_rotation; ///< rad, of the step that ended here; empty: shortest arcs
     ActivityView activity{};             ///< may be empty
-};
-
-/// The turn of one body over the step that ended at a frame, where it is not the shortest arc.
-struct PathRotation {
-    std::int32_t body = 0;
-    Vec3 rotation; ///< rad
+    const Way* way = nullptr;            ///< of a run with inner steps, and not before its first step
 };
 
 struct Frame {
@@ -118,12 +116,14 @@ struct Frame {
     std::vector<Quat> rotation;
     std::vector<Vec3> velocity;
     std::vector<Vec3> angular_velocity;
-    std::vector<PathRotation> path; ///< sorted by body
+    std::vector<PathRotation> path; ///< of the step, or of its last inner one; sorted by body
     Activity activity{};            ///< empty where the run does not have it
 };
 
-/// Of one body in one frame: 13 doubles, and contacts, cluster and cost.
-inline constexpr std::size_t kFrameBytesPerBody = 13 * sizeof(double) + 5;
+/// Of one body in one frame: 13 doubles, and contacts, cluster and cost; 7 more doubles for each inner step that is kept.
+[[nodiscard]] constexpr std::size_t frame_bytes_per_body(int substeps) {
+    return (13 + 7 * (static_cast<std::size_t>(substeps) - 1)) * sizeof(double) + 5;
+}
 
 /// A file frames-<first>-<last>.h5.
 struct SegmentFile {
@@ -170,11 +170,13 @@ class RunWriter {
     void keep_frames(RunReader& reader, std::int64_t count);
     void append_frame(const FrameView& frame, std::span<const PathRotation> path);
     void append_activity(const ActivityView& activity);
+    void append_way(const FrameView& frame);
     void write_activity(Hdf5Writer& file) const;
     void write_segment();
     void remove_replaced(const std::filesystem::path& written) const;
     void write_run_json(const std::string& status) const;
     [[nodiscard]] std::size_t frame_bytes() const;
+    [[nodiscard]] bool keeps_ways() const { return info_.substeps > 1 && info_.frame_every == 1; }
 
     std::filesystem::path folder_;
     std::unique_ptr<FolderLock> lock_;
@@ -193,6 +195,7 @@ class RunWriter {
     std::vector<std::int32_t> path_index_;
     std::vector<double> path_rotation_;
     Activity activity_;
+    WayWriter ways_;
     std::vector<std::uint64_t> activity_checksums_; ///< shorter than steps_ where a frame's activity is not known
 };
 
@@ -211,6 +214,9 @@ class RunReader {
     /// Frame k. IoError naming the file and the frames that are lost where it is missing or damaged; the others stay
     /// readable.
     [[nodiscard]] Frame frame(std::int64_t k);
+    /// What came between frame k and the one before; IoError as frame(). Empty where the run has no inner steps, or more than one step a
+    /// frame.
+    [[nodiscard]] Way way(std::int64_t k);
     /// Bytes of all segments.
     [[nodiscard]] std::uintmax_t frame_file_bytes() const;
 
@@ -219,6 +225,9 @@ class RunReader {
     void open(const SegmentFile& segment);
     [[nodiscard]] Frame read_frame(std::int64_t k, std::size_t row) const;
     [[nodiscard]] Activity read_activity(std::size_t row) const;
+    /// What `read` gives for the place of frame k in its segment, which is open then.
+    template <class Read>
+    auto row_of(std::int64_t k, Read&& read);
 
     std::filesystem::path folder_;
     std::string run_json_;
@@ -232,11 +241,15 @@ class RunReader {
     std::vector<std::uint64_t> checksums_;
     std::vector<std::int32_t> path_index_;
     std::vector<double> path_rotation_;
+    WayReader ways_;
     std::vector<std::uint64_t> activity_checksums_; ///< empty: the segment has no activity
 };
 
 /// The turn of every body from frame a to the next frame b: the recorded one or the shortest arc (rad).
 [[nodiscard]] std::vector<Vec3> path_rotations(const Frame& a, const Frame& b);
+
+/// The frames that bodies passed through on their way from frame a to the next one, without velocities. Empty where `way` is.
+[[nodiscard]] std::vector<Frame> inner_frames(const Frame& a, const Frame& b, const Way& way);
 
 /// True where `folder` has a run.json.
 [[nodiscard]] bool is_run_folder(const std::filesystem::path& folder);

@@ -106,7 +106,10 @@ Table summary_table(const io::RunReader& run, const StepColumns& steps) {
     table.rows.push_back({"steps", std::to_string(steps.rows())});
     const auto& time = steps.column("time");
     if (!time.empty()) table.rows.push_back({"time simulated", short_number(time.back()) + " s"});
-    table.rows.push_back({"time step", short_number(run.info().time_step) + " s"});
+    table.rows.push_back(
+        {"time step",
+         short_number(run.info().time_step) + " s" +
+             (run.info().substeps > 1 ? ", of " + std::to_string(run.info().substeps) + " inner ones" : "")});
     table.rows.push_back({"frames", std::to_string(run.frames())});
     if (steps.rows() == 0) return table;
     add_step_times(table, steps);
