@@ -46,7 +46,8 @@ constexpr double kRestingWay = 1.0 / 16;
 constexpr std::int32_t kUsesBeforeRefining = 4;
 constexpr double kSlowMargin = 0.5, kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
 
-/// A bound on how far the bodies move against each other in the step, along any axis, m. Straight paths only.
+/// A bound on how far the bodies' places at the end are from those at x^n, against each other and along any axis, m. Bodies that move
+/// straight are no farther in between.
 double way_of(const BodyMotion& a, const BodyMotion& b) {
     return relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape, matrix_pose(b.at0),
                                  matrix_pose(b.at1));
@@ -113,7 +114,11 @@ constexpr double kRoundingRoom = 0x1p-20;   // of lengths compared, far above th
 constexpr double kVertexRounding = 0x1p-40; // of the largest coordinate: far above that of world vertices
 constexpr double kClearOfSeparation = 2;
 
-/// A bound on how much the distance of the bodies changes in the step, m. Straight paths only.
+/// Of bodies that turn on the way, in arc_gap(1) of both: points leave the chords by one, a query cuts the paths, which brings its chords
+/// nearer by one, and adds one to the separation, which counts kClearOfSeparation times.
+constexpr double kArcRoom = 2 + kClearOfSeparation;
+
+/// A bound on how much the distance of the bodies changes from x^n to the end, m. In between as well where they move straight.
 double change_of_distance(const BodyMotion& a, const BodyMotion& b) {
     return (1 + kRoundingRoom) * std::numbers::sqrt3 * way_of(a, b) +
            kVertexRounding * std::max(a.max_abs(), b.max_abs());
@@ -122,9 +127,10 @@ double change_of_distance(const BodyMotion& a, const BodyMotion& b) {
 /// Whether the bodies, whose distance at x^n is known, move too little to come near the separation at any time: a proof of the
 /// same thing as the query's, which then has nothing to find.
 bool stay_apart(const StepData& data, const PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
-    if (!data.keep_candidates || r.start_distance < 0 || !a.straight() || !b.straight()) return false;
+    if (!data.keep_candidates || r.start_distance < 0) return false;
     const double from = std::min(r.start_distance - r.doubt, r.lengths.proximity); // infinite: beyond that
-    return (1 - kRoundingRoom) * from - change_of_distance(a, b) > kClearOfSeparation * r.lengths.separation;
+    const double change = change_of_distance(a, b) + kArcRoom * (a.arc_gap(1) + b.arc_gap(1));
+    return (1 - kRoundingRoom) * from - change > kClearOfSeparation * r.lengths.separation;
 }
 
 /// Whether the bodies move less against each other in the step than the record's slack, along any axis: then they do not come near
@@ -169,8 +175,10 @@ constexpr std::size_t kBodyGrain = 128, kPairGrain = 256; // items of a task
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
+/// For slacks, which are compared as change_of_distance() compares.
 double way_of(const BodyMotion& body) {
-    return body.straight() ? displacement(*body.shape, matrix_pose(body.at0), matrix_pose(body.at1)) : kUnknown;
+    const double ends = displacement(*body.shape, matrix_pose(body.at0), matrix_pose(body.at1));
+    return body.straight() ? ends : ends + kArcRoom / std::numbers::sqrt3 * body.arc_gap(1);
 }
 
 double speed_of(const StepData& data, std::size_t body) {
@@ -335,13 +343,15 @@ CoveringList end_candidates(const StepData& data, const PairRecord& record) {
 
 CoveringList kept_candidates(const StepData& data, Worker& worker, PairRecord& r) {
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
-    return a.straight() && b.straight() ? candidates(data, worker, r, a, b) : end_candidates(data, r);
+    // Bodies that turn so far that queries cut their paths have no use for a list.
+    const bool whole = a.arc_gap(1) + b.arc_gap(1) < kArcShare * r.lengths.rest;
+    return whole ? candidates(data, worker, r, a, b) : end_candidates(data, r);
 }
 
 bool near_at_end(const StepData& data, Worker& worker, const PairRecord& r) {
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
-    if (data.keep_candidates && r.start_distance >= 0 && r.start_distance < r.lengths.proximity && a.straight() &&
-        b.straight() && r.start_distance + change_of_distance(a, b) < (1 - kRoundingRoom) * r.lengths.proximity)
+    if (data.keep_candidates && r.start_distance >= 0 && r.start_distance < r.lengths.proximity &&
+        r.start_distance + change_of_distance(a, b) < (1 - kRoundingRoom) * r.lengths.proximity)
         return true;
     const Stopwatch watch(worker.counters.detection_ms);
     return any_proximity(data.trajectories.at_end(at(r.a)), data.trajectories.at_end(at(r.b)), r.lengths.proximity,

@@ -50,7 +50,7 @@ struct ListedPair {
 
 /// Bounds on what a body does in the step, cheap to compare: of two bodies only these and their record are looked at.
 struct BodyBounds {
-    double way = 0;   ///< m, of any of its points along any axis; infinite where they do not move straight
+    double way = 0;   ///< m, of any of its points along any axis, with room for its arcs where it turns
     double speed = 0; ///< m/s, of any of its points
 };
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Candidate lists that outlive queries and steps change no bit.
+#include <tuple>
+
 #include <gtest/gtest.h>
 
 #include <flotilla/scene_library.hpp>
@@ -11,9 +13,13 @@
 namespace flotilla {
 namespace {
 
-TEST(CandidateLists, LeaveEveryStateAsItIs) {
+/// How bodies move, and in how many inner steps.
+class CandidateListsOf : public testing::TestWithParam<std::pair<Trajectory, int>> {};
+
+TEST_P(CandidateListsOf, LeaveEveryStateAsItIs) {
     SceneDescription description = make_scene("boats-in-bowl", 14, 3);
     description.settings.sleeping = false;
+    std::tie(description.settings.trajectory, description.settings.substeps) = GetParam();
     const Scene scene = build_scene(description);
     const Model model = make_model(scene);
     Stepper with(model, initial_state(scene, model));
@@ -37,6 +43,10 @@ TEST(CandidateLists, LeaveEveryStateAsItIs) {
     // Without lists they are queried, but for those whose bodies have not changed since another sweep of the step.
     EXPECT_GE(queries_of(without), queries_without + 20 * contacts / 8);
 }
+
+INSTANTIATE_TEST_SUITE_P(Motions, CandidateListsOf,
+                         testing::Values(std::pair{Trajectory::linear, 1}, std::pair{Trajectory::rigid, 1},
+                                         std::pair{Trajectory::linear, 4}, std::pair{Trajectory::rigid, 4}));
 
 // What is known of pairs must not decide whether the limit of sweeps was met, on which stage 7 depends.
 TEST(CandidateLists, LeaveEveryStateAsItIsAtTheLimitOfSweeps) {
