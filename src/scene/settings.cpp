@@ -394,9 +394,15 @@ struct Preset {
     void (*apply)(Settings&);
 };
 
+/// Contact solves of either end below a speed that does not go by the number of inner steps: what bodies creep by in a second.
+void set_substeps(Settings& s, int substeps, double tolerance_share) {
+    s.substeps = substeps;
+    s.tolerance_share = substeps * tolerance_share;
+}
+
 void apply_accurate(Settings& s) {
+    set_substeps(s, 4, 0.005); // 1e-6 m/s of boats at 1/24 s
     s.static_iterations = 5000;
-    s.tolerance_share = 0.005;
     s.contact_reuse = 0;
     s.trajectory = Trajectory::rigid;
     s.sleeping = false;
@@ -427,7 +433,7 @@ constexpr std::array kPresets{
                s.collision_iterations = 1000;
                s.dynamic_iterations = 1000;
                s.static_iterations = 10000;
-               s.tolerance_share = 5e-6;
+               set_substeps(s, 8, 5e-6);
            }},
 };
 

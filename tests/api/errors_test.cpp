@@ -108,6 +108,7 @@ TEST(Errors, ABodyThatIsNotThereIsNamed) {
         const std::string expected = "body " + std::to_string(index) + " does not exist: there are 2";
         EXPECT_EQ(message([&] { (void)world.body(index); }), expected);
         EXPECT_EQ(message([&] { (void)world.turn(index); }), expected);
+        EXPECT_EQ(message([&] { (void)world.way(index); }), expected);
     }
 }
 

@@ -67,7 +67,7 @@ TEST(SceneJson, OmittedBodyFieldsTakeTheSettingsValues) {
 TEST(SceneJson, FileWinsOverPresetAndOverridesOverBoth) {
     SceneFileOptions options{"accurate", {}};
     SceneDescription s = parse_scene(kScene, "test", ".", options);
-    EXPECT_EQ(s.settings.tolerance_share, 0.005) << "of the preset";
+    EXPECT_EQ(s.settings.tolerance_share, 0.02) << "of the preset";
     EXPECT_EQ(s.settings.tangents, Tangents::cone);
     EXPECT_EQ(s.settings.friction, 0.4);
     options.overrides = {{"friction", "0.7"}, {"tangents", "random"}, {"static_tolerance", "0.25"}};

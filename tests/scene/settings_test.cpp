@@ -135,7 +135,8 @@ TEST(Presets, AccurateIsWhatTheContractSays) {
         EXPECT_EQ(s.trajectory, Trajectory::rigid);
         EXPECT_FALSE(s.sleeping);
         EXPECT_LT(s.static_tolerance, 0) << "by gravity and size: the same at any scale";
-        EXPECT_LE(s.tolerance_share, 0.005);
+        EXPECT_LE(s.tolerance_share / s.substeps, 0.005) << "of what gravity adds in a step, not in an inner one";
+        EXPECT_GE(s.substeps, 4);
     }
 }
 

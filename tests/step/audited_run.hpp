@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A run whose every step the audit looks at: the state it ends in, and the motion that led there.
+// A run whose every inner step the audit looks at: the state it ends in, and the motion that led there.
 #pragma once
 
 #include <flotilla/scene_library.hpp>
@@ -21,22 +21,15 @@ class AuditedRun {
         for (const RigidShape& s : model_.shapes)
             audited_.shapes.push_back(audit::make_shape(s.mesh, s.center_of_mass));
         for (const Body& b : model_.bodies) audited_.bodies.push_back({b.shape, !b.movable()});
-        last_ = place();
+        last_ = place(stepper_.state().pose);
     }
 
     /// Steps and adds what the audit finds to `findings`.
     StepReport step() {
         const StepReport report = stepper_.step();
         totals.add(report);
-        audit::Placement now = place();
-        const auto motion =
-            model_.settings.trajectory == Trajectory::rigid ? audit::Motion::rigid : audit::Motion::linear;
-        const auto states = audit::check_state(audited_, now, 1);
-        const auto paths = audit::check_motion(audited_, last_, now, motion, stepper_.turns(), 1);
-        findings += states.intersections.size() + paths.passages.size() + paths.bad_paths.size() + now.bad.size();
-        audited_pairs += paths.triangle_pairs;
-        for (const Vec3& turn : stepper_.turns()) largest_turn = std::max(largest_turn, length(turn));
-        last_ = std::move(now);
+        for (const InnerState& inner : stepper_.inner_states()) audit_motion(inner.pose, inner.turn);
+        audit_motion(stepper_.state().pose, stepper_.turns());
         return report;
     }
 
@@ -45,13 +38,25 @@ class AuditedRun {
     RunTotals totals;
     std::size_t findings = 0;
     std::int64_t audited_pairs = 0; ///< of triangles, on the way
-    double largest_turn = 0;        ///< rad in one step
+    double largest_turn = 0;        ///< rad in one inner step
 
   private:
-    audit::Placement place() {
+    audit::Placement place(const std::vector<Pose>& at) {
         std::vector<audit::Pose> poses;
-        for (const Pose& p : stepper_.state().pose) poses.push_back({p.origin, p.rotation});
+        for (const Pose& p : at) poses.push_back({p.origin, p.rotation});
         return audit::place(audited_, poses, 1);
+    }
+
+    void audit_motion(const std::vector<Pose>& end, const std::vector<Vec3>& turns) {
+        audit::Placement now = place(end);
+        const auto motion =
+            model_.settings.trajectory == Trajectory::rigid ? audit::Motion::rigid : audit::Motion::linear;
+        const auto states = audit::check_state(audited_, now, 1);
+        const auto paths = audit::check_motion(audited_, last_, now, motion, turns, 1);
+        findings += states.intersections.size() + paths.passages.size() + paths.bad_paths.size() + now.bad.size();
+        audited_pairs += paths.triangle_pairs;
+        for (const Vec3& turn : turns) largest_turn = std::max(largest_turn, length(turn));
+        last_ = std::move(now);
     }
 
     Scene scene_;

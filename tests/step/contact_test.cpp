@@ -6,10 +6,12 @@
 namespace flotilla::scenario {
 namespace {
 
-/// Coulomb's cone and a tight tolerance.
+/// Coulomb's cone and a tight tolerance, at the time steps that the tests name.
 Settings accurate_friction() {
     Settings s = preset("accurate");
     s.trajectory = Trajectory::linear;
+    s.tolerance_share /= s.substeps;
+    s.substeps = 1;
     return s;
 }
 
