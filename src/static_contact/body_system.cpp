@@ -106,6 +106,13 @@ bool BodySystem::solve(std::span<const Vec3> c, std::span<Vec3> du) {
     return v_.allFinite();
 }
 
+int BodySystem::determinant_sign() {
+    if (!dense_) return sparse_lu_.signDeterminant() < 0 ? -1 : 1;
+    const auto diagonal = full_lu_.matrixLU().diagonal();
+    const auto negative = (diagonal.array() < 0).count() + (full_lu_.permutationP().determinant() < 0 ? 1 : 0);
+    return negative % 2 == 0 ? 1 : -1;
+}
+
 void BodySystem::gather(std::span<const Vec3> r) {
     v_.setZero(program_->num_columns);
     for (std::size_t i = 0; i < r.size(); ++i) add(i, r[i]);

@@ -27,6 +27,9 @@ class BodySystem {
     /// du of the step with the given c; false where it is not finite.
     [[nodiscard]] bool solve(std::span<const Vec3> c, std::span<Vec3> du);
 
+    /// Of the matrix factorised last, 1 or -1.
+    [[nodiscard]] int determinant_sign();
+
     /// v = H^T r.
     void gather(std::span<const Vec3> r);
     /// v += H_i^T r.

@@ -9,10 +9,12 @@
 //  2. Primal-dual interior point: Mehrotra's predictor and corrector with the scaling of Nesterov and Todd. Acary, Armand,
 //     Nguyen, Shpakovych (2023) solve the convex relaxation so and correct |u_t| outside; here its derivative is part of the
 //     Newton matrix, which is then not symmetric. Measured on 540 random problems: 282 unsolved without the derivative, 178
-//     with it, most of them with mu >= 10. Where it falls behind schedule it hands over to method 1 now and then, which
-//     finishes in a few steps what the central path reaches only slowly.
-//  3. Rounds of projected Gauss-Seidel and method 1, for what the interior point stalls at: large friction makes the law
-//     nonconvex, and the sweeps choose between sticking and opening contact by contact.
+//     with it, most of them with mu >= 10. The law is not monotone, and its central path may turn back: at such a fold the
+//     determinant of the Newton matrix changes its sign, its solution changes to the opposite direction, and steps that only
+//     go down end there, each shorter than the one before. There the path itself is followed, along its tangent in the sense
+//     that the sign says, over the fold and down again behind it. Method 1 is tried on the way: the last digits are its.
+//  3. Rounds of projected Gauss-Seidel and method 1, for what the interior point does not reach: the sweeps choose between
+//     sticking and opening contact by contact.
 // The best impulses of all are kept throughout.
 #include "static_contact/interior_point.hpp"
 
@@ -34,14 +36,12 @@ struct ConeScratch::Storage {
     std::vector<Vec3> r, u, c, du;        ///< present impulses and velocities, and the step dr = c - B du
     std::vector<Mat3> b;                  ///< B of body_system.hpp
     std::vector<Vec3> x, y, infeasible;   ///< iterate of the interior point; y(u) - y
-    std::vector<Vec3> dx, dy, dx_0, dy_0; ///< its direction, and that of the predictor or the one kept aside
-    std::vector<double> weight;           ///< share of a contact in the central path's target
+    std::vector<Vec3> dx, dy, dx_0, dy_0; ///< its direction, and the path's tangent
     std::vector<NesterovTodd> scaling;
 
     void resize(std::size_t n) {
         for (auto* const v : {&r, &u, &c, &du, &x, &y, &infeasible, &dx, &dy, &dx_0, &dy_0}) v->assign(n, {});
         b.assign(n, {});
-        weight.assign(n, 0);
         scaling.assign(n, {});
     }
 };
@@ -67,12 +67,14 @@ constexpr double kCompliance = 1e-11;
 constexpr int kFirstNewtonSteps = 6, kNewtonSteps = 6;
 constexpr int kNewtonPatience = 3; // steps without gain
 
-constexpr double kFirstHandOver = 1e-2; // of the largest velocity: residual at which method 2 first tries method 1
-constexpr double kNextHandOver = 0.03;  // of the residual at the try before
+constexpr double kFirstHandOver = 1e-4; // of the largest velocity: residual at which method 2 first tries method 1
+constexpr double kNextHandOver = 0.3;   // of the residual at the try before
+constexpr double kHandOverGain = 10; // by which each of its steps then divides the residual: most tries cost one step
 
 constexpr double kStayInside = 0.99; // share of the way to the cone's edge
-constexpr double kShortStep = 0.3;   // a step shorter than this is compared with one without the corrector
-constexpr int kStall = 8;            // iterations without progress after which method 2 is given up
+constexpr double kShortStep = 0.3;   // steps shorter than this leave the way down for the path
+constexpr double kAhead = 0.5;       // share of the way to the cone's edge that a step along the path takes
+constexpr int kStall = 20;           // iterations without progress after which method 2 is given up
 
 // Of the largest velocity: a residual that methods 2 and 3 get below only by chance. Where a contact neither carries nor parts, its impulse
 // and its velocity both are as the square root of their product, and the products end at the rounding, 2^-52. Many bodies at rest hold
@@ -80,12 +82,6 @@ constexpr int kStall = 8;            // iterations without progress after which 
 constexpr double kInteriorFloor = 0x1p-26;
 
 constexpr int kRounds = 10, kSweepsPerRound = 400;
-
-/// Where the interior point begins. Both solved problems of the test set that the other did not.
-enum class Start {
-    own_scale, ///< each contact alone stops the largest velocity
-    bilateral, ///< impulses of contacts that hold in every direction: knows the weights carried, for large mass ratios
-};
 
 Vec3 cut_to_cone(const Vec3& r, double friction) {
     if (!(r.x > 0)) return {};
@@ -118,23 +114,26 @@ class Solver {
 
     bool finite_input() const;
     double largest_velocity() const;
-    double consider();
+    double consider(double as_good = 0);
     bool factorise();
 
-    bool newton(int max_steps);
+    bool newton(int max_steps, double gain);
     void linearise(std::size_t i);
     void linearise_sliding(std::size_t i, const Vec3& z, double size);
 
-    void interior(Start start);
-    bool set_start(Start start);
-    bool bilateral_impulses();
+    void interior();
+    void set_start();
     double measure();
     bool stalled();
     bool step();
+    bool step_down();
+    bool step_along(int sign);
+    void advance(double length);
     void prepare_blocks();
-    bool direction(double target, double share, const std::vector<Vec3>* dx_0, const std::vector<Vec3>* dy_0);
+    bool direction(double target, double share, bool second_order);
     double step_length() const;
     double product_after(double length) const;
+    double scaled_dot(const std::vector<Vec3>& dx, const std::vector<Vec3>& dy) const;
     Vec3 impulse(std::size_t i, const Vec3& x) const;
     Mat3 velocity_map(std::size_t i) const;
 
@@ -147,13 +146,17 @@ class Solver {
     ConeScratch::Storage& s_;
     ConeSolveStats stats_;
 
+    double at_start_ = 0; // m/s: residual of the estimate
+    double rounding_ = 0; // m/s: what rounding may do to the velocities of the present impulses
+
     // of method 2
     double speed_ = 0;         // m/s: largest |q|
     double product_ = 0;       // J: sum of x . y
     double first_product_ = 0; // J: at the start
-    double target_ = 0;        // J per weight: the central path's
-    double best_progress_ = 0; // smallest measure() so far
+    double target_ = 0;        // J: the central path's for each contact
+    double best_progress_ = 0; // smallest so far
     int without_progress_ = 0; // iterations
+    int first_sign_ = 0;       // of the determinant where the path begins
 };
 
 bool Solver::finite_input() const {
@@ -173,8 +176,9 @@ double Solver::largest_velocity() const {
     return largest;
 }
 
-// Cuts r to the cones, sets u and returns the residual; keeps r where it is the best.
-double Solver::consider() {
+// Cuts r to the cones, sets u and returns the residual; keeps r where it is the best, or the last that is no worse than `as_good`
+// and than the rounding of the best.
+double Solver::consider(double as_good) {
     for (std::size_t i = 0; i < size(); ++i)
         s_.r[i] = movable(i) ? cut_to_cone(s_.r[i], has_friction(i) ? friction(i) : 0) : Vec3{};
     if (bodies_.empty()) {
@@ -190,9 +194,10 @@ double Solver::consider() {
         residual = std::max(residual, violation);
         load = std::max(load, std::max(s_.w[i].normal, s_.w[i].tangential) * length(s_.r[i]));
     }
-    if (residual < stats_.residual) {
+    rounding_ = 4 * std::numeric_limits<double>::epsilon() * load;
+    if (residual < stats_.residual || residual <= std::min(as_good, stats_.rounding)) {
         stats_.residual = residual;
-        stats_.rounding = 4 * std::numeric_limits<double>::epsilon() * load;
+        stats_.rounding = rounding_;
         s_.best = s_.r;
     }
     return residual;
@@ -204,18 +209,19 @@ bool Solver::factorise() {
 }
 
 // Method 1, from r. Full steps only: where they do not lead down at once they often do after some more, and the best of them
-// is kept. Within rounding it goes on while it gains: an error common to a whole column of bodies, far below the rounding of
-// each of its contacts, is still an error of the column's load. Returns whether it finished.
-bool Solver::newton(int max_steps) {
+// is kept. Within rounding it goes on while it gains, and the last step counts: an error common to a whole column of bodies,
+// far below the rounding of each of its contacts, is still an error of the column's load, which the residual does not show.
+// A step that does not divide the residual by `gain` is the last. Returns whether it finished.
+bool Solver::newton(int max_steps, double gain) {
     double best = consider();
     int without_gain = 0;
     for (int k = 0; k < max_steps && stats_.residual > options_.tolerance && !exhausted(); ++k) {
         for (std::size_t i = 0; i < size(); ++i) linearise(i);
         if (!factorise() || !s_.system.solve(s_.c, s_.du)) break;
         for (std::size_t i = 0; i < size(); ++i) s_.r[i] += s_.c[i] - s_.b[i] * s_.du[i];
-        const double residual = consider();
+        const double residual = consider(at_start_);
         if (!std::isfinite(residual)) break;
-        if (options_.polish * residual > best) break;
+        if (gain * residual > best) break;
         without_gain = residual < 0.9 * best ? 0 : without_gain + 1;
         if (without_gain > kNewtonPatience) break;
         best = std::min(best, residual);
@@ -282,50 +288,31 @@ Mat3 Solver::velocity_map(std::size_t i) const {
     return t;
 }
 
-bool Solver::bilateral_impulses() {
-    for (std::size_t i = 0; i < size(); ++i) {
-        const double normal = movable(i) ? 1 / (kCompliance * s_.w[i].normal) : 0;
-        const double tangential = movable(i) && has_cone(i) ? 1 / (kCompliance * s_.w[i].tangential) : 0;
-        s_.b[i] = diagonal({normal, tangential, tangential});
-        s_.c[i] = -(s_.b[i] * p_.contacts[i].q);
-    }
-    if (!factorise() || !s_.system.solve(s_.c, s_.du)) return false;
-    for (std::size_t i = 0; i < size(); ++i) s_.r[i] = s_.c[i] - s_.b[i] * s_.du[i];
-    return true;
-}
-
-// Both x and y on the cone's axis. The products x . y differ by the mass ratio from contact to contact; the central path keeps
-// the square roots of those differences.
-bool Solver::set_start(Start start) {
-    if (start == Start::bilateral && !bilateral_impulses()) return false;
-    double weights = 0;
+// Both x and y on the cone's axis; each contact alone stops the largest velocity. Nearer to what the sweeps found the path is worse, and
+// with targets that know the masses, stacks whose bodies differ by 1e9 are.
+void Solver::set_start() {
     for (std::size_t i = 0; i < size(); ++i) {
         if (!movable(i)) continue;
         const double mu = has_cone(i) ? friction(i) : 1;
-        double r = speed_ / std::max(s_.w[i].normal, s_.w[i].tangential);
-        if (start == Start::bilateral) r = std::max(r, length(s_.r[i]));
-        s_.x[i] = {mu * r, 0, 0};
+        s_.x[i] = {mu * speed_ / std::max(s_.w[i].normal, s_.w[i].tangential), 0, 0};
         s_.y[i] = {std::max(1.0, 1 / mu) * speed_, 0, 0};
-        s_.weight[i] = start == Start::bilateral ? std::sqrt(s_.x[i].x * s_.y[i].x) : 1;
-        weights += s_.weight[i];
     }
-    for (std::size_t i = 0; i < size(); ++i) s_.weight[i] /= weights;
     first_product_ = product_after(0);
     best_progress_ = kInfinity;
     without_progress_ = 0;
-    return true;
+    first_sign_ = 0;
 }
 
 // Method 2.
-void Solver::interior(Start start) {
-    if (!set_start(start)) return;
+void Solver::interior() {
+    set_start();
     double hand_over = kFirstHandOver * speed_;
     while (!done()) {
         const double residual = measure();
         if (!std::isfinite(residual) || done()) return;
         if (residual < hand_over) {
             hand_over = kNextHandOver * residual;
-            if (newton(kNewtonSteps)) return;
+            if (newton(kNewtonSteps, kHandOverGain)) return;
             measure();
         }
         if (stalled() || !step()) return;
@@ -341,11 +328,14 @@ double Solver::measure() {
         const Vec3 y = has_cone(i) ? Vec3{u.x / friction(i) + tangential_length(u), u.y, u.z} : Vec3{u.x, 0, 0};
         s_.infeasible[i] = y - s_.y[i];
     }
-    product_ = target_ = product_after(0);
+    product_ = product_after(0);
+    target_ = product_ / static_cast<double>(size());
     return residual;
 }
 
+// Impulses that grow until their rounding is more than the best residual answer a problem without solution.
 bool Solver::stalled() {
+    if (rounding_ > stats_.residual) return true;
     double infeasible = 0;
     for (std::size_t i = 0; i < size(); ++i)
         if (movable(i)) infeasible = std::max(infeasible, length(s_.infeasible[i]));
@@ -358,36 +348,67 @@ bool Solver::stalled() {
     return ++without_progress_ > kStall;
 }
 
-// One predictor and corrector. |u_t| is not convex, and the corrector's second order can point out of the cone at once: a short
-// step is compared with one that follows the path without it.
+// The tangent of the path through the present point: it takes products and infeasibility to zero together.
 bool Solver::step() {
     prepare_blocks();
-    if (!factorise() || !direction(0, 1, nullptr, nullptr)) return false;
+    if (!factorise() || !direction(0, 1, false)) return false;
+    if (first_sign_ == 0) first_sign_ = s_.system.determinant_sign();
+    const int sign = first_sign_ * s_.system.determinant_sign();
+    return (sign > 0 && step_down()) || step_along(sign);
+}
+
+// One predictor and corrector. |u_t| is not convex, and the corrector's second order can point out of the cone at once: a short
+// step is tried again without it. False where that is short as well.
+bool Solver::step_down() {
     const double reached = product_after(std::min(1.0, step_length())) / product_;
     const double centring = std::clamp(reached * reached * reached, 1e-6, 1.0);
+    s_.dx_0 = s_.dx;
+    s_.dy_0 = s_.dy;
+    for (const bool second_order : {true, false}) {
+        const double target = second_order ? centring : std::max(centring, 0.5);
+        if (!direction(target, 1 - target, second_order)) return false;
+        const double length = std::min(1.0, kStayInside * step_length());
+        if (!(length > kShortStep)) continue;
+        advance(length);
+        return true;
+    }
+    s_.dx = s_.dx_0;
+    s_.dy = s_.dy_0;
+    return false;
+}
+
+// Along the tangent, towards smaller products or, behind a fold, larger ones; and towards the path, at right angles to the tangent:
+// near a fold the Newton step to given products is nearly the tangent and has no bound.
+bool Solver::step_along(int sign) {
     s_.dx_0.swap(s_.dx);
     s_.dy_0.swap(s_.dy);
-    if (!direction(centring, 1 - centring, &s_.dx_0, &s_.dy_0)) return false;
-    double length = std::min(1.0, kStayInside * step_length());
-    if (length < kShortStep) {
-        s_.dx_0.swap(s_.dx);
-        s_.dy_0.swap(s_.dy);
-        const double plain = std::max(centring, 0.5);
-        if (!direction(plain, 1 - plain, nullptr, nullptr)) return false;
-        const double plain_length = std::min(1.0, kStayInside * step_length());
-        if (plain_length > length) {
-            length = plain_length;
-        } else {
-            s_.dx_0.swap(s_.dx);
-            s_.dy_0.swap(s_.dy);
-        }
+    if (!direction(1, 0, false)) return false;
+    const double share = scaled_dot(s_.dx, s_.dy) / scaled_dot(s_.dx_0, s_.dy_0);
+    for (std::size_t i = 0; i < size(); ++i) {
+        s_.dx[i] -= share * s_.dx_0[i];
+        s_.dy[i] -= share * s_.dy_0[i];
     }
+    const double to_path = std::min(1.0, kStayInside * step_length());
+    s_.dx_0.swap(s_.dx);
+    s_.dy_0.swap(s_.dy);
+    for (auto* const d : {&s_.dx, &s_.dy})
+        for (Vec3& v : *d) v = sign * v;
+    const double ahead = std::min(1.0, kAhead * step_length());
+    for (std::size_t i = 0; i < size(); ++i) {
+        s_.dx[i] = ahead * s_.dx[i] + to_path * s_.dx_0[i];
+        s_.dy[i] = ahead * s_.dy[i] + to_path * s_.dy_0[i];
+    }
+    const double length = std::min(1.0, kStayInside * step_length());
+    advance(length);
+    return length > 0;
+}
+
+void Solver::advance(double length) {
     for (std::size_t i = 0; i < size(); ++i) {
         if (!movable(i)) continue;
         s_.x[i] += length * s_.dx[i];
         s_.y[i] += length * s_.dy[i];
     }
-    return length > 0;
 }
 
 // r = S x with S = diag(1/mu, 1, 1), and W^2 dx + dy = W d (the caller's d), dy = T du + infeasibility, so that
@@ -404,15 +425,15 @@ void Solver::prepare_blocks() {
 
 // The direction that takes x o y to the given share of the present product, in scaled form
 //     l o d = target e - l o l - (W^-1 dy_0) o (W dx_0),   l = W x = W^-1 y,
-// and removes `share` of the infeasibility. Sets dx and dy.
-bool Solver::direction(double target, double share, const std::vector<Vec3>* dx_0, const std::vector<Vec3>* dy_0) {
+// and removes `share` of the infeasibility. Without second order its last term is left out. Sets dx and dy.
+bool Solver::direction(double target, double share, bool second_order) {
     for (std::size_t i = 0; i < size(); ++i) {
         s_.c[i] = {};
         if (!movable(i)) continue;
         const NesterovTodd& w = s_.scaling[i];
         const Vec3 l = w.apply(s_.x[i]);
-        Vec3 right = Vec3{target * target_ * s_.weight[i], 0, 0} - jordan_product(l, l);
-        if (dx_0 != nullptr) right = right - jordan_product(w.apply_inverse((*dy_0)[i]), w.apply((*dx_0)[i]));
+        Vec3 right = Vec3{target * target_, 0, 0} - jordan_product(l, l);
+        if (second_order) right = right - jordan_product(w.apply_inverse(s_.dy_0[i]), w.apply(s_.dx_0[i]));
         s_.dx[i] = w.apply_inverse(jordan_quotient(right, l)) - w.inverse_square() * (share * s_.infeasible[i]);
         s_.c[i] = impulse(i, s_.dx[i]);
     }
@@ -446,6 +467,17 @@ double Solver::product_after(double length) const {
     return product;
 }
 
+// Of the direction with dx_0 and dy_0, in the metric in which the cone's edge is as far as the products are large.
+double Solver::scaled_dot(const std::vector<Vec3>& dx, const std::vector<Vec3>& dy) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+        if (!movable(i)) continue;
+        const NesterovTodd& w = s_.scaling[i];
+        sum += dot(w.apply(dx[i]), w.apply(s_.dx_0[i])) + dot(w.apply_inverse(dy[i]), w.apply_inverse(s_.dy_0[i]));
+    }
+    return sum;
+}
+
 // Method 3: visits as in local_contact.hpp, from r.
 void Solver::sweep(int count) {
     s_.system.gather(s_.r);
@@ -477,17 +509,21 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
         consider();
         std::copy(impulses.begin(), impulses.end(), s_.r.begin());
         consider();
+        at_start_ = stats_.residual;
         s_.r = s_.best;
-        newton(kFirstNewtonSteps);
+        newton(kFirstNewtonSteps, options_.polish);
         speed_ = largest_velocity();
         const double near = std::min(options_.enough, kInteriorFloor * speed_);
         const auto far = [&] { return options_.polish == 0 && !done() && stats_.residual > near; };
-        for (const Start start : {Start::own_scale, Start::bilateral})
-            if (far()) interior(start);
+        if (far()) {
+            interior();
+            s_.r = s_.best;
+            newton(options_.max_iterations, 0); // loads of a heavy body on light ones end slowly, but they end
+        }
         for (int round = 0; round < kRounds && far(); ++round) {
             s_.r = s_.best;
             sweep(kSweepsPerRound);
-            newton(kNewtonSteps);
+            newton(kNewtonSteps, 0);
         }
     }
     stats_.solved = stats_.residual <= limit();
