@@ -36,6 +36,7 @@ MODULES = {
     "io": ["state", "audit", "step/report"],
     "report": ["io"],
     "api": ["step", "report"],
+    "sweep": ["api"],
     "cli": [],
     "python": [],
 }
@@ -57,6 +58,7 @@ PUBLIC_HEADERS = {
     "report": "step/report",
     "picture": "io",
     "export": "io",
+    "sweep": "sweep",
 }
 
 # Libraries beside std and Eigen, which every module but the embedders' headers may use.
@@ -64,6 +66,7 @@ LIBRARIES = {
     "parallel": ["openmp", "tbb", "threads", "locks", "posix"],
     "io": ["locks", "nlohmann", "hdf5", "xxhash", "png", "zlib", "posix"],
     "report": ["nlohmann", "zlib"],
+    "sweep": ["locks", "nlohmann"],
     "cli": ["cli11", "posix"],
     "python": ["pybind11"],
 }

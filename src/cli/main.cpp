@@ -81,6 +81,7 @@ int main(int argc, char** argv) {
     cli::register_report(app, action);
     cli::register_run(app, action, std::vector<std::string>(argv, argv + argc));
     cli::register_scene(app, action);
+    cli::register_sweep(app, action);
     cli::register_trace(app, action);
     cli::register_verify(app, action);
     if (const std::string complaint = unknown_command(app, argc, argv); !complaint.empty()) {

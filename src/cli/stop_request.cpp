@@ -2,6 +2,7 @@
 #include "cli/stop_request.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <csignal>
 
@@ -12,7 +13,8 @@
 namespace flotilla::cli {
 namespace {
 
-volatile std::sig_atomic_t g_signal = 0; // a signal handler can reach nothing else
+std::atomic<int> g_signal{0}; // a signal handler can reach nothing else
+static_assert(std::atomic<int>::is_always_lock_free);
 
 extern "C" void on_signal(int signal) {
     g_signal = signal;
@@ -56,6 +58,8 @@ StopRequest::~StopRequest() {
     if (!catch_signals_) return;
     for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
 }
+
+bool StopRequest::signalled() const { return g_signal != 0; }
 
 bool StopRequest::asked(double step_seconds) {
     if (g_signal != 0) {

@@ -23,6 +23,8 @@ class StopRequest {
 
     /// Whether to stop now, after a step of `step_seconds`: the limit would pass in the next one, or a signal came.
     [[nodiscard]] bool asked(double step_seconds);
+    /// Whether a signal came; may be asked on any thread.
+    [[nodiscard]] bool signalled() const;
     /// Why.
     [[nodiscard]] const std::string& reason() const { return reason_; }
 
