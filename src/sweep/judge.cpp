@@ -183,6 +183,11 @@ void advise(SweepReport& report) {
         report, [](const SweepChange& c) { return c.error_ratio < 1; }, &SweepChange::error_ratio);
     if (cheaper != nullptr && cheaper != &first) say("Cheapest without more error: " + figures(report, *cheaper));
     if (better != nullptr && better != &first) say("Least error by one change: " + figures(report, *better));
+    const bool equal = std::all_of(report.changes.begin(), report.changes.end(),
+                                   [](const SweepChange& c) { return c.error_ratio == 1; });
+    if (equal && report.chaotic && report.starts.size() > 1)
+        say("No two of these errors differ by more than chance over " + std::to_string(report.starts.size()) +
+            " starts: it takes more starts to tell them apart.");
     if (report.starts.size() < 2 && report.chaotic)
         say("The runs are chaotic and have one start: what is chance and what is error cannot be told apart. Give "
             "several "
@@ -213,6 +218,8 @@ SweepValue error_of(const SweepMetric& metric, const std::vector<double>& values
     if (error.starts > 0) error.spread /= std::sqrt(error.starts);
     return error;
 }
+
+bool within_chance(const SweepValue& error) { return error.starts > 1 && error.mean <= kChance * error.spread; }
 
 std::string brief(double value) {
     if (std::isnan(value)) return "-";

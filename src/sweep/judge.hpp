@@ -27,6 +27,9 @@ void judge(const Plan& plan, const Problem& problem, const Measured& measured, c
 [[nodiscard]] SweepValue error_of(const SweepMetric& metric, const std::vector<double>& values,
                                   const std::vector<double>& truths);
 
+/// Whether an error over several starts could be chance: within twice its standard error.
+[[nodiscard]] bool within_chance(const SweepValue& error);
+
 /// Three significant digits: "0.0123", "1.2e-07".
 [[nodiscard]] std::string brief(double value);
 /// "0.0123 ± 0.0004 m"; the second part where there are two starts or more.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "sweep/page.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <flotilla/build_info.hpp>
 #include <string>
 #include <string_view>
-
-#include <flotilla/build_info.hpp>
+#include <utility>
 
 #include "io/file.hpp"
 #include "io/run_files.hpp"
@@ -104,23 +105,25 @@ std::string plot_of(const SweepReport& report, std::size_t metric, bool wide) {
         plot.points.push_back({point.cost.mean, error.mean, error.spread, plot_label(report, p),
                                point.label + ": error " + with_spread(error, report.metrics[metric].unit) + ", cost " +
                                    brief(point.cost.mean) + " s",
-                               colour_of(report, point), metric == report.headline && point.on_front,
-                               p == report.base});
+                               colour_of(report, point), metric == report.headline && point.on_front, p == report.base,
+                               within_chance(error)});
     }
     return plot.points.empty() ? std::string() : svg(plot);
 }
 
-std::string plots(const SweepReport& report) {
+/// That of the headline, and the others.
+std::pair<std::string, std::string> plots(const SweepReport& report) {
     std::string main, others;
     for (std::size_t m = 0; m < report.metrics.size(); ++m) {
         const bool headline = m == report.headline;
-        const std::string plot = plot_of(report, m, headline);
+        const bool lost = report.chaotic && report.metrics[m].needs_reference && !headline; // where poses say nothing
+        const std::string plot = lost ? std::string() : plot_of(report, m, headline);
         if (plot.empty()) continue;
         const std::string title = (headline ? "Error against cost: " : "") + std::string(report.metrics[m].name);
         const std::string hint =
             "<p class=\"hint\">" + escaped(std::string(report.metrics[m].description)) +
             (headline ? ". Line: the front, what nothing beats in both. Ring: where changes start from. "
-                        "Bars: standard error over the starts."
+                        "Bars: standard error over the starts; hollow: could be chance. On the lower edge: 0."
                       : "") +
             "</p>\n";
         if (headline)
@@ -128,7 +131,7 @@ std::string plots(const SweepReport& report) {
         else
             others += card(title, plot + hint);
     }
-    return main + "<div id=\"charts\">" + others + "</div>\n";
+    return {main, others.empty() ? others : "<div id=\"charts\">" + others + "</div>\n"};
 }
 
 /// "0.021 (0.9 %)": of the reference's value, where that is one to be compared with.
@@ -203,19 +206,23 @@ std::string badge(const std::string& text, const std::string& style = "") {
 
 std::string badges(const SweepReport& report) {
     const bool all = report.complete == report.members;
+    const bool referred = std::any_of(report.points.begin(), report.points.end(),
+                                      [](const SweepPoint& p) { return p.reference && p.complete > 0; });
     return badge(std::to_string(report.complete) + " of " + std::to_string(report.members) + " runs complete",
                  all ? "proved" : "unsure") +
            badge(std::to_string(report.points.size()) + " points, " + std::to_string(report.starts.size()) +
                  (report.starts.size() == 1 ? " start" : " starts")) +
-           badge(report.chaotic ? "chaotic: poses part, statistics count"
-                                : "poses stay comparable or have no reference");
+           badge(!referred        ? "no reference"
+                 : report.chaotic ? "chaotic: poses part from the reference's, statistics count"
+                                  : "poses stay with the reference's");
 }
 
 } // namespace
 
 void write_sweep_page(const std::filesystem::path& folder, const Plan& plan, const Record& record,
                       const SweepReport& report) {
-    const std::string name = escaped(plan.starts.front().name);
+    const std::string name = escaped(plan.title);
+    const auto [front, others] = plots(report);
     std::string html =
         "<!doctype html>\n<!-- Written by flotilla sweep; needs no network and no other file. -->\n"
         "<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
@@ -228,9 +235,9 @@ void write_sweep_page(const std::filesystem::path& folder, const Plan& plan, con
             "</h1><p id=\"badges\">" + badges(report) + "</p></header>\n";
     if (!report.problems.empty()) html += list(report.problems, "id=\"problems\"");
     html += "<main>\n" + (report.remarks.empty() ? "" : card("Remarks", list(report.remarks, ""))) +
-            card("What to change first", list(report.advice, "class=\"advice\"")) + plots(report) +
+            card("What to change first", list(report.advice, "class=\"advice\"")) + front +
             card("Points", points_table(report)) + card("Single changes from the base", changes_table(report)) +
-            card("About", about(report, record)) + "</main>\n</body></html>\n";
+            others + card("About", about(report, record)) + "</main>\n</body></html>\n";
     io::write_file(folder / kSweepHtml, html);
 }
 

@@ -329,6 +329,9 @@ Plan make_plan(const SweepOptions& options) {
     plan.axes = std::move(axes.varied);
     plan.starts = read_starts(options, axes.seeds, faults);
     faults.throw_if_any();
+    const std::size_t others = options.scenes.size() - 1;
+    plan.title = std::filesystem::path(options.scenes.front()).stem().string() +
+                 (others > 0 ? " and " + std::to_string(others) + " others" : "");
     plan.points = product(plan.axes, options);
     const Settings base = base_settings(plan, options);
     plan.base = base_point(plan, base, options);

@@ -44,6 +44,7 @@ struct Plan {
     std::vector<Member> members;    ///< start by start, so that the first of them already shows a whole front
     std::size_t base = 0;           ///< the point whose values are those without `vary`, or the first ones
     double duration = 0;            ///< s
+    std::string title;              ///< the first scene, and how many others
     std::vector<std::string> notes; ///< what the user should know before the runs
 
     [[nodiscard]] std::optional<std::size_t> reference() const;

@@ -66,15 +66,15 @@ class Labels {
   public:
     explicit Labels(const Plot& plot) : inside_{kLeft, kTop, plot.width, plot.height - kBottom} {}
 
-    void keep_clear(double x, double y) { taken_.push_back({x - 5, y - 5, x + 5, y + 5}); }
+    void keep_clear(double x, double y) { taken_.push_back({x - 6, y - 6, x + 6, y + 6}); }
     std::string place(double x, double y, const std::string& text) {
         const double width = kLetter * static_cast<double>(text.size());
-        const std::array<std::pair<double, double>, 6> corners{{{x + 9, y - kLine / 2},
-                                                                {x - 9 - width, y - kLine / 2},
-                                                                {x - width / 2, y - 9 - kLine},
-                                                                {x - width / 2, y + 9},
-                                                                {x + 6, y - 8 - kLine},
-                                                                {x + 6, y + 8}}};
+        const std::array<std::pair<double, double>, 6> corners{{{x + 13, y - kLine / 2},
+                                                                {x - 13 - width, y - kLine / 2},
+                                                                {x - width / 2, y - 12 - kLine},
+                                                                {x - width / 2, y + 12},
+                                                                {x + 8, y - 9 - kLine},
+                                                                {x + 8, y + 9}}};
         for (const auto& [left, top] : corners) {
             const Box box{left, top, left + width, top + kLine};
             const bool in =
@@ -135,8 +135,9 @@ std::string marker(const PlotPoint& p, const Axis& x, const Axis& y) {
     if (p.uncertainty > 0)
         out += "<line x1=\"" + px(cx) + "\" x2=\"" + px(cx) + "\" y1=\"" + px(y.at(p.y - p.uncertainty)) + "\" y2=\"" +
                px(y.at(p.y + p.uncertainty)) + "\" stroke=\"" + colour + "\" stroke-width=\"1.4\" opacity=\"0.6\"/>\n";
-    out += "<circle r=\"5\"" + at + " fill=\"" + colour + "\"/>\n";
-    if (p.base) out += "<circle r=\"9\"" + at + " class=\"ring\"/>\n";
+    out += "<circle r=\"5\"" + at + " stroke=\"" + colour + "\" stroke-width=\"2\" fill=\"" +
+           (p.hollow ? "var(--card)" : colour) + "\"/>\n";
+    if (p.base) out += "<circle r=\"10\"" + at + " class=\"ring\"/>\n";
     return out + "</g>\n";
 }
 

@@ -17,6 +17,7 @@ struct PlotPoint {
     std::size_t colour = 0; ///< points of one colour belong together
     bool front = false;     ///< joined by a line
     bool base = false;      ///< ringed
+    bool hollow = false;    ///< y cannot be told from 0
 };
 
 struct Plot {

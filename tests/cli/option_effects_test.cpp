@@ -130,6 +130,18 @@ class Options : public ::testing::Test {
         };
     }
 
+    /// The lines of the first run's run.json that have `word`.
+    Observe lines_of_run(const std::string& word, const std::string& scene = "scene") {
+        return [this, word, scene](const std::string& arguments) {
+            (void)run_flotilla(arguments + " --overwrite --output " + at("lines"));
+            std::istringstream in(io::read_text(at("lines") + "/members/friction=0.1@" + scene + "/run.json"));
+            std::string found;
+            for (std::string line; std::getline(in, line);)
+                if (line.find(word) != std::string::npos) found += line + '\n';
+            return found;
+        };
+    }
+
     struct Row {
         std::string without, with; ///< arguments
         Observe observe;
@@ -138,6 +150,7 @@ class Options : public ::testing::Test {
     Rows rows_of(const std::string& command);
     Rows run_rows();
     Rows picture_rows();
+    Rows sweep_rows();
 
     TemporaryFolder folder_;
     bool ready_ = false;
@@ -189,10 +202,58 @@ Options::Rows Options::picture_rows() {
     return rows;
 }
 
+Options::Rows Options::sweep_rows() {
+    const std::string library = "sweep stack --bodies 3 --vary friction=0.1,0.2 --steps 3",
+                      to = " --output " + at("files/s"),
+                      of_file = "sweep " + at("scene.json") + " --vary friction=0.1,0.2",
+                      sweep = of_file + " --steps 3";
+    const Observe folders = new_files("s/members"), files = new_files();
+    const Observe table = [](const std::string& arguments) {
+        std::istringstream in(run_flotilla(arguments + " --overwrite").out);
+        std::string words; // without figures, which hold times
+        for (std::string word; in >> word;)
+            if (std::isalpha(static_cast<unsigned char>(word.front())) != 0) words += word + ' ';
+        return words;
+    };
+    const Observe members = [this](const std::string& arguments) {
+        (void)run_flotilla(arguments + " --overwrite --output " + at("members"));
+        std::istringstream in(io::read_text(at("members") + "/members.csv"));
+        std::string kept; // member, point, start, state, steps
+        for (std::string line; std::getline(in, line);)
+            for (int k = 0; k < 5; ++k) kept += line.substr(0, line.find(',')) + ' ', line.erase(0, line.find(',') + 1);
+        return kept;
+    };
+    const Observe threads_of_members = [this](const std::string& arguments) {
+        (void)run_flotilla(arguments + " --overwrite --output " + at("threaded"));
+        const std::string json = io::read_text(at("threaded") + "/sweep.json");
+        return json.substr(json.find("\"threads\""), 14);
+    };
+    const std::string done = sweep + " --output " + at("done");
+    (void)run_flotilla(done);
+    return {{"--bodies", {"sweep stack --vary friction=0.1 --steps 3", library, lines_of_run("\"bodies\"", "stack")}},
+            {"--vary", {sweep + to, sweep + " --vary preset=preview,balanced" + to, folders}},
+            {"--seeds", {library + to, library + " --seeds 2" + to, folders}},
+            {"--reference", {sweep + to, sweep + " --reference accurate" + to, folders}},
+            {"--metric", {sweep + " --output " + at("m"), sweep + " --metric creep --output " + at("m"), table}},
+            {"--preset", {sweep, sweep + " --preset paper", lines_of_run("tangents")}},
+            {"--set", {sweep, sweep + " --set restitution=0.7", lines_of_run("restitution")}},
+            {"--steps", {sweep, of_file + " --steps 4", members}},
+            {"--duration", {of_file + " --duration 0.1", of_file + " --duration 0.2", members}},
+            {"--dt", {of_file + " --duration 0.1", of_file + " --duration 0.1 --dt 0.01", members}},
+            {"--output", {sweep, sweep + to, files}},
+            {"--threads", {sweep, sweep + " --threads 2", threads_of_members}},
+            {"--jobs", {sweep + " --jobs 1" + to, sweep + " --jobs 2" + to, threads_started()}},
+            {"--time-limit", {sweep + " --overwrite" + to, sweep + " --overwrite --time-limit 0:0:0" + to, exit_code}},
+            {"--overwrite", {done, done + " --overwrite", exit_code}},
+            {"--resume", {done, done + " --resume", exit_code}},
+            {"--quiet", {done + " --resume", done + " --resume --quiet", how_much_is_printed}}};
+}
+
 Options::Rows Options::rows_of(const std::string& command) {
     const std::string scene = at("scene.json"), run = at("run");
     if (command == "run") return run_rows();
     if (command == "picture") return picture_rows();
+    if (command == "sweep") return sweep_rows();
     if (command == "ccd") {
         const std::string ccd = "ccd " + at("queries.csv");
         return {{"--separation", {ccd + " --csv", ccd + " --csv --separation 0.01", but_last_column}},
