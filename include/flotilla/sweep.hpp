@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Campaigns: the runs of one problem with the product of some settings, what each cost and how far it is from a reference, and which
-// setting is worth changing first.
+// Campaigns: the runs of one problem with the product of some settings, what each cost and how far it is from a
+// reference, and which setting is worth changing first.
 //
-// A point is one choice of settings; a start is one scene, or one seed of it; every point is run from every start. Piles are chaotic:
-// two runs that differ in the last bit soon differ in every pose, so points are compared by quantities that a pile has whatever its
-// poses, as mean and spread over the starts. Where runs stay together, poses are compared with those of the reference at the same times.
+// A point is one choice of settings; a start is one scene, or one seed of it; every point is run from every start.
+// Piles are chaotic: two runs that differ in the last bit soon differ in every pose, so points are compared by
+// quantities that a pile has whatever its poses, as mean and spread over the starts. Where runs stay together, poses
+// are compared with those of the reference at the same times.
 #pragma once
 
 #include <cstdint>
@@ -65,10 +66,12 @@ struct SweepOptions {
     double duration = 10;    ///< s
     int threads = 1;         ///< of each run
     int jobs = 0; ///< runs at a time; 0: as many as the usable cores have room for. At most one per usable core
+    std::vector<std::string> command_line; ///< for the record
     std::filesystem::path output;
     bool overwrite = false;
-    /// Goes on with the campaign in the folder: members that are complete are kept, stopped ones go on from their checkpoints. Other values
-    /// of `vary` add members; a changed scene, setting, time or number of threads is refused.
+    /// Goes on with the campaign in the folder: members that are complete are kept, stopped ones go on from their
+    /// checkpoints. Other values of `vary` add members; a changed scene, setting, time or number of threads is
+    /// refused.
     bool resume = false;
     /// Makes a run and returns when it has ended. Called side by side, on threads of oneTBB.
     std::function<SweepOutcome(const SweepMember&)> run;
@@ -125,11 +128,12 @@ struct SweepReport {
     int exit_code = 0;    ///< the first failure's; 6 where only `stopped`; else 0
 };
 
-/// Costs that differ by less than this part are called equal: what wall times of one run repeated differ by on a quiet machine.
+/// Costs that differ by less than this part are called equal: what wall times of one run repeated differ by on a
+/// quiet machine.
 inline constexpr double kSameCost = 0.1;
 
-/// Makes the runs that the folder lacks, and writes there sweep.csv (a row per point), members.csv, sweep.json and sweep.html. Throws
-/// InputError with everything that is wrong with the options before the first run, and IoError.
+/// Makes the runs that the folder lacks, and writes there sweep.csv (a row per point), members.csv, sweep.json and
+/// sweep.html. Throws InputError with everything that is wrong with the options before the first run, and IoError.
 [[nodiscard]] SweepReport run_sweep(const SweepOptions& options);
 
 } // namespace flotilla

@@ -14,9 +14,10 @@ struct ChildResult {
     double cpu = 0;    ///< s, of all its threads
 };
 
-/// Runs `arguments` (without the command's own name) with messages and output in `log` and waits for the end. Where `stop` begins to
-/// return true the process is asked to end with SIGTERM, as it is where this one dies. Threads of OpenMP are not bound to cores: several
-/// processes would all bind to the same ones. May be called on several threads at a time. IoError where it cannot be started.
+/// Runs `arguments` (without the command's own name) with messages and output in `log` and waits for the end. Where
+/// `stop` begins to return true the process is asked to end with SIGTERM, as it is where this one dies. Threads of
+/// OpenMP are not bound to cores: several processes would all bind to the same ones. May be called on several threads
+/// at a time. IoError where it cannot be started.
 [[nodiscard]] ChildResult run_child(const std::vector<std::string>& arguments, const std::filesystem::path& log,
                                     const std::function<bool()>& stop);
 

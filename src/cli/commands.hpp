@@ -44,7 +44,8 @@ void register_report(CLI::App& app, Action& action);
 /// `command_line` goes into the run folder.
 void register_run(CLI::App& app, Action& action, const std::vector<std::string>& command_line);
 void register_scene(CLI::App& app, Action& action);
-void register_sweep(CLI::App& app, Action& action);
+/// `command_line` goes into the campaign's folder.
+void register_sweep(CLI::App& app, Action& action, const std::vector<std::string>& command_line);
 void register_trace(CLI::App& app, Action& action);
 void register_verify(CLI::App& app, Action& action);
 

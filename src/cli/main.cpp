@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
     CLI::App app{"flotilla: interpenetration-free rigid bodies without thickness", "flotilla"};
     app.require_subcommand(1);
     app.set_version_flag("--version", version_text(), "Print version, commit, compiler and flags, and exit");
+    const std::vector<std::string> command_line(argv, argv + argc);
     cli::Action action;
     cli::register_ccd(app, action);
     cli::register_check(app, action);
@@ -79,9 +80,9 @@ int main(int argc, char** argv) {
     cli::register_picture(app, action);
     cli::register_plan(app, action);
     cli::register_report(app, action);
-    cli::register_run(app, action, std::vector<std::string>(argv, argv + argc));
+    cli::register_run(app, action, command_line);
     cli::register_scene(app, action);
-    cli::register_sweep(app, action);
+    cli::register_sweep(app, action, command_line);
     cli::register_trace(app, action);
     cli::register_verify(app, action);
     if (const std::string complaint = unknown_command(app, argc, argv); !complaint.empty()) {

@@ -234,8 +234,9 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
 
 } // namespace
 
-void register_sweep(CLI::App& app, Action& action) {
+void register_sweep(CLI::App& app, Action& action, const std::vector<std::string>& command_line) {
     const auto arguments = std::make_shared<SweepArguments>();
+    arguments->sweep.command_line = command_line;
     CLI::App* command = app.add_subcommand(
         "sweep",
         "Run a scene with every combination of some settings: cost against error, and what to change first; exit "

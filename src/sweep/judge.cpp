@@ -11,11 +11,12 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// Beyond this part of the bodies' size the nearest point has lost the reference's motion: what is left is how far apart two bodies of
-/// the pile may lie.
+/// Beyond this part of the bodies' size the nearest point has lost the reference's motion: what is left is how far
+/// apart two bodies of the pile may lie.
 constexpr double kApart = 0.1;
 
-/// Errors below this part of a metric's scale count as this part: what rounding leaves after thousands of steps is no choice.
+/// Errors below this part of a metric's scale count as this part: what rounding leaves after thousands of steps is no
+/// choice.
 constexpr double kLeastError = 1e-9;
 
 /// s. What a process does first (pages, caches, clock of the core) takes milliseconds.
@@ -69,7 +70,8 @@ bool has_errors(const SweepReport& report, std::size_t metric) {
                        [&](const SweepPoint& p) { return !p.reference && p.errors[metric].starts > 0; });
 }
 
-/// What was asked for first; else poses where they say something, height where they do not, and without a reference what needs none.
+/// What was asked for first; else poses where they say something, height where they do not, and without a reference
+/// what needs none.
 std::size_t choose_headline(const SweepReport& report, bool asked) {
     std::vector<std::string_view> order{report.chaotic ? "height" : "position", "height", "residual"};
     if (asked) order.insert(order.begin(), report.metrics.front().name);

@@ -29,7 +29,8 @@ struct Problem {
     double start_energy = 0;         ///< J, kinetic and potential
 
     [[nodiscard]] double mass_of(std::size_t body) const;
-    /// What a metric goes by in this scene: the size, the weight, the speed of a fall by the size. `duration`: s, of the runs.
+    /// What a metric goes by in this scene: the size, the weight, the speed of a fall by the size. `duration`: s, of
+    /// the runs.
     [[nodiscard]] double scale_of(std::size_t metric, double duration) const;
 };
 
@@ -38,12 +39,13 @@ struct Measures {
     std::vector<double> values; ///< by metric; nan where it has none
 };
 
-/// Of a finished run. `scene`: as it ran, settings included. `reference`: the folder of the run to compare poses with; empty: none.
-/// IoError where the folder cannot be read.
+/// Of a finished run. `scene`: as it ran, settings included. `reference`: the folder of the run to compare poses
+/// with; empty: none. IoError where the folder cannot be read.
 [[nodiscard]] Measures measure(const Problem& problem, const SceneDescription& scene,
                                const std::filesystem::path& folder, const std::filesystem::path& reference);
 
-/// The first time from which `kinetic` (J, one value a step, at `times`) stays at or below `threshold`; nan where it does not.
+/// The first time from which `kinetic` (J, one value a step, at `times`) stays at or below `threshold`; nan where it
+/// does not.
 [[nodiscard]] double time_to_rest(std::span<const double> times, std::span<const double> kinetic, double threshold);
 
 } // namespace flotilla::sweep

@@ -32,7 +32,8 @@ main > .card, #charts { margin-bottom: 14px; } .scroll { overflow-x: auto; }
 .grid-table td:nth-child(2), .grid-table th:nth-child(2) { text-align: left; }
 .grid-table td, .grid-table td:first-child, .grid-table td:nth-child(3) { color: var(--ink); min-width: 0; }
 .grid-table .of { color: var(--soft); font-size: 12px; } .best td { font-weight: 600; }
-.words td { text-align: left; } .advice { margin: 6px 0 0; padding-left: 18px; } .advice li:first-child { font-weight: 600; }
+.words td { text-align: left; }
+.advice { margin: 6px 0 0; padding-left: 18px; } .advice li:first-child { font-weight: 600; }
 )";
 
 std::string cell(const std::string& text) { return "<td>" + text + "</td>"; }
@@ -134,19 +135,21 @@ std::pair<std::string, std::string> plots(const SweepReport& report) {
     return {main, others.empty() ? others : "<div id=\"charts\">" + others + "</div>\n"};
 }
 
-/// "0.021 (0.9 %)": of the reference's value, where that is one to be compared with.
-std::string error_text(const SweepReport& report, const SweepPoint& point, std::size_t m) {
-    std::string text = with_spread(point.errors[m], "");
-    if (report.metrics[m].truth != SweepMetric::Truth::reference || point.errors[m].starts == 0) return text;
+/// "0.9 % of the reference's value", where there is one to be compared with.
+std::string share_text(const SweepReport& report, const SweepPoint& point, std::size_t m) {
+    if (report.metrics[m].truth != SweepMetric::Truth::reference) return {};
     for (const SweepPoint& r : report.points)
         if (r.reference && r.values_of[m].mean != 0)
-            text += " (" + brief(100 * std::abs(point.errors[m].mean / r.values_of[m].mean)) + " %)";
-    return text;
+            return "<br><span class=\"of\">" + brief(100 * std::abs(point.errors[m].mean / r.values_of[m].mean)) +
+                   " %</span>";
+    return {};
 }
 
-std::string points_table(const SweepReport& report) {
-    std::string out = "<div class=\"scroll\"><table "
-                      "class=\"grid-table\"><tr><th>#</th><th>point</th><th>starts</th><th>cost (s)</th>";
+/// A row per point; `figure` gives what stands in the column of a metric.
+template <class Figure>
+std::string table_of_points(const SweepReport& report, Figure&& figure) {
+    std::string out = "<div class=\"scroll\"><table class=\"grid-table\"><tr><th>#</th><th>point</th><th>starts</th>"
+                      "<th>cost (s)</th>";
     for (const SweepMetric& m : report.metrics)
         out += "<th title=\"" + escaped(std::string(m.description)) + "\">" +
                escaped(std::string(m.name) + unit_of(m)) + "</th>";
@@ -157,17 +160,26 @@ std::string points_table(const SweepReport& report) {
                cell(escaped(point.label) + (point.reference ? " <span class=\"of\">reference</span>" : "") +
                     (p == report.base ? " <span class=\"of\">base</span>" : "")) +
                cell(std::to_string(point.complete)) + cell(with_spread(point.cost, ""));
-        for (std::size_t m = 0; m < report.metrics.size(); ++m) {
-            const bool error_too = report.metrics[m].truth == SweepMetric::Truth::reference && !point.reference &&
-                                   point.errors[m].starts > 0;
-            out += cell(with_spread(point.values_of[m], "") +
-                        (error_too ? "<br><span class=\"of\">error " + error_text(report, point, m) + "</span>" : ""));
-        }
+        for (std::size_t m = 0; m < report.metrics.size(); ++m) out += cell(figure(point, m));
         out += "</tr>\n";
     }
-    return out +
-           "</table></div><p class=\"hint\">Mean ± standard deviation over the starts; errors ± their standard error. "
-           "Bold: on the front.</p>\n";
+    return out + "</table></div>";
+}
+
+std::string values_table(const SweepReport& report) {
+    return table_of_points(report, [](const SweepPoint& p, std::size_t m) { return with_spread(p.values_of[m], ""); }) +
+           "<p class=\"hint\">Mean ± standard deviation over the starts. Bold: on the front.</p>\n";
+}
+
+std::string errors_table(const SweepReport& report) {
+    return table_of_points(report,
+                           [&](const SweepPoint& p, std::size_t m) {
+                               if (p.reference || p.errors[m].starts == 0) return std::string("-");
+                               return with_spread(p.errors[m], "") + share_text(report, p, m);
+                           }) +
+           "<p class=\"hint\">Distance of the mean from the reference's, start by start, ± its standard error; in "
+           "percent of the "
+           "reference's value. Of position, rotation, creep and residual the value is the error.</p>\n";
 }
 
 std::string changes_table(const SweepReport& report) {
@@ -194,7 +206,9 @@ std::string about(const SweepReport& report, const Record& record) {
                       row_of("written", io::utc_now());
     std::string starts;
     for (const std::string& name : report.starts) (starts += starts.empty() ? "" : ", ") += name;
-    out += row_of("starts", starts) + "</table>\n<table class=\"words\">";
+    std::string words;
+    for (const std::string& word : record.command_line) (words += words.empty() ? "" : " ") += word;
+    out += row_of("command line", words) + row_of("starts", starts) + "</table>\n<table class=\"words\">";
     for (const SweepMetric& m : report.metrics)
         out += row_of(std::string(m.name) + unit_of(m), std::string(m.description));
     return out + "</table>\n";
@@ -236,8 +250,9 @@ void write_sweep_page(const std::filesystem::path& folder, const Plan& plan, con
     if (!report.problems.empty()) html += list(report.problems, "id=\"problems\"");
     html += "<main>\n" + (report.remarks.empty() ? "" : card("Remarks", list(report.remarks, ""))) +
             card("What to change first", list(report.advice, "class=\"advice\"")) + front +
-            card("Points", points_table(report)) + card("Single changes from the base", changes_table(report)) +
-            others + card("About", about(report, record)) + "</main>\n</body></html>\n";
+            card("Points", values_table(report)) + card("Errors", errors_table(report)) +
+            card("Single changes from the base", changes_table(report)) + others +
+            card("About", about(report, record)) + "</main>\n</body></html>\n";
     io::write_file(folder / kSweepHtml, html);
 }
 

@@ -61,7 +61,8 @@ struct Box {
     [[nodiscard]] bool meets(const Box& o) const { return x0 < o.x1 && o.x0 < x1 && y0 < o.y1 && o.y0 < y1; }
 };
 
-/// Labels beside their markers, where they hide neither another one nor a marker; left out where there is no such place.
+/// Labels beside their markers, where they hide neither another one nor a marker; left out where there is no such
+/// place.
 class Labels {
   public:
     explicit Labels(const Plot& plot) : inside_{kLeft, kTop, plot.width, plot.height - kBottom} {}

@@ -35,7 +35,8 @@ struct Plot {
 /// For HTML text and attributes.
 [[nodiscard]] std::string escaped(const std::string& text);
 
-/// Round values in [low, high], low > 0, for a logarithmic axis: 1, 2 and 5 times powers of ten, or powers alone where there are many.
+/// Round values in [low, high], low > 0, for a logarithmic axis: 1, 2 and 5 times powers of ten, or powers alone
+/// where there are many.
 [[nodiscard]] std::vector<double> log_ticks(double low, double high);
 
 } // namespace flotilla::sweep

@@ -173,9 +173,10 @@ Record read_record(const std::filesystem::path& folder) {
 
 void write_record(const std::filesystem::path& folder, const Record& record, const SweepReport* report) {
     const BuildInfo build = build_info();
-    Json json{{"flotilla_sweep", kFormat},     {"version", build.version},          {"commit", record.commit},
-              {"compiler", build.compiler},    {"processor", io::processor_name()}, {"written", io::utc_now()},
-              {"duration_s", record.duration}, {"threads", record.threads},         {"members", members_json(record)}};
+    Json json{{"flotilla_sweep", kFormat},           {"version", build.version},          {"commit", record.commit},
+              {"compiler", build.compiler},          {"processor", io::processor_name()}, {"written", io::utc_now()},
+              {"command_line", record.command_line}, {"duration_s", record.duration},     {"threads", record.threads},
+              {"members", members_json(record)}};
     if (report != nullptr) json["results"] = report_json(*report);
     io::write_file(folder / kSweepJson, json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // sweep.json, which says what a campaign is and how far it is, and the tables for other programs.
-//   sweep.json    the campaign: version, commit, processor, time, threads; members with their state; once some are complete points,
-//                 changes and advice
-//   sweep.csv     a row per point: its settings, complete starts, cost and, by metric, mean, spread over the starts, error and the
-//                 error's own standard error
+//   sweep.json    the campaign: version, commit, processor, time, threads; members with their state; once some are
+//                 complete points, changes and advice
+//   sweep.csv     a row per point: its settings, complete starts, cost and, by metric, mean, spread over the starts,
+//                 error and the error's own standard error
 //   members.csv   a row per run: point, start, state, steps, cost and, by metric, its value
 //   members/NAME  run folders, with what the run said in NAME.log; scenes/ holds scenes of the library
 #pragma once
@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include <flotilla/sweep.hpp>
 
@@ -35,6 +36,7 @@ struct Record {
     double duration = 0; ///< s
     int threads = 0;
     std::string commit;                         ///< of the build that began it
+    std::vector<std::string> command_line;      ///< that wrote it last
     std::map<std::string, MemberState> members; ///< by name; those of earlier lists of values as well
 };
 

@@ -30,8 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kIoError = 5, kStopped = 6; // exit codes
-/// CPU time of a run by the wall time of its steps, below which it must have waited for a core. On a core of its own it is above 1: what
-/// is written costs as well.
+/// CPU time of a run by the wall time of its steps, below which it must have waited for a core. On a core of its own
+/// it is above 1: what is written costs as well.
 constexpr double kOwnCore = 0.95;
 
 void note(const SweepOptions& options, const std::string& text) {
@@ -55,7 +55,7 @@ std::vector<std::size_t> wanted_metrics(const SweepOptions& options) {
 
 /// The folder's record, or that of a new campaign; what an earlier one left is removed where that was asked for.
 Record open_folder(const SweepOptions& options, const Plan& plan) {
-    const Record fresh{plan.duration, options.threads, std::string(build_info().commit), {}};
+    const Record fresh{plan.duration, options.threads, std::string(build_info().commit), {}, {}};
     const fs::path& folder = options.output;
     std::error_code error;
     if (!fs::exists(folder, error) || fs::is_empty(folder, error)) return fresh;
@@ -248,6 +248,7 @@ SweepReport run_sweep(const SweepOptions& options) {
     const io::FolderLock lock(options.output);
     Record record = open_folder(options, plan);
     check_same(plan, options, record);
+    record.command_line = options.command_line;
     for (const std::string& text : plan.notes) note(options, text);
     write_scenes(plan, options.output);
     write_record(options.output, record, nullptr);

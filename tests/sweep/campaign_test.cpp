@@ -2,8 +2,10 @@
 // Whole campaigns, with runs inside this process.
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <set>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 #include <flotilla/error.hpp>
 
 #include "io/file.hpp"
+#include "parallel/threads.hpp"
 #include "sweep/sweep_scenes.hpp"
 
 namespace flotilla::test {
@@ -149,6 +152,28 @@ TEST_F(SweepCampaign, StopsBetweenRunsAndSaysSo) {
     options_.resume = true;
     EXPECT_EQ(runs(), 3u);
     EXPECT_EQ(report_.exit_code, 0);
+}
+
+TEST_F(SweepCampaign, MakesAsManyRunsAtATimeAsItIsTold) {
+    const auto good = options_.run;
+    for (const int jobs : {1, 2}) {
+        const int expected = std::min(jobs, usable_cores());
+        std::atomic<int> active{0}, most{0};
+        options_.output = folder_.path() / std::to_string(jobs);
+        options_.jobs = jobs;
+        options_.run = [&](const SweepMember& member) {
+            const int now = ++active;
+            for (int seen = most; seen < now && !most.compare_exchange_weak(seen, now);) {
+            }
+            for (int k = 0; k < 1000 && most < expected; ++k)
+                std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            const SweepOutcome outcome = good(member);
+            --active;
+            return outcome;
+        };
+        EXPECT_EQ(runs(), 5u);
+        EXPECT_EQ(most, expected);
+    }
 }
 
 TEST_F(SweepCampaign, TakesCpuTimeForStepsThatWaitedForACore) {

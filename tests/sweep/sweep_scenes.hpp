@@ -17,7 +17,8 @@ inline std::string cube_scene(double z, const std::string& velocity = "[0, 0, 0]
     return R"({"flotilla_scene": 1, "gravity": [0, 0, -10], "settings": {"time_step": 0.02, "restitution": 0},
         "shapes": [{"name": "cube", "density": 500, "vertices": [[-0.5,-0.5,-0.5],[0.5,-0.5,-0.5],[-0.5,0.5,-0.5],
           [0.5,0.5,-0.5],[-0.5,-0.5,0.5],[0.5,-0.5,0.5],[-0.5,0.5,0.5],[0.5,0.5,0.5]],
-          "triangles": [[0,2,1],[1,2,3],[4,5,6],[5,7,6],[0,1,4],[1,5,4],[2,6,3],[3,6,7],[0,4,2],[2,4,6],[1,3,5],[3,7,5]]},
+          "triangles": [[0,2,1],[1,2,3],[4,5,6],[5,7,6],[0,1,4],[1,5,4],[2,6,3],[3,6,7],[0,4,2],[2,4,6],[1,3,5],
+            [3,7,5]]},
          {"name": "ground", "vertices": [[-9,-9,0],[9,-9,0],[0,9,0]], "triangles": [[0,1,2]]}],
         "bodies": [{"name": "cube", "shape": "cube", "position": [0, 0, )" +
            std::to_string(z) + R"(], "velocity": )" + velocity + "}" +
