@@ -86,8 +86,12 @@ std::string last_line(const std::filesystem::path& log) {
     return last.starts_with(name) ? last.substr(name.size()) : last;
 }
 
+constexpr int kSignal = 128; // beyond it run_child gives signals
+
 SweepOutcome run_member(const SweepMember& member, const std::string& time_limit, const StopRequest& stop) {
     const ChildResult child = run_child(command_of(member, time_limit), member.log, [&] { return stop.signalled(); });
+    if (child.exit_code > kSignal)
+        return {kInternalError, "ended by signal " + std::to_string(child.exit_code - kSignal), child.cpu};
     return {child.exit_code, child.exit_code == kOk ? "" : last_line(member.log), child.cpu};
 }
 

@@ -192,11 +192,11 @@ SceneDescription parse(const Start& start, const SceneFileOptions& options) {
 }
 
 /// Of everything that the results depend on, meshes included.
-std::uint64_t input_of(SceneDescription scene, std::int64_t steps) {
+std::uint64_t input_of(SceneDescription scene, const SweepMember& run) {
     for (ShapeDescription& shape : scene.shapes) shape.mesh_path.clear();
     std::ostringstream text;
     write_scene(text, scene);
-    const std::string all = text.str() + std::to_string(steps);
+    const std::string all = text.str() + std::to_string(run.steps) + ' ' + std::to_string(run.frame_every);
     return io::checksum(std::as_bytes(std::span(all)));
 }
 
@@ -208,7 +208,27 @@ int frame_every(double base, double dt, std::int64_t steps) {
     return steps % every == 0 ? every : 1;
 }
 
+/// Whether frames are at times of the steps that are not varied.
+bool on_grid(double base, double frame_time) {
+    const double whole = std::round(frame_time / base);
+    return whole >= 1 && std::abs(frame_time / base - whole) <= 1e-9 * whole;
+}
+
+/// Steps and frames of every member. Where some have frames at other times, poses of the reference are interpolated, between all its steps.
+void add_times(Plan& plan, const std::vector<double>& dts, double base_dt) {
+    bool together = true;
+    for (std::size_t i = 0; i < plan.members.size(); ++i) {
+        SweepMember& run = plan.members[i].run;
+        run.steps = static_cast<std::int64_t>(std::ceil(plan.duration / dts[i] - 1e-9));
+        run.frame_every = frame_every(base_dt, dts[i], run.steps);
+        together = together && on_grid(base_dt, run.frame_every * dts[i]);
+    }
+    for (Member& member : plan.members)
+        if (!together && plan.points[member.point].reference) member.run.frame_every = 1;
+}
+
 void add_members(Plan& plan, const SweepOptions& options, double base_dt, Faults& faults) {
+    std::vector<double> dts;
     for (std::size_t s = 0; s < plan.starts.size(); ++s)
         for (std::size_t p = 0; p < plan.points.size(); ++p) {
             const Start& start = plan.starts[s];
@@ -223,15 +243,14 @@ void add_members(Plan& plan, const SweepOptions& options, double base_dt, Faults
             run.preset = settings.preset;
             run.overrides = settings.overrides;
             run.threads = options.threads;
-            faults.collect([&] {
-                const SceneDescription scene = parse(start, settings);
-                const double dt = scene.settings.time_step;
-                run.steps = static_cast<std::int64_t>(std::ceil(plan.duration / dt - 1e-9));
-                run.frame_every = frame_every(base_dt, dt, run.steps);
-                member.input = input_of(scene, run.steps);
-            });
+            double dt = base_dt;
+            faults.collect([&] { dt = parse(start, settings).settings.time_step; });
+            dts.push_back(dt);
             plan.members.push_back(std::move(member));
         }
+    faults.throw_if_any();
+    add_times(plan, dts, base_dt);
+    for (Member& member : plan.members) member.input = input_of(scene_of(plan, member), member.run);
 }
 
 /// The time step and values that the scene has where nothing is varied.
@@ -343,7 +362,6 @@ Plan make_plan(const SweepOptions& options) {
     }
     if (plan.points.size() * plan.starts.size() > kMostMembers) throw InputError("sweep: more than 10000 runs");
     add_members(plan, options, base.time_step, faults);
-    faults.throw_if_any();
     note_conflicts(plan);
     note_repeats(plan);
     return plan;

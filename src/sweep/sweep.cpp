@@ -87,7 +87,8 @@ void check_same(const Plan& plan, const SweepOptions& options, Record& record) {
                          anew);
     for (const Member& member : plan.members) {
         MemberState& state = record.members[member.run.name];
-        if (state.begun && state.input != member.input)
+        const bool there = state.begun || (state.input != 0 && fs::exists(member.run.folder / io::kRunJson));
+        if (there && state.input != member.input)
             throw InputError("sweep: " + folder + ": " + member.run.name +
                              " was run with another scene, or with other settings than those varied" + anew);
         state.input = member.input;

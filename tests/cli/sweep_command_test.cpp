@@ -112,5 +112,17 @@ TEST_F(SweepCommand, TellsWhyRunsFailed) {
     EXPECT_EQ(r.out, "") << "nothing is complete";
 }
 
+TEST_F(SweepCommand, ARunThatIsKilledFailsAlone) {
+    const std::string err = at("err").string(); // a second of CPU time for every process: enough for the campaign's own
+    const std::string line = "ulimit -t 1; " FLOTILLA_COMMAND
+                             " sweep boats-in-bowl --bodies 102 --steps 100000 --vary friction=0.1 --threads 1" +
+                             to("out") + " >/dev/null 2>" + err;
+    const int status = std::system(line.c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 1);
+    const std::string text = io::read_text(err);
+    EXPECT_NE(text.find("friction=0.1@boats-in-bowl: failed (1): ended by signal"), std::string::npos) << text;
+    EXPECT_TRUE(fs::exists(at("out") / "sweep.html"));
+}
+
 } // namespace
 } // namespace flotilla::test

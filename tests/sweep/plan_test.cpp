@@ -66,6 +66,16 @@ TEST_F(SweepPlan, CoversTheSameTimeAtEveryTimeStep) {
     EXPECT_EQ(p.base, 1u);
 }
 
+TEST_F(SweepPlan, WritesEveryFrameOfAReferenceWhoseTimesOthersDoNotShare) {
+    options_.reference = "accurate";
+    const Plan p = plan({{"dt", {"0.02", "0.01"}}});
+    EXPECT_EQ(p.members.back().run.frame_every, 4);
+    const Plan other = plan({{"dt", {"0.015", "0.01"}}});
+    EXPECT_EQ(other.members[0].run.frame_every, 1);
+    EXPECT_EQ(other.members[1].run.frame_every, 2);
+    EXPECT_EQ(other.members.back().run.frame_every, 1) << "poses between its frames are interpolated";
+}
+
 TEST_F(SweepPlan, TakesAReferenceThatIsAmongThePoints) {
     options_.reference = "accurate";
     const Plan p = plan({{"preset", {"preview", "accurate"}}});
