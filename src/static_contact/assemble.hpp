@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "static_contact/solve_contacts.hpp"
+#include "static_contact/solver_state.hpp"
 
 namespace flotilla {
 

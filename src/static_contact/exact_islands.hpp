@@ -3,7 +3,7 @@
 // different masses stand on one another, in chains, in long stacks and with thin bodies, and those are small.
 #pragma once
 
-#include "static_contact/solve_contacts.hpp"
+#include "static_contact/solver_state.hpp"
 
 namespace flotilla {
 

@@ -2,7 +2,7 @@
 // The kinetic energy of an island, by which solves that add energy are told.
 #pragma once
 
-#include "static_contact/solve_contacts.hpp"
+#include "static_contact/solver_state.hpp"
 
 namespace flotilla {
 

@@ -7,7 +7,7 @@
 
 #include "static_contact/assemble.hpp"
 #include "static_contact/island_energy.hpp"
-#include "static_contact/packet_shares.hpp"
+#include "static_contact/sweep_engine.hpp"
 #include "static_contact/sweep_island.hpp"
 
 namespace flotilla {
@@ -110,121 +110,44 @@ void pack_level(const ContactSolveOptions& options, ContactScratch& s) {
              [&](std::size_t p) { fill_packet(s.shock_blocks, s.shock_rows, p, s.shock_packed); });
 }
 
-/// The sweeps of one level, in shares for several threads (see sweep_island.cpp).
-class LevelSweeps {
-  public:
-    LevelSweeps(const ContactSolveOptions& options, double tolerance, int threads, ContactScratch& s)
-        : options_(options),
-          tolerance_(tolerance),
-          threads_(threads),
-          s_(s),
-          seen_(threads > 1 ? std::span(s.seen) : std::span(&alone_, 1)),
-          recorder_(options.team != nullptr ? options.team->recorder() : nullptr) {
-        if (recorder_ != nullptr) busy_.assign(index(threads) * s.shock_groups.size(), 0);
-    }
-
-    void run() {
-        double before = std::numeric_limits<double>::infinity();
-        while (sweeps_ < options_.shock_iterations) {
-            violation_ = sweep_groups();
-            ++sweeps_;
-            if (violation_ <= tolerance_) break;
-            if (sweeps_ % kPatience != 0) continue;
-            if (violation_ > kLeastFall * before) break;
-            before = violation_;
-        }
-    }
-    void record(std::int32_t region) const {
-        for (std::size_t g = 0; g < s_.shock_groups.size(); ++g) {
-            GroupSpan span{region, packets_of(g).num_tasks(), sweeps_, 0};
-            for (std::size_t t = 0; t < index(threads_); ++t) span.busy += busy_[t * s_.shock_groups.size() + g];
-            recorder_->add_group(span);
-        }
-    }
-    [[nodiscard]] std::int64_t visits() const { return sweeps_ * static_cast<std::int64_t>(s_.shock_rows.size()); }
-    [[nodiscard]] double violation() const {
-        return violation_;
-    } ///< m/s, largest of the last sweep, each row's at its turn
-    /// m/s, largest that the sweeps left.
-    [[nodiscard]] double residual() {
-        return largest_of(1, [&](std::size_t, int thread) {
-            const std::span<const ContactPacket> all = s_.shock_packed.packets;
-            return largest_violation(cone_of(s_), view_of(share_of(all, thread, threads_)), options_.isa);
-        });
-    }
-
-  private:
-    double sweep_groups() {
-        return largest_of(s_.shock_groups.size(), [&](std::size_t g, int thread) {
-            const std::int64_t begin = recorder_ != nullptr ? recorder_->now() : 0;
-            const double worst = sweep(cone_of(s_), view_of(packets_of(g).share(thread, threads_)), options_.isa);
-            if (recorder_ != nullptr) busy_[index(thread) * s_.shock_groups.size() + g] += recorder_->now() - begin;
-            return worst;
-        });
-    }
-    /// Of what found(phase, share) returns.
-    template <class Found>
-    double largest_of(std::size_t phases, Found&& found) {
-        for (auto& seen : seen_) seen.worst = 0;
-        for_phases(options_.team, threads_, phases, [&](std::size_t phase, int thread) {
-            double& worst = seen_[index(thread)].worst;
-            worst = std::max(worst, found(phase, thread));
-        });
-        double out = 0;
-        for (const auto& seen : seen_) out = std::max(out, seen.worst);
-        return out;
-    }
-    [[nodiscard]] SweepView view_of(std::span<const ContactPacket> packets) const {
-        return {.packets = packets.data(),
-                .num_packets = static_cast<std::int64_t>(packets.size()),
-                .rows = s_.shock_packed.rows.data(),
-                .normal_rows = s_.shock_packed.normal_rows.data(),
-                .bodies = s_.velocity.data()};
-    }
-    [[nodiscard]] GroupPackets packets_of(std::size_t group) const {
-        const std::span<const ContactPacket> all = s_.shock_packed.packets;
-        return flotilla::packets_of(s_.shock_groups, group, static_cast<std::int32_t>(all.size()), all);
-    }
-
-    const ContactSolveOptions& options_;
-    double tolerance_;
-    int threads_;
-    ContactScratch& s_;
-    ContactScratch::Seen alone_;
-    std::span<ContactScratch::Seen> seen_; ///< by thread
-    TaskRecorder* recorder_;
-    int sweeps_ = 0;
-    double violation_ = 0;
-    std::vector<std::int64_t> busy_; ///< ns, by thread and group
-};
-
 /// Violations of a level's contacts, m/s.
 struct LevelLeft {
-    double last_sweep = 0, residual = 0;
+    double last_sweep = 0; ///< each row's at its turn
+    double residual = 0;   ///< that the sweeps left
 };
 
 // Sweeps the level that was packed. `together`: on the whole team.
 LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions& options, double tolerance,
                       bool together, ContactScratch& s) {
-    const auto width = [&](int most) {
-        const auto end = static_cast<std::int32_t>(s.shock_packed.packets.size());
-        return sweep_width_of(s.shock_groups, end, s.shock_packed.packets, most);
-    };
-    const int threads = together ? width(options.team->present()) : 1;
-    if (threads > 1) s.seen.assign(index(threads), {});
-    LevelSweeps sweeps(options, tolerance, threads, s);
-    TaskRecorder* recorder = together ? options.team->recorder() : nullptr;
-    const std::int32_t region = recorder != nullptr
-                                    ? recorder->begin_region("shock sweeps", RegionKind::sweeps,
-                                                             width(std::numeric_limits<int>::max()), nullptr)
-                                    : -1;
-    sweeps.run();
-    if (recorder != nullptr) {
-        sweeps.record(region);
-        recorder->end_region(region);
-    }
-    island.visits += sweeps.visits();
-    return {sweeps.violation(), sweeps.residual()};
+    const std::span<const ContactPacket> packets = s.shock_packed.packets;
+    const auto end = static_cast<std::int32_t>(packets.size());
+    const auto width = [&](int most) { return sweep_width_of(s.shock_groups, end, packets, most); };
+    Sharing sharing(together ? options.team : nullptr, "shock sweeps", width, s.shock_groups.size(), s);
+    SweepEngine engine({.view = {.rows = s.shock_packed.rows.data(),
+                                 .normal_rows = s.shock_packed.normal_rows.data(),
+                                 .bodies = s.velocity.data()},
+                        .packets = packets,
+                        .end = end,
+                        .groups = s.shock_groups},
+                       sharing.crew(), cone_of(s), options.isa, s);
+    LevelLeft left;
+    double before = std::numeric_limits<double>::infinity();
+    const int sweeps = engine.run(options.shock_iterations, [&](int done, double worst) {
+        left.last_sweep = worst;
+        if (worst <= tolerance) return AfterSweep::done;
+        if (done % kPatience != 0) return AfterSweep::go_on;
+        if (worst > kLeastFall * before) return AfterSweep::done;
+        before = worst;
+        return AfterSweep::go_on;
+    });
+    sharing.record().end([&](std::size_t g) { return engine.packets_of(g).num_tasks(); },
+                         [&](std::size_t) { return sweeps; });
+    island.visits += sweeps * static_cast<std::int64_t>(s.shock_rows.size());
+    left.residual = engine.largest(1, [&](std::size_t, int share) {
+        return largest_violation(engine.cone(), engine.view(share_of(packets, share, engine.crew().shares)),
+                                 options.isa);
+    });
+    return left;
 }
 
 // Solves level by level; false, and no further, where a level of a resting island ends above the tolerance. What one level leaves stays:

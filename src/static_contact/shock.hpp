@@ -8,7 +8,7 @@
 // bounds of PGS, because a frozen body feels no weight and its contacts' new normal impulses are too small.
 #pragma once
 
-#include "static_contact/solve_contacts.hpp"
+#include "static_contact/solver_state.hpp"
 
 namespace flotilla {
 

@@ -4,10 +4,7 @@
 // and what they change at the border of their part shows in the next look at the whole island.
 #pragma once
 
-#include <span>
-
-#include "parallel/team.hpp"
-#include "static_contact/solve_contacts.hpp"
+#include "static_contact/sweep_engine.hpp"
 
 namespace flotilla {
 
@@ -19,21 +16,19 @@ void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& scra
 /// would hand the same load to and fro. False where there are none, or too many of the island's.
 bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& scratch);
 
-/// Who sweeps.
-struct Sweeper {
-    Team* team;
-    int threads = 1;
-    std::span<ContactScratch::Seen> seen; ///< by share
-    TaskRecorder* recorder = nullptr;
-    std::span<std::int64_t> busy; ///< ns, of share k at k * busy_stride; counted where there is a recorder
-    std::size_t busy_stride = 0;
-};
-
-/// Sweeps them, without momentum or with a sequence of their own, until a sweep meets no violation above the tolerance, `most` times or
-/// a hundred times. `view` says what violations are let off. Returns the number of sweeps. The number of threads changes no bit. The
+/// Sweeps them by the crew of the whole island's engine, without momentum or with a sequence of their own, until a sweep meets no violation
+/// above the tolerance, `most` times or a hundred times. Returns the number of sweeps. The number of threads changes no bit. The
 /// next sweep of the island must do without momentum.
-int sweep_unsolved(const Sweeper& sweeper, Cone cone, const ContactSolveOptions& options, bool momentum,
-                   std::int64_t most, const SweepView& view, ContactScratch& scratch);
+int sweep_unsolved(const SweepEngine& whole, double tolerance, bool momentum, std::int64_t most,
+                   ContactScratch& scratch);
+
+/// Groups of an island's record behind those of its packets: the loops over bodies, a task per sum of them; the looks; the choice of
+/// parts; their sweeps.
+[[nodiscard]] inline std::size_t body_group(const SweepEngine& whole) { return whole.num_groups(); }
+[[nodiscard]] inline std::size_t look_group(const SweepEngine& whole) { return whole.num_groups() + 1; }
+[[nodiscard]] inline std::size_t choice_group(const SweepEngine& whole) { return whole.num_groups() + 2; }
+[[nodiscard]] inline std::size_t part_group(const SweepEngine& whole) { return whole.num_groups() + 3; }
+inline constexpr std::size_t kGroupsOfWhole = 4;
 
 /// That a sweep of the packet visits.
 [[nodiscard]] std::int64_t num_contacts(const ContactScratch& scratch, std::size_t packet);

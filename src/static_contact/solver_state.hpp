@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// What the steps of a contact solve share: its input, its options and its memory. Nothing here depends on any of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <flotilla/settings.hpp>
+
+#include "islands/coloring.hpp"
+#include "islands/contact_graph.hpp"
+#include "parallel/team.hpp"
+#include "state/contact.hpp"
+#include "static_contact/contact_packets.hpp"
+#include "static_contact/interior_point.hpp"
+
+namespace flotilla {
+
+/// Arrays by body id, all of one length.
+struct ContactBodies {
+    std::span<const Vec3> position;    ///< m, centre of mass
+    std::span<Vec3> velocity;          ///< m/s, in and out
+    std::span<Vec3> angular_velocity;  ///< rad/s, world, in and out
+    std::span<const double> inv_mass;  ///< 1/kg; 0: prescribed velocity, never written
+    std::span<const Mat3> inv_inertia; ///< 1/(kg m^2), world, symmetric; read where inv_mass > 0
+};
+
+struct ContactSolveOptions {
+    int iterations = 1000; ///< sweeps per island, >= 0 (figure 20)
+    /// m/s, L-infinity violation at which an island stops (but see rest_speed); the least of this and of its contacts' tolerances.
+    double tolerance = 1e-6;
+    bool warm_start = true; ///< start from the impulses handed in
+    bool momentum = true;   ///< carry sweeps on (sweep_engine.hpp): several times fewer of them in a pile
+    /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
+    /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
+    /// At rest an island with more than two pairs a body, which may be jammed, is not given up while the number of violated pairs falls,
+    /// but as soon as that and the residual stand for two looks. 0 switches off all of this, and what loaded contacts are let off.
+    int patience = 0;
+    /// m/s. An island rests that came with no more energy than its mass at this speed: what it has is what gravity added. Then what is
+    /// not solved yet is swept alone where it is a small part of a large island; jams are given up early, contacts in a jam that carry
+    /// much need not be as exact (sweep_island.cpp), and a shock pass stands only where it solves its levels. Under impact nothing of
+    /// this holds. 0: no island rests.
+    double rest_speed = 0;
+    bool exact = false; ///< small islands that PGS leaves unsolved are solved exactly (exact_islands.hpp)
+    bool shock = true;  ///< propagate a shock where an island is still unsolved
+    /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
+    /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
+    /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
+    int shock_iterations = 100;
+    /// cone, aligned: friction bounded by a disc, so that it is mu lambda_n in every direction. random: the paper's pyramid with keyed
+    /// tangents.
+    Tangents tangents = Tangents::cone;
+    std::uint64_t seed = 0, step = 0; ///< key of the random tangents; step: of contacts that slide
+    Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any
+    Team* team = nullptr;             ///< null: the calling thread does all; the same bits with any
+};
+
+/// Memory of the solver, owned by the caller and reused, so that a steady scene allocates nothing. What a test or a
+/// report may look at afterwards are `shocked` and `unsolved`; the rest is between one call's functions.
+struct ContactScratch {
+    std::vector<std::uint8_t> shocked;  ///< per body id: its velocity comes from a shock pass
+    std::vector<std::uint8_t> unsolved; ///< per body id: its island ended above its tolerance
+
+    struct Island {
+        std::int32_t first = 0, end = 0; ///< blocks
+        std::int32_t first_packet = 0, end_packet = 0;
+        std::int32_t first_group = 0, end_group = 0; ///< in groups
+        std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
+        int iterations = 0;
+        double residual = 0;                      ///< m/s, of the final state, with nothing let off
+        double tolerance = 0;                     ///< m/s
+        double exact_tolerance = 0;               ///< m/s, asked of an exact solve
+        double energy_before = 0, energy_pgs = 0; ///< J, kinetic
+        std::int64_t visits = 0;
+        int part_rounds = 0;
+        int factorisations = 0; ///< of the exact solve
+        bool rests = false;     ///< as ContactSolveOptions::rest_speed says
+        bool solved = false;    ///< the tolerance holds, apart from what is let off and from rounding
+        bool let_off = false;   ///< solved, but above the tolerance: loaded contacts of a resting pile
+        bool shocked = false;
+        bool cold = false; ///< the warm start was taken back
+    };
+    /// Of a body in the metric of kinetic energy, kg and kg m^2.
+    struct Weight {
+        double linear = 0, angular = 0;
+    };
+    std::vector<std::int32_t> order;         ///< contacts in (a, b, feature key) order, infinite pairs left out
+    std::vector<std::int32_t> bodies;        ///< ids of the bodies in contact, ascending
+    std::vector<std::int32_t> local;         ///< per body id: its place in `bodies`
+    std::vector<std::uint8_t> movable;       ///< per body in contact
+    std::vector<BodyPair> pairs;             ///< bodies in contact, sorted
+    std::vector<std::int32_t> first_contact; ///< per pair, into `order`; one more at the end
+    std::vector<std::uint8_t> parked;        ///< as `order`
+    std::vector<std::int32_t> num_awake;     ///< contacts of each pair that are not parked
+    std::vector<std::int32_t> color, island_of_pair, level, missing;
+    std::vector<std::int32_t> pair_order; ///< pairs by (island, colour)
+    std::vector<std::int32_t> packet_order;
+    std::vector<std::int32_t> counts, sorted;
+    std::vector<std::int32_t> region, cell, body_order; ///< of bodies in contact
+    /// Of an island's movable bodies.
+    struct Extent {
+        Vec3 low, high; ///< m
+        std::int32_t bodies = 0, numbered = 0;
+    };
+    std::vector<Extent> extents; ///< by island
+    std::vector<std::int32_t> region_of_pair, region_to_and_fro;
+    ColoringScratch coloring;
+    ContactGraphScratch graph;
+    LargeVector<BodyVelocity> velocity, start_velocity; ///< per body in contact
+    LargeVector<ContactBlock> blocks;                   ///< in `pair_order`
+    LargeVector<ContactRow> rows;
+    PackedContacts packed, shock_packed;
+    std::vector<std::int32_t> source; ///< contact of each row
+    std::vector<Island> islands;
+    std::vector<std::int32_t> island_bodies;             ///< movable, by island
+    std::vector<std::int32_t> island_of_body;            ///< per body in contact, -1: not movable
+    LargeVector<BodyVelocity> before_sweep, sweep_start; ///< per body in contact
+    LargeVector<Weight> weight;                          ///< per body in contact
+    /// Of a body's velocity since the solve began, m/s and rad/s.
+    struct Change {
+        Vec3 linear;
+        double turn = 0;
+    };
+    LargeVector<Change> change;      ///< per body in contact
+    std::vector<double> sums;        ///< parts of sums, at the place of their first body in island_bodies
+    std::vector<PacketGroup> groups; ///< by island
+    std::vector<std::int32_t> small_islands;
+    /// What a share of a sweep or a look found.
+    struct alignas(64) Seen {
+        double worst = 0;    ///< m/s
+        double residual = 0; ///< m/s
+        int violated = 0;    ///< pairs
+    };
+    std::vector<Seen> seen; ///< by share
+    std::vector<std::uint8_t>
+        violated; ///< per packet, a bit for each pair: what the last look at a resting island found
+    /// The part of a large island that is not solved yet (unsolved_part.hpp).
+    struct Unsolved {
+        std::vector<std::uint8_t> near, chosen; ///< per body in contact: of a pair violated so far; of a chosen packet
+        std::vector<std::int32_t> bodies;       ///< the chosen movable ones
+        std::vector<ContactPacket> packets;     ///< copies of the chosen ones
+        std::vector<PacketGroup> groups;
+        std::vector<double> sums;  ///< parts of a sum over the bodies
+        std::int64_t contacts = 0; ///< that a sweep of them visits
+    };
+    Unsolved part;
+    /// What a thread needs to solve an island exactly.
+    struct ExactSolve {
+        std::vector<ConeBody> bodies;
+        std::vector<ConeContact> contacts;
+        std::vector<Vec3> impulses, swept; ///< N s, contact frames; those of the sweeps
+        ConeScratch scratch;
+    };
+    std::vector<ExactSolve> exact;                         ///< by thread
+    std::vector<std::int32_t> exact_body;                  ///< per body in contact: its number in its island's problem
+    std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
+    LargeVector<ContactBlock> shock_blocks;                ///< of one level
+    LargeVector<ContactRow> shock_rows;
+    std::vector<PacketGroup> shock_groups; ///< of one level
+    LargeVector<BodyVelocity> before_shock;
+};
+
+} // namespace flotilla

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/sweep_engine.hpp"
+
+#include <cmath>
+
+namespace flotilla {
+namespace {
+
+constexpr double kMostMomentum = 0.9;
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+} // namespace
+
+std::int64_t SweepRecord::busy(std::size_t group) const {
+    std::int64_t sum = 0;
+    for (std::size_t k = group; k < busy_.size(); k += groups_) sum += busy_[k];
+    return sum;
+}
+
+double SweepEngine::Momentum::next(bool restart) {
+    const double next = (1 + std::sqrt(1 + 4 * theta_ * theta_)) / 2;
+    const double m = restart ? 0.0 : std::min(kMostMomentum, (theta_ - 1) / next);
+    theta_ = restart ? 1.0 : next;
+    return m;
+}
+
+void SweepEngine::move_on(int share, double m) {
+    for_bodies(share, [&](std::span<const std::int32_t> bodies, double&) {
+        for (const std::int32_t body : bodies) {
+            BodyVelocity &v = s_.velocity[index(body)], &before = s_.before_sweep[index(body)];
+            const BodyVelocity x = v;
+            if (m != 0) { // else nothing may be known of the sweep before
+                v.linear = x.linear + m * (x.linear - before.linear);
+                v.angular = x.angular + m * (x.angular - before.angular);
+            }
+            before = x;
+            s_.sweep_start[index(body)] = v;
+        }
+    });
+}
+
+void SweepEngine::add_up(int share) {
+    for_bodies(share, [&](std::span<const std::int32_t> bodies, double& sum) {
+        double parts = 0;
+        for (const std::int32_t body : bodies) {
+            const BodyVelocity &x = s_.velocity[index(body)], &y = s_.sweep_start[index(body)],
+                               &before = s_.before_sweep[index(body)];
+            const ContactScratch::Weight& w = s_.weight[index(body)];
+            parts += w.linear * dot(y.linear - x.linear, x.linear - before.linear) +
+                     w.angular * dot(y.angular - x.angular, x.angular - before.angular);
+        }
+        sum = parts;
+    });
+}
+
+bool SweepEngine::turned_back() const {
+    double sum = 0;
+    for (const double part : set_.sums) sum += part;
+    return sum > 0;
+}
+
+SweepView SweepEngine::view(std::span<const ContactPacket> packets, double momentum) const {
+    SweepView view = set_.view;
+    view.packets = packets.data();
+    view.num_packets = static_cast<std::int64_t>(packets.size());
+    view.momentum = momentum;
+    return view;
+}
+
+double SweepEngine::sweep(double m) {
+    const std::size_t before = set_.momentum ? 1 : 0;
+    return largest(num_groups() + 2 * before, [&](std::size_t phase, int share) {
+        double worst = 0;
+        if (phase < before) {
+            move_on(share, m);
+        } else if (phase - before == num_groups()) {
+            add_up(share);
+        } else {
+            timed(share, phase - before, [&] {
+                const auto packets = packets_of(phase - before).share(share, crew_.shares);
+                worst = flotilla::sweep(cone_, view(packets, m), isa_);
+            });
+        }
+        return worst;
+    });
+}
+
+void SweepEngine::apply_impulses() {
+    for_phases(num_groups(), [&](std::size_t g, int share) {
+        flotilla::apply_impulses(cone_, view(packets_of(g).share(share, crew_.shares)), isa_);
+    });
+}
+
+} // namespace flotilla

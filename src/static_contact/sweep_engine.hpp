@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+// Projected Gauss-Seidel (paper, section 4.3.2, eqs 15-22), carried on by Nesterov's momentum, over any set of packets: a whole island
+// (sweep_island.hpp), the part of it that is not solved yet (unsolved_part.hpp), a level of a shock pass (shock.hpp). Those differ in
+// what they do after a sweep and in when they end, and nothing else.
+//
+// One sweep maps impulses and velocities y to x(y). Plain Gauss-Seidel goes on from x. Here the next sweep starts from
+//   y = x + m (x - x_before),  m = (theta - 1) / theta_next,  theta_next = (1 + sqrt(1 + 4 theta^2)) / 2,
+// impulses and velocities alike, so that the velocities stay those of the impulses. m is at most kMostMomentum, which makes slow
+// modes 1 / (1 - m) times faster and leaves the fast ones bounded, and starts anew at 0 (theta = 1) where the way
+// turns back: (y - x) . (x - x_before) > 0 in the metric of kinetic energy (O'Donoghue and Candes 2015), or the residual
+// rises. The sum runs over the bodies in one order. What a solve leaves behind is always some x: within the bounds of eqs 17-20.
+//
+// The law with friction is no minimum of anything, so nothing is proved about m > 0; a plain sweep after every restart and the
+// residual at the end decide.
+//
+// Sweeps run in shares for several threads. Decisions fall between phases, on the calling thread, and rest on what does not depend on the
+// number of shares: packets of one colour touch different bodies, sums of bodies are cut at fixed places and added up in their order,
+// and the rest are maxima.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "parallel/team.hpp"
+#include "static_contact/packet_shares.hpp"
+#include "static_contact/solver_state.hpp"
+
+namespace flotilla {
+
+/// Bodies whose parts of a sum are added up by one thread: sums are cut there, whatever the number of threads.
+inline constexpr std::size_t kBodiesPerSum = 64;
+[[nodiscard]] constexpr std::size_t num_sums(std::size_t bodies) {
+    return (bodies + kBodiesPerSum - 1) / kBodiesPerSum;
+}
+
+/// What sweeps show of themselves in a recording: ns by share and group, in one region. Without a recorder nothing is kept.
+class SweepRecord {
+  public:
+    /// width(most): how many threads, at most `most`, the sweeps are worth.
+    template <class Width>
+    SweepRecord(TaskRecorder* recorder, const char* name, Width&& width, int shares, std::size_t groups)
+        : recorder_(recorder), groups_(groups) {
+        if (recorder_ == nullptr) return;
+        region_ = recorder_->begin_region(name, RegionKind::sweeps, width(std::numeric_limits<int>::max()), nullptr);
+        busy_.assign(static_cast<std::size_t>(shares) * groups, 0);
+    }
+
+    /// Does the work and adds its time to a group.
+    template <class Work>
+    void timed(int share, std::size_t group, Work&& work) {
+        if (recorder_ == nullptr) return work();
+        const std::int64_t begin = recorder_->now();
+        work();
+        busy_[static_cast<std::size_t>(share) * groups_ + group] += recorder_->now() - begin;
+    }
+    /// Ends the region. tasks(group) could be done side by side, visits(group) times.
+    template <class Tasks, class Visits>
+    void end(Tasks&& tasks, Visits&& visits) {
+        if (recorder_ == nullptr) return;
+        for (std::size_t g = 0; g < groups_; ++g)
+            recorder_->add_group({region_, static_cast<std::int32_t>(tasks(g)), visits(g), busy(g)});
+        recorder_->end_region(region_);
+    }
+
+  private:
+    [[nodiscard]] std::int64_t busy(std::size_t group) const;
+
+    TaskRecorder* recorder_;
+    std::int32_t region_ = -1;
+    std::size_t groups_;
+    std::vector<std::int64_t> busy_;
+};
+
+/// Who sweeps: shares of a team, or the calling thread alone.
+struct SweepCrew {
+    Team* team = nullptr;
+    int shares = 1;
+    std::span<ContactScratch::Seen> seen{}; ///< by share
+    SweepRecord* record = nullptr;
+    std::size_t record_group = 0; ///< of the first group
+    bool one_group = false;       ///< everything is recorded as that group
+};
+
+/// A crew of as many of the team as sweeps are worth, with its record; without a team the calling thread alone, unrecorded. One with
+/// several shares at a time.
+class Sharing {
+  public:
+    template <class Width>
+    Sharing(Team* team, const char* name, Width&& width, std::size_t record_groups, ContactScratch& s)
+        : crew_{team, team != nullptr ? width(team->present()) : 1},
+          record_(team != nullptr ? team->recorder() : nullptr, name, width, crew_.shares, record_groups) {
+        if (crew_.shares > 1) s.seen.assign(static_cast<std::size_t>(crew_.shares), {});
+        crew_.seen = crew_.shares > 1 ? std::span(s.seen) : std::span(&alone_, 1);
+        crew_.record = &record_;
+    }
+    Sharing(const Sharing&) = delete;
+    Sharing& operator=(const Sharing&) = delete;
+
+    [[nodiscard]] const SweepCrew& crew() const { return crew_; }
+    [[nodiscard]] SweepRecord& record() { return record_; }
+
+  private:
+    ContactScratch::Seen alone_;
+    SweepCrew crew_;
+    SweepRecord record_;
+};
+
+/// What is swept.
+struct SweepSet {
+    SweepView view;                         ///< rows, bodies and what violations are let off
+    std::span<const ContactPacket> packets; ///< that groups count
+    std::int32_t end = 0;                   ///< of the last group
+    std::span<const PacketGroup> groups;
+    bool momentum = false;                  ///< carries these on:
+    std::span<const std::int32_t> bodies{}; ///< movable, ascending or as chosen
+    std::span<double> sums{};               ///< num_sums(bodies.size())
+};
+
+/// What is to be done after a sweep; restart: go on without momentum.
+enum class AfterSweep : std::uint8_t { go_on, restart, done };
+
+class SweepEngine {
+  public:
+    SweepEngine(const SweepSet& set, const SweepCrew& crew, Cone cone, Isa isa, ContactScratch& scratch)
+        : set_(set), crew_(crew), cone_(cone), isa_(isa), s_(scratch) {}
+
+    /// Sweeps until after(sweeps, largest violation met, m/s) says done, at most `limit` times. Returns the number. Each row is seen at
+    /// its own turn: where all passed, the state that the sweep left may not.
+    template <class After>
+    int run(int limit, After&& after) {
+        Momentum momentum;
+        double m = 0;
+        int sweeps = 0;
+        for (bool done = false; !done && sweeps < limit;) {
+            const double worst = sweep(m);
+            const AfterSweep next = after(++sweeps, worst);
+            done = next == AfterSweep::done;
+            if (set_.momentum) m = momentum.next(next == AfterSweep::restart || turned_back());
+        }
+        return sweeps;
+    }
+    /// Adds the effect of the impulses that the rows hold.
+    void apply_impulses();
+
+    /// The largest of what found(phase, share) returns in all shares of the phases, one after the other.
+    template <class Found>
+    double largest(std::size_t phases, Found&& found) {
+        for (auto& seen : crew_.seen) seen.worst = 0;
+        for_phases(phases, [&](std::size_t phase, int share) {
+            double& worst = crew_.seen[static_cast<std::size_t>(share)].worst;
+            worst = std::max(worst, found(phase, share));
+        });
+        double worst = 0;
+        for (const auto& seen : crew_.seen) worst = std::max(worst, seen.worst);
+        return worst;
+    }
+    template <class Work>
+    void for_phases(std::size_t phases, Work&& work) {
+        flotilla::for_phases(crew_.team, crew_.shares, phases, work);
+    }
+    /// Calls work(bodies, sum) for this share's stretches of the bodies.
+    template <class Work>
+    void for_bodies(int share, Work&& work) {
+        timed(share, set_.groups.size(), [&] {
+            const auto cut = [&](int at) {
+                return set_.sums.size() * static_cast<std::size_t>(at) / static_cast<std::size_t>(crew_.shares);
+            };
+            for (std::size_t k = cut(share); k < cut(share + 1); ++k) {
+                const std::size_t begin = k * kBodiesPerSum;
+                work(set_.bodies.subspan(begin, std::min(kBodiesPerSum, set_.bodies.size() - begin)), set_.sums[k]);
+            }
+        });
+    }
+    template <class Work>
+    void timed(int share, std::size_t group, Work&& work) {
+        crew_.record->timed(share, crew_.record_group + (crew_.one_group ? 0 : group), work);
+    }
+
+    [[nodiscard]] SweepView view(std::span<const ContactPacket> packets, double momentum = 0) const;
+    [[nodiscard]] GroupPackets packets_of(std::size_t group) const {
+        return flotilla::packets_of(set_.groups, group, set_.end, set_.packets);
+    }
+    [[nodiscard]] const SweepCrew& crew() const { return crew_; }
+    [[nodiscard]] std::size_t num_groups() const { return set_.groups.size(); }
+    [[nodiscard]] Cone cone() const { return cone_; }
+    [[nodiscard]] Isa isa() const { return isa_; }
+
+  private:
+    /// The sequence of m.
+    class Momentum {
+      public:
+        /// The m of the next sweep: 0 after a restart.
+        double next(bool restart);
+
+      private:
+        double theta_ = 1;
+    };
+    double sweep(double m);
+    /// Remembers the velocities x of the bodies and moves them on to y.
+    void move_on(int share, double m);
+    /// The sums of (y - x) . (x - x_before), twice the energy of the product; a body turns with its mean inertia.
+    void add_up(int share);
+    [[nodiscard]] bool turned_back() const;
+
+    SweepSet set_;
+    SweepCrew crew_;
+    Cone cone_;
+    Isa isa_;
+    ContactScratch& s_;
+};
+
+} // namespace flotilla
