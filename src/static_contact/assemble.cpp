@@ -167,15 +167,16 @@ void sort_by_region_to_and_fro(std::int32_t most_regions, ContactScratch& s) {
     stable_sort_by_key(s.region_to_and_fro, most_regions, s.pair_order, s.counts, s.sorted);
 }
 
-bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& bodies, double tolerance,
-               const ContactScratch& s) {
+bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& bodies,
+               const ContactSolveOptions& options, const ContactScratch& s) {
     if (warm_impulse != Vec3{}) return false;
     const std::size_t a = index(c.a), b = index(c.b);
     const auto velocity_of = [&](std::size_t body) {
         const BodyVelocity& v = s.velocity[index(s.local[body])];
         return v.linear + cross(v.angular, c.point - bodies.position[body]);
     };
-    return c.target < -kParkedMargin * std::min(c.tolerance, tolerance) - length(velocity_of(b) - velocity_of(a));
+    const double margin = options.tuning.parked_margin * std::min(c.tolerance, options.tolerance);
+    return c.target < -margin - length(velocity_of(b) - velocity_of(a));
 }
 
 constexpr std::size_t kPairGrain = 32; // body pairs of a task
@@ -189,8 +190,7 @@ void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodie
         s.num_awake[p] = 0;
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
             const std::size_t c = index(s.order[index(i)]);
-            s.parked[index(i)] =
-                is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies, options.tolerance, s);
+            s.parked[index(i)] = is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies, options, s);
             s.num_awake[p] += s.parked[index(i)] ? 0 : 1;
         }
     });
@@ -216,7 +216,7 @@ int order_pairs(std::span<const Contact> contacts, const ContactBodies& bodies, 
         const BodyPair& p = s.pairs[k];
         s.region_of_pair[k] = s.region[index(s.movable[index(p.a)] ? p.a : p.b)];
     }
-    if (most_regions > 1) sort_by_region_to_and_fro(most_regions, s);
+    if (most_regions > 1 && options.tuning.to_and_fro) sort_by_region_to_and_fro(most_regions, s);
     stable_sort_by_key(s.missing, most + 1, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.color, num_colors, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.island_of_pair, num_islands, s.pair_order, s.counts, s.sorted);

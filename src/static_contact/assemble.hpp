@@ -13,10 +13,6 @@ namespace flotilla {
 void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::vector<std::int32_t>& order,
                         std::vector<std::int32_t>& counts, std::vector<std::int32_t>& sorted);
 
-/// In tolerances. A contact without impulse is parked where its gap is wider by this than what the bodies would cross in the step. As
-/// long as the velocities of its points changed by less against each other since then, it holds.
-inline constexpr double kParkedMargin = 25;
-
 /// The friction bound that goes with the options' tangents; none where no contact has friction.
 inline Cone cone_of(const ContactSolveOptions& options, const ContactScratch& scratch) {
     if (scratch.packed.frictionless) return Cone::none;

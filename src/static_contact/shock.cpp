@@ -42,10 +42,6 @@ ContactBlock freeze(ContactBlock block, bool a, bool b) {
     return block;
 }
 
-// A level of bodies that touch at many points may have no solution with what lies below it frozen; its sweeps end where the
-// violation they meet fell by less than a fifth in twenty of them.
-constexpr int kPatience = 20;
-constexpr double kLeastFall = 0.8;
 constexpr std::size_t kBlockGrain = 32; // body pairs of a task
 
 void restore(const ContactScratch::Island& island, ContactScratch& s) {
@@ -129,14 +125,14 @@ LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions&
                         .packets = packets,
                         .end = end,
                         .groups = s.shock_groups},
-                       sharing.crew(), cone_of(s), options.isa, s);
+                       sharing.crew(), cone_of(s), options, s);
     LevelLeft left;
     double before = std::numeric_limits<double>::infinity();
     const int sweeps = engine.run(options.shock_iterations, [&](int done, double worst) {
         left.last_sweep = worst;
         if (worst <= tolerance) return AfterSweep::done;
-        if (done % kPatience != 0) return AfterSweep::go_on;
-        if (worst > kLeastFall * before) return AfterSweep::done;
+        if (done % options.tuning.level_patience != 0) return AfterSweep::go_on;
+        if (worst > options.tuning.least_fall * before) return AfterSweep::done;
         before = worst;
         return AfterSweep::go_on;
     });

@@ -72,13 +72,6 @@ double mean_speed(const Island& island, const ContactScratch& s) {
     return std::sqrt(2 * island.energy_before / mass);
 }
 
-/// An exact solve starts from what so many sweeps find, and is not needed where that is all.
-constexpr int kSweepsBeforeExact = 20, kSweepsOfMany = 60;
-/// Bodies whose factorisation, some 72 n^3 operations, costs less than so few sweeps over the eight or so contacts of each.
-constexpr std::int32_t kBodiesFactorisedSoon = 8;
-
-constexpr double kRounding = 0x1p-40; ///< of energies, far more than that of their sums
-
 // A warm start pushes where impulses of the past are too large, and momentum may carry too far; sweeps that end unfinished do not
 // take all of it back. Sweeps go down 1/2 l W l + l (u - target), which is zero without impulses: where what is prescribed rests, an
 // island has gained no more energy than the work of its targets. One that came out with more is solved again from zero, and then
@@ -86,6 +79,7 @@ constexpr double kRounding = 0x1p-40; ///< of energies, far more than that of th
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
     ContactSolveOptions options = of_all;
     options.tolerance = island.tolerance;
+    const ContactTuning& tuning = options.tuning;
     island.energy_before = kinetic_energy(island, bodies, s);
     const double speed = mean_speed(island, s);
     island.rests = options.rest_speed > 0 && speed <= options.rest_speed;
@@ -93,8 +87,9 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
         island.exact_tolerance = kExactShare * island.tolerance;
         const bool few = contacts_of(island, s) <= kFewContacts;
         // One of many bodies that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand of them.
-        const bool soon = island.rests || island.end_body - island.first_body <= kBodiesFactorisedSoon;
-        if (soon) options.iterations = std::min(options.iterations, few ? kSweepsBeforeExact : kSweepsOfMany);
+        const bool soon = island.rests || island.end_body - island.first_body <= tuning.bodies_factorised_soon;
+        if (soon)
+            options.iterations = std::min(options.iterations, few ? tuning.sweeps_before_exact : tuning.sweeps_of_many);
         if (soon && (few || is_slender(island)))
             island.exact_tolerance = options.tolerance = std::max(kExactShare * island.tolerance, kOfSpeed * speed);
     }
@@ -103,16 +98,16 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
         island.energy_pgs = kinetic_energy(island, bodies, s);
         return !island.solved &&
                island.energy_pgs - island.energy_before >
-                   work_of_targets(island, s) + kRounding * (island.energy_pgs + island.energy_before);
+                   work_of_targets(island, s) + tuning.energy_rounding * (island.energy_pgs + island.energy_before);
     };
     bool gained = sweep_and_measure({options.warm_start, options.momentum});
-    if (!gained || !prescribed_at_rest(island, s)) return;
+    if (!gained || tuning.retries < 1 || !prescribed_at_rest(island, s)) return;
     island.cold = options.warm_start;
     if (options.warm_start) {
         forget_warm_start(island, bodies, s);
         gained = sweep_and_measure({false, options.momentum});
     }
-    if (!gained || !options.momentum) return;
+    if (!gained || tuning.retries < 2 || !options.momentum) return;
     forget_warm_start(island, bodies, s);
     sweep_and_measure({false, false});
 }

@@ -13,6 +13,7 @@
 #include "parallel/team.hpp"
 #include "state/contact.hpp"
 #include "static_contact/contact_packets.hpp"
+#include "static_contact/contact_tuning.hpp"
 #include "static_contact/interior_point.hpp"
 
 namespace flotilla {
@@ -54,6 +55,7 @@ struct ContactSolveOptions {
     std::uint64_t seed = 0, step = 0; ///< key of the random tangents; step: of contacts that slide
     Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any
     Team* team = nullptr;             ///< null: the calling thread does all; the same bits with any
+    ContactTuning tuning{};
 };
 
 /// Memory of the solver, owned by the caller and reused, so that a steady scene allocates nothing. What a test or a

@@ -6,8 +6,6 @@
 namespace flotilla {
 namespace {
 
-constexpr double kMostMomentum = 0.9;
-
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 } // namespace
@@ -20,7 +18,7 @@ std::int64_t SweepRecord::busy(std::size_t group) const {
 
 double SweepEngine::Momentum::next(bool restart) {
     const double next = (1 + std::sqrt(1 + 4 * theta_ * theta_)) / 2;
-    const double m = restart ? 0.0 : std::min(kMostMomentum, (theta_ - 1) / next);
+    const double m = restart ? 0.0 : std::min(most_, (theta_ - 1) / next);
     theta_ = restart ? 1.0 : next;
     return m;
 }
@@ -79,7 +77,7 @@ double SweepEngine::sweep(double m) {
         } else {
             timed(share, phase - before, [&] {
                 const auto packets = packets_of(phase - before).share(share, crew_.shares);
-                worst = flotilla::sweep(cone_, view(packets, m), isa_);
+                worst = flotilla::sweep(cone_, view(packets, m), options_.isa);
             });
         }
         return worst;
@@ -88,7 +86,7 @@ double SweepEngine::sweep(double m) {
 
 void SweepEngine::apply_impulses() {
     for_phases(num_groups(), [&](std::size_t g, int share) {
-        flotilla::apply_impulses(cone_, view(packets_of(g).share(share, crew_.shares)), isa_);
+        flotilla::apply_impulses(cone_, view(packets_of(g).share(share, crew_.shares)), options_.isa);
     });
 }
 

@@ -5,8 +5,8 @@
 //
 // One sweep maps impulses and velocities y to x(y). Plain Gauss-Seidel goes on from x. Here the next sweep starts from
 //   y = x + m (x - x_before),  m = (theta - 1) / theta_next,  theta_next = (1 + sqrt(1 + 4 theta^2)) / 2,
-// impulses and velocities alike, so that the velocities stay those of the impulses. m is at most kMostMomentum, which makes slow
-// modes 1 / (1 - m) times faster and leaves the fast ones bounded, and starts anew at 0 (theta = 1) where the way
+// impulses and velocities alike, so that the velocities stay those of the impulses. m is at most ContactTuning::most_momentum,
+// which makes slow modes 1 / (1 - m) times faster and leaves the fast ones bounded, and starts anew at 0 (theta = 1) where the way
 // turns back: (y - x) . (x - x_before) > 0 in the metric of kinetic energy (O'Donoghue and Candes 2015), or the residual
 // rises. The sum runs over the bodies in one order. What a solve leaves behind is always some x: within the bounds of eqs 17-20.
 //
@@ -125,14 +125,15 @@ enum class AfterSweep : std::uint8_t { go_on, restart, done };
 
 class SweepEngine {
   public:
-    SweepEngine(const SweepSet& set, const SweepCrew& crew, Cone cone, Isa isa, ContactScratch& scratch)
-        : set_(set), crew_(crew), cone_(cone), isa_(isa), s_(scratch) {}
+    SweepEngine(const SweepSet& set, const SweepCrew& crew, Cone cone, const ContactSolveOptions& options,
+                ContactScratch& scratch)
+        : set_(set), crew_(crew), cone_(cone), options_(options), s_(scratch) {}
 
     /// Sweeps until after(sweeps, largest violation met, m/s) says done, at most `limit` times. Returns the number. Each row is seen at
     /// its own turn: where all passed, the state that the sweep left may not.
     template <class After>
     int run(int limit, After&& after) {
-        Momentum momentum;
+        Momentum momentum(options_.tuning.most_momentum);
         double m = 0;
         int sweeps = 0;
         for (bool done = false; !done && sweeps < limit;) {
@@ -187,17 +188,18 @@ class SweepEngine {
     [[nodiscard]] const SweepCrew& crew() const { return crew_; }
     [[nodiscard]] std::size_t num_groups() const { return set_.groups.size(); }
     [[nodiscard]] Cone cone() const { return cone_; }
-    [[nodiscard]] Isa isa() const { return isa_; }
+    [[nodiscard]] const ContactSolveOptions& options() const { return options_; }
 
   private:
     /// The sequence of m.
     class Momentum {
       public:
+        explicit Momentum(double most) : most_(most) {}
         /// The m of the next sweep: 0 after a restart.
         double next(bool restart);
 
       private:
-        double theta_ = 1;
+        double most_, theta_ = 1;
     };
     double sweep(double m);
     /// Remembers the velocities x of the bodies and moves them on to y.
@@ -209,7 +211,7 @@ class SweepEngine {
     SweepSet set_;
     SweepCrew crew_;
     Cone cone_;
-    Isa isa_;
+    const ContactSolveOptions& options_;
     ContactScratch& s_;
 };
 

@@ -16,25 +16,6 @@ namespace {
 using Island = ContactScratch::Island;
 using Seen = ContactScratch::Seen;
 
-/// Momentum can keep a turning error alive that never heads straight back; then the residual goes up and down.
-constexpr double kMostRise = 2;
-/// Sweeps between two looks at the residual: one costs about half a sweep.
-constexpr int kLookEvery = 10;
-/// Sweeps after which parked contacts are looked at before the first look: most that will be woken are violated by then.
-constexpr int kFirstPeek = 2, kSecondPeek = 5;
-/// An island stalls whose residual did not fall by a fifth for some time.
-constexpr double kLeastFall = 0.8;
-/// A jam: bodies that touch so many others that their impulses are not determined hand them round for ever, and one look after the other
-/// finds the residual where it was, to a hundredth. Where bodies touch few others it may also stand, but because a slow mode of many
-/// bodies (a stack that leans) is on its way.
-constexpr double kStands = 0.01, kFewer = 0.9;
-constexpr int kLooksAtJam = 2, kPairsOfJam = 2; // pairs a body
-/// In such an island a contact is let off one tolerance, of the approach or gap that it is off its target, for every so many rest speeds
-/// by which its normal impulse changes the approach, and ten at most. Deep piles were never solved without that: contacts that carry
-/// ten to a hundred times a body's weight and are some um farther off than their rest distance hand it to the others of their pair at
-/// the violation per sweep, 2e-4 of 27 m/s.
-constexpr double kLoadPerTolerance = 5, kMostLetOff = 10;
-
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 std::span<const PacketGroup> groups_of(const Island& island, const ContactScratch& s) {
@@ -52,35 +33,39 @@ struct Left {
 };
 
 /// One jam hides behind its residual what is still on its way elsewhere: the number of violated pairs must stand as well.
-bool stands(const Left& before, const Left& now) {
-    return std::abs(now.residual - before.residual) <= kStands * now.residual &&
-           now.violated >= kFewer * before.violated;
+bool stands(const Left& before, const Left& now, const ContactTuning& tuning) {
+    return std::abs(now.residual - before.residual) <= tuning.stands * now.residual &&
+           now.violated >= tuning.fewer * before.violated;
 }
 
 /// Whether the residual still falls.
 class Progress {
   public:
-    Progress(int patience, bool jams) : patience_(patience), jams_(jams) {}
+    Progress(const ContactSolveOptions& options, bool jams)
+        : tuning_(options.tuning), patience_(options.patience), jams_(jams && options.tuning.looks_at_jam > 0) {}
 
     void saw(int sweeps, const Left& left) {
-        if (left.residual <= kLeastFall * mark_.residual || left.violated < kLeastFall * mark_.violated) {
+        if (left.residual <= tuning_.least_fall * mark_.residual ||
+            left.violated < tuning_.least_fall * mark_.violated) {
             mark_ = left;
             mark_sweeps_ = sweeps;
         }
-        rose_ = left.residual > kMostRise * lowest_;
+        rose_ = left.residual > tuning_.most_rise * lowest_;
         lowest_ = rose_ ? left.residual : std::min(lowest_, left.residual);
     }
     void count_standing(const Left& left) {
-        looks_standing_ = stands(last_, left) ? looks_standing_ + 1 : 0;
+        looks_standing_ = stands(last_, left, tuning_) ? looks_standing_ + 1 : 0;
         last_ = left;
     }
     /// Once per look that found the residual far above its lowest value since the last such look.
     bool rose() { return std::exchange(rose_, false); }
     [[nodiscard]] bool stalls(int sweeps) const {
-        return patience_ > 0 && (sweeps - mark_sweeps_ >= patience_ || (jams_ && looks_standing_ >= kLooksAtJam));
+        return patience_ > 0 &&
+               (sweeps - mark_sweeps_ >= patience_ || (jams_ && looks_standing_ >= tuning_.looks_at_jam));
     }
 
   private:
+    const ContactTuning& tuning_;
     int patience_;
     bool jams_; ///< whether the island may be jammed
     Left mark_; ///< what was left when it last had fallen by so much, and when that was
@@ -96,8 +81,8 @@ struct Course {
     Progress progress;
     int whole = 0, of_parts = 0; ///< sweeps; those of parts in sweeps of the whole that cost as much
     /// Parts interrupt the momentum of the whole and leave its slow modes alone. So wherever they did not solve it at the cost of
-    /// four `wait`, they have to wait for that many sweeps of the whole, and each time for twice as many.
-    int parts_from = 0, wait = kLookEvery;
+    /// some `wait`, they have to wait for that many sweeps of the whole, and each time for more.
+    int parts_from = 0, wait = 0;
     Left left{};
 
     [[nodiscard]] int sweeps() const { return whole + of_parts; }
@@ -129,12 +114,12 @@ class IslandSweeps {
           violated_(std::span(s.violated)
                         .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
           jams_(options.patience > 0 && island.rests &&
-                index(island.end - island.first) > kPairsOfJam * bodies_.size()),
-          may_use_parts_(island.rests && is_large(island, s)),
-          course_{.progress = Progress(options.patience, jams_)},
+                index(island.end - island.first) > index(tuning().pairs_of_jam) * bodies_.size()),
+          may_use_parts_(island.rests && tuning().part_divisor > 0 && is_large(island, s)),
+          course_{.progress = Progress(options, jams_), .wait = options.tuning.look_every},
           sharing_(sharing),
-          engine_(sweep_set(), sharing.crew(), cone_of(options, s), options.isa, s) {
-        if (may_use_parts_) reserve_unsolved(island, s);
+          engine_(sweep_set(), sharing.crew(), cone_of(options, s), options, s) {
+        if (may_use_parts_) reserve_unsolved(island, tuning(), s);
     }
 
     void run() {
@@ -147,12 +132,13 @@ class IslandSweeps {
     }
 
   private:
+    [[nodiscard]] const ContactTuning& tuning() const { return options_.tuning; }
     [[nodiscard]] SweepSet sweep_set() const {
         return {.view = {.rows = s_.packed.rows.data(),
                          .normal_rows = s_.packed.normal_rows.data(),
                          .bodies = s_.velocity.data(),
                          .load_share = load_share(),
-                         .most_let_off = kMostLetOff * options_.tolerance},
+                         .most_let_off = tuning().most_let_off * options_.tolerance},
                 .packets = s_.packed.packets,
                 .end = island_.end_packet,
                 .groups = groups_of(island_, s_),
@@ -160,23 +146,25 @@ class IslandSweeps {
                 .bodies = bodies_,
                 .sums = std::span(s_.sums).subspan(index(island_.first_body), num_sums(bodies_.size()))};
     }
-    /// See kLoadPerTolerance.
+    /// See ContactTuning::load_per_tolerance.
     [[nodiscard]] double load_share() const {
-        return jams_ ? options_.tolerance / (kLoadPerTolerance * options_.rest_speed) : 0;
+        return jams_ && tuning().most_let_off > 0
+                   ? options_.tolerance / (tuning().load_per_tolerance * options_.rest_speed)
+                   : 0;
     }
 
     // A sweep that passes is confirmed on the state that it left. With momentum it also sees what the extrapolation added, so that one that
     // does not pass is looked at now and then.
     AfterSweep after_sweep(double worst) {
         ++course_.whole;
-        known_ = worst <= options_.tolerance || course_.whole % kLookEvery == 0;
+        known_ = worst <= options_.tolerance || course_.whole % tuning().look_every == 0;
         bool used_parts = false;
         if (known_) {
             look(load_share());
             course_.saw(seen_left());
             used_parts = may_use_parts_ && course_.whole >= course_.parts_from && solve_parts();
             if (course_.left.residual <= options_.tolerance) return AfterSweep::done;
-        } else if (course_.whole == kFirstPeek || course_.whole == kSecondPeek) {
+        } else if (course_.whole == tuning().first_peek || course_.whole == tuning().second_peek) {
             wake_violated();
         }
         if (course_.stalls() || course_.sweeps() >= options_.iterations) return AfterSweep::done;
@@ -262,13 +250,13 @@ class IslandSweeps {
     }
     /// Whether the velocities of the packet's bodies changed too little for any of its parked contacts to be violated.
     [[nodiscard]] bool parked_hold(std::size_t packet) const {
-        constexpr double kRoom = 0.9; // far more than rounding takes
         const ContactPacket& p = packets_[packet];
         const double reach = s_.packed.parked_reach[index(island_.first_packet) + packet];
         bool hold = true;
         for (std::size_t lane = 0; lane < kPacketLanes; ++lane) { // those without a pair repeat another's bodies
             const ContactScratch::Change &a = s_.change[index(p.a[lane])], &b = s_.change[index(p.b[lane])];
-            const double least = kRoom * kParkedMargin * options_.tolerance - reach * (a.turn + b.turn);
+            const double least =
+                tuning().parked_room * tuning().parked_margin * options_.tolerance - reach * (a.turn + b.turn);
             hold &= least > 0 && length_sq(b.linear - a.linear) < least * least;
         }
         return hold;
@@ -278,29 +266,29 @@ class IslandSweeps {
     /// after every round. Whether there was one.
     bool solve_parts() {
         bool swept = false;
-        const int most = std::min(options_.iterations, course_.sweeps() + 4 * course_.wait);
+        const int most = std::min(options_.iterations, course_.sweeps() + tuning().part_waits * course_.wait);
         while (course_.left.residual > options_.tolerance && course_.sweeps() < most && !course_.stalls() &&
                sweep_part(!swept, most - course_.sweeps())) {
             swept = true;
             look(load_share());
             const Left before = course_.left;
             course_.saw_after_part(seen_left());
-            if (stands(before, course_.left)) break;
+            if (stands(before, course_.left, tuning())) break;
         }
         if (swept) {
             course_.parts_from = course_.whole + course_.wait;
-            course_.wait *= 2;
+            course_.wait *= tuning().wait_growth;
         }
         return swept;
     }
     /// One round; false where the part is too large.
     bool sweep_part(bool anew, int most_cost) {
         bool chosen = false;
-        engine_.timed(0, choice_group(engine_), [&] { chosen = choose_unsolved(island_, anew, s_); });
+        engine_.timed(0, choice_group(engine_), [&] { chosen = choose_unsolved(island_, tuning(), anew, s_); });
         if (!chosen) return false;
         const auto part = static_cast<std::int64_t>(s_.part.packets.size());
         const auto whole = static_cast<std::int64_t>(packets_.size());
-        const int sweeps = sweep_unsolved(engine_, options_.tolerance, start_.momentum, most_cost * whole / part, s_);
+        const int sweeps = sweep_unsolved(engine_, start_.momentum, most_cost * whole / part, s_);
         island_.visits += sweeps * s_.part.contacts;
         course_.of_parts += static_cast<int>(std::max<std::int64_t>(1, sweeps * part / whole));
         part_tasks_ += sweeps * part;

@@ -6,10 +6,10 @@
 namespace flotilla {
 namespace {
 
-/// Sweeps between two looks at the whole island, of which each costs half a sweep of it.
-constexpr int kMostSweeps = 100;
-/// A part is at most the island's packets divided by this.
-constexpr std::size_t kMostPartDivisor = 8;
+std::size_t most_packets(const ContactScratch::Island& island, const ContactTuning& tuning) {
+    return static_cast<std::size_t>(island.end_packet - island.first_packet) /
+           static_cast<std::size_t>(tuning.part_divisor);
+}
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -45,9 +45,9 @@ std::int64_t num_contacts(const ContactScratch& s, std::size_t packet) {
     return contacts;
 }
 
-void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& s) {
+void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& s) {
     ContactScratch::Unsolved& part = s.part;
-    const std::size_t packets = index(island.end_packet - island.first_packet), most = packets / kMostPartDivisor;
+    const std::size_t most = most_packets(island, tuning);
     part.near.resize(s.bodies.size());
     part.chosen.resize(s.bodies.size());
     part.packets.reserve(most);
@@ -57,12 +57,12 @@ void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& s) {
     part.sums.reserve(num_sums(most_bodies));
 }
 
-bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& s) {
+bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew, ContactScratch& s) {
     ContactScratch::Unsolved& part = s.part;
     if (anew) part.near.assign(s.bodies.size(), 0);
     const std::size_t first = index(island.first_packet);
     const auto packets = std::span(s.packed.packets).subspan(first, index(island.end_packet) - first);
-    const std::size_t most = packets.size() / kMostPartDivisor;
+    const std::size_t most = most_packets(island, tuning);
     if (!mark_violated(first, index(island.end_packet), most, s)) return false;
     part.packets.clear();
     part.bodies.clear();
@@ -86,7 +86,8 @@ bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScr
     return !part.packets.empty();
 }
 
-int sweep_unsolved(const SweepEngine& whole, double tolerance, bool momentum, std::int64_t most, ContactScratch& s) {
+int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, ContactScratch& s) {
+    const ContactSolveOptions& options = whole.options();
     ContactScratch::Unsolved& part = s.part;
     const auto end = static_cast<std::int32_t>(part.packets.size());
     SweepCrew crew = whole.crew();
@@ -95,9 +96,10 @@ int sweep_unsolved(const SweepEngine& whole, double tolerance, bool momentum, st
     crew.record_group = part_group(whole);
     crew.one_group = true;
     SweepEngine engine({whole.view({}), part.packets, end, part.groups, momentum, part.bodies, part.sums}, crew,
-                       whole.cone(), whole.isa(), s);
-    return engine.run(static_cast<int>(std::min<std::int64_t>(most, kMostSweeps)),
-                      [&](int, double worst) { return worst <= tolerance ? AfterSweep::done : AfterSweep::go_on; });
+                       whole.cone(), options, s);
+    return engine.run(
+        static_cast<int>(std::min<std::int64_t>(most, options.tuning.part_sweeps)),
+        [&](int, double worst) { return worst <= options.tolerance ? AfterSweep::done : AfterSweep::go_on; });
 }
 
 } // namespace flotilla

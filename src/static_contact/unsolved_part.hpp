@@ -9,18 +9,18 @@
 namespace flotilla {
 
 /// Room for the parts of the island, so that no later call allocates.
-void reserve_unsolved(const ContactScratch::Island& island, ContactScratch& scratch);
+void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
 
 /// Copies to scratch.unsolved the packets of the island with a pair that shares a movable body with a violated pair, according to the
 /// bits in scratch.violated (see find_violated()); unless `anew`, also those chosen for earlier bits, or two neighbouring parts
 /// would hand the same load to and fro. False where there are none, or too many of the island's.
-bool choose_unsolved(const ContactScratch::Island& island, bool anew, ContactScratch& scratch);
+bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
+                     ContactScratch& scratch);
 
 /// Sweeps them by the crew of the whole island's engine, without momentum or with a sequence of their own, until a sweep meets no violation
-/// above the tolerance, `most` times or a hundred times. Returns the number of sweeps. The number of threads changes no bit. The
+/// above the tolerance, `most` times or ContactTuning::part_sweeps times. Returns the number of sweeps. The number of threads changes no bit. The
 /// next sweep of the island must do without momentum.
-int sweep_unsolved(const SweepEngine& whole, double tolerance, bool momentum, std::int64_t most,
-                   ContactScratch& scratch);
+int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, ContactScratch& scratch);
 
 /// Groups of an island's record behind those of its packets: the loops over bodies, a task per sum of them; the looks; the choice of
 /// parts; their sweeps.

@@ -14,9 +14,6 @@
 namespace flotilla {
 namespace {
 
-// Sweeps after which a solve that gets nowhere is given up, at least, and as a share of the limit: who asks for many means it.
-constexpr int kPatience = 50, kPatienceShare = 20;
-
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Appends the features to `out` that were in contact in the last step, of a pair that is near enough to where they were searched for.
@@ -244,13 +241,12 @@ void VelocityArrays::store(Team* team, const Model& model, std::span<const Vec3>
 // load to the others so slowly that the sweeps never end. So a contact within tolerance * time step of its rest distance (8 um at
 // the defaults) is at rest, and farther ones go that far. Never more than a share of the rest distance, which is that of the bodies:
 // what keeps small ones off each other must not be lost.
-double rest_band(double rest, double time_step, double tolerance) {
-    constexpr double kMostOfRest = 0.02;
-    return std::min(tolerance, kMostOfRest * rest / time_step);
+double rest_band(double rest, double time_step, double tolerance, const ContactTuning& tuning) {
+    return std::min(tolerance, tuning.most_of_rest * rest / time_step);
 }
 
-double equation_16(double rest, double distance, double time_step, double tolerance) {
-    const double target = (rest - distance) / time_step, band = rest_band(rest, time_step, tolerance);
+double equation_16(double gap, double time_step, double band) { // gap: to the rest distance, m
+    const double target = gap / time_step;
     return target > 0 ? std::max(target - band, 0.0) : std::min(target + band, 0.0);
 }
 
@@ -283,16 +279,15 @@ bool sticks(const Contact& c, double rest, double most_slip, double time_step, c
 }
 
 /// m/s, for a contact of the rest distance `rest` (Settings::static_tolerance).
-double tolerance_of(const Model& model, double rest) {
-    constexpr double kOfGravity = 1.0 / 2048, kOfRest = 1.0 / 1024;
+double tolerance_of(const Model& model, double rest, const ContactTuning& tuning) {
     const Settings& s = model.settings;
     if (s.static_tolerance >= 0) return s.static_tolerance;
-    const double moves = kOfRest * rest / s.time_step, gravity = length(model.gravity) * s.time_step;
-    return s.tolerance_share * (gravity > 0 ? std::min(moves, kOfGravity * gravity) : moves);
+    const double moves = tuning.of_rest * rest / s.time_step, gravity = length(model.gravity) * s.time_step;
+    return s.tolerance_share * (gravity > 0 ? std::min(moves, tuning.of_gravity * gravity) : moves);
 }
 
-/// Arcs of the contacts of one pair, which keep the distance `rest`.
-void arcs_of_pair(const Model& model, std::span<const Contact> pair, double rest, double angle_cos,
+/// Arcs of the contacts of one pair, whose rest distance has the given band, m.
+void arcs_of_pair(const Model& model, std::span<const Contact> pair, double band, double angle_cos,
                   const VelocityArrays& bodies, std::span<ArcContact> arcs) {
     const double dt = model.settings.time_step;
     const Contact& c = pair.front();
@@ -308,7 +303,7 @@ void arcs_of_pair(const Model& model, std::span<const Contact> pair, double rest
     const TurningPoint a = point(pair[lowest], c.a), b = point(pair[lowest], c.b);
     const TurningPoint& roller = 2 * dot(n, arc_acceleration(b.omega, b.arm)) >= arcs[lowest].apart ? b : a;
     const Vec3 way = cross(roller.omega, roller.arm), along = way - dot(way, n) * n;
-    const double speed = length(along), band = dt * rest_band(rest, dt, pair[lowest].tolerance);
+    const double speed = length(along);
     // What moves less than static contact leaves undone does not roll.
     if (!(speed * dt > band)) return;
     share_load(
@@ -339,17 +334,16 @@ double kept_approach(const Model& model, const Contact& c, std::span<const Pose>
 /// The contacts that the stage acts on, with its targets.
 void select_contacts(const Model& model, const ContactSet& set, std::span<const Pose> poses,
                      std::span<const Motion> motion, const StaticStageOptions& options, StaticStageScratch& scratch) {
-    constexpr double kMostSlip = 0.1; // of what gravity adds in a step
     const Settings& s = model.settings;
-    const double most_slip = kMostSlip * length(model.gravity) * s.time_step;
+    const double most_slip = options.tuning.most_slip * length(model.gravity) * s.time_step;
     const bool random = s.tangents == Tangents::random;
     if (random) load_last_velocities(model, motion, options, scratch);
     const double angle_cos = sin_cos(s.proximity_angle * std::numbers::pi / 180).cos;
     const auto complete = [&](std::size_t i) {
         Contact& c = scratch.selected[i];
         const ArcContact& arcs = scratch.arcs[i];
-        const double full =
-            equation_16(set.rest[i], c.distance - arcs.closer, s.time_step, c.tolerance) + arcs.approach;
+        const double band = rest_band(set.rest[i], s.time_step, c.tolerance, options.tuning);
+        const double full = equation_16(set.rest[i] - (c.distance - arcs.closer), s.time_step, band) + arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost there.
         const double together = std::clamp(-0.5 * s.time_step * arcs.apart, 0.0, set.rest[i] / s.time_step);
         const bool stays_level = !options.level.empty() && (options.level[at(c.a)] != 0 || options.level[at(c.b)] != 0);
@@ -369,10 +363,11 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
         std::size_t end = i;
         for (; end < set.size() && same_pair(i, end); ++end) {
             scratch.selected[end] = set.contacts[end];
-            scratch.selected[end].tolerance = tolerance_of(model, set.rest[end]);
+            scratch.selected[end].tolerance = tolerance_of(model, set.rest[end], options.tuning);
         }
-        arcs_of_pair(model, std::span(scratch.selected).subspan(i, end - i), set.rest[i], angle_cos, scratch.bodies,
-                     std::span(scratch.arcs).subspan(i, end - i));
+        const double band = rest_band(set.rest[i], s.time_step, scratch.selected[i].tolerance, options.tuning);
+        arcs_of_pair(model, std::span(scratch.selected).subspan(i, end - i), s.time_step * band, angle_cos,
+                     scratch.bodies, std::span(scratch.arcs).subspan(i, end - i));
         for (std::size_t j = i; j < end; ++j) complete(j);
     });
 }
@@ -388,15 +383,16 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     load_warm(options.team, scratch.selected, warm, other, options.warm_factor, scratch.impulses);
     scratch.angular_before.resize(model.size());
     for (const std::int32_t i : model.active) scratch.angular_before[at(i)] = b.angular_velocity[at(i)];
+    const ContactTuning& tuning = options.tuning;
     ContactSolveOptions solve;
+    solve.tuning = tuning;
     solve.iterations = s.static_iterations;
     solve.tolerance = std::numeric_limits<double>::infinity(); // that of the contacts
     solve.warm_start = s.warm_start;
     // Who gives a tolerance means it: then nothing but the limit of sweeps ends a solve above it.
     const bool given = s.static_tolerance >= 0 || s.tolerance_share < 1;
-    if (!given) solve.patience = std::max(kPatience, s.static_iterations / kPatienceShare);
-    constexpr double kRestSpeed = 2; // in what gravity adds in a step
-    solve.rest_speed = kRestSpeed * length(model.gravity) * s.time_step;
+    if (!given) solve.patience = std::max(tuning.patience, s.static_iterations / tuning.patience_share);
+    solve.rest_speed = tuning.rest_speed * length(model.gravity) * s.time_step;
     solve.exact = s.contact_solver == ContactSolver::exact;
     solve.shock = s.shock_propagation;
     solve.tangents = s.tangents;

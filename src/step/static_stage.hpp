@@ -85,6 +85,7 @@ struct StaticStageOptions {
     std::span<const std::uint8_t>
         level; ///< by body: contacts do not raise it to its rest distance; may be empty: of none
     Team* team = nullptr;
+    ContactTuning tuning{};
 };
 
 struct StaticStageScratch {

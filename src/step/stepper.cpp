@@ -364,7 +364,7 @@ StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<
     return solve_static_contact(model_, contacts_, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
                                 final_stage ? state_.warm_half : state_.warm_final,
                                 {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, lists_.still_version,
-                                 state_.motion, state_.pose, level_, &team_},
+                                 state_.motion, state_.pose, level_, &team_, options_.tuning},
                                 static_);
 }
 

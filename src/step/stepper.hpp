@@ -16,10 +16,11 @@
 
 namespace flotilla {
 
-/// None changes a bit of the results.
+/// None but the last changes a bit of the results.
 struct StepperOptions {
     bool keep_candidates = true; ///< and distances of body pairs, between queries: changes cost only
     TeamOptions team{};
+    ContactTuning tuning{}; ///< for measurements of what each of them is worth
 };
 
 /// Where an inner step ended, by body.

@@ -431,7 +431,7 @@ TEST(SolveContacts, AParkedContactIsNotSwept) {
         w.velocity.back() = {0, 0, -0.4};
         w.add_contact(0, body, {}, kUp, 0, i < 4 ? 0.0 : -1.0);
     }
-    constexpr double kTolerance = 1e-3, kMargin = kParkedMargin * kTolerance; // m/s
+    constexpr double kTolerance = 1e-3, kMargin = ContactTuning{}.parked_margin * kTolerance; // m/s
     const ContactSolveStats stats = w.solve({.iterations = 10, .tolerance = kTolerance});
     EXPECT_EQ(stats.visits, 4 * stats.iterations);
     for (std::size_t i = 1; i <= 8; ++i) EXPECT_EQ(w.velocity[i].z, i <= 4 ? 0 : -0.4);

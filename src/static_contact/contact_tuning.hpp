@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// Every number of static contact that changes results and that neither the paper nor a setting gives: what it is a share or a multiple
+// of, why it is as it is, and under which name bench/results/ablation.md has what happens without it.
+//
+// Nobody sets them but bench/scenarios/ablation. What the exact solver goes by is beside it (exact_islands.hpp, interior_point.hpp).
+#pragma once
+
+namespace flotilla {
+
+struct ContactTuning {
+    // --- sweeps (sweep_engine.hpp) ---
+
+    /// Of the last change of impulses and velocities, that a sweep begins with at most. Slow modes become 1 / (1 - m) times faster; beyond
+    /// 0.95 fast ones ring. Row: momentum.
+    double most_momentum = 0.9;
+    /// Times the lowest residual, at which momentum begins anew: it can keep a turning error alive that never heads straight back.
+    /// Row: rise.
+    double most_rise = 2;
+    /// Sweeps between two looks at the residual, of which one costs half a sweep. Row: looks.
+    int look_every = 10;
+    /// Sweeps after which parked contacts are looked at before the first look; 0: not. Row: peeks.
+    int first_peek = 2, second_peek = 5;
+
+    // --- giving up (sweep_island.cpp) ---
+
+    /// Sweeps in which the residual has to fall to `least_fall` of itself: so many, and this share of the limit of sweeps, for who allows many
+    /// means it. Row: patience.
+    int patience = 50, patience_share = 20;
+    double least_fall = 0.8;
+    /// A jam: bodies that touch so many others that their impulses are not determined hand them round for ever, and one look after the
+    /// other finds the residual where it was, to the share `stands`, and of the violated pairs more than `fewer`. So many looks end a
+    /// solve in an island with more than so many pairs a body; 0: none does. Where bodies touch few others the residual may also stand,
+    /// but because a slow mode of many bodies (a stack that leans) is on its way. Row: jams.
+    double stands = 0.01, fewer = 0.9;
+    int looks_at_jam = 2, pairs_of_jam = 2;
+    /// In such an island a contact is let off one tolerance, of the approach or gap that it is off its target, for every so many rest
+    /// speeds by which its normal impulse changes the approach, and `most_let_off` at most; 0: nothing. Deep piles were never solved
+    /// without that: contacts that carry ten to a hundred times a body's weight and are some um farther off than their rest distance
+    /// hand it to the others of their pair at the violation per sweep, 2e-4 of 27 m/s. Row: let-off.
+    double load_per_tolerance = 5, most_let_off = 10;
+    /// In what gravity adds in a step: an island whose mass has no more energy than at this speed rests. A body that is held up has 1
+    /// before the solve. Row: rest.
+    double rest_speed = 2;
+
+    // --- what is not swept (assemble.cpp, unsolved_part.cpp) ---
+
+    /// In tolerances. A contact without impulse is parked where its gap is wider by this than what the bodies would cross in the step. As
+    /// long as the velocities of its points changed by less against each other since then, it holds. Row: parked.
+    double parked_margin = 25;
+    /// Of that margin: far more is left than what its sums are rounded by.
+    double parked_room = 0.9;
+    /// A part that is swept alone is at most the island's packets divided by this; 0: none is. It costs less than a look then. Row: parts.
+    int part_divisor = 8;
+    /// Sweeps of a part between two looks at the whole. Row: part sweeps.
+    int part_sweeps = 100;
+    /// Parts may cost so many waits, and have to wait for as many sweeps of the whole as `look_every` at first, and after each time this
+    /// many times as long. Row: waits.
+    int part_waits = 4, wait_growth = 2;
+    /// Pairs with an even number of contacts lie by region forwards and those with an odd one backwards. Row: to and fro.
+    bool to_and_fro = true;
+
+    // --- shock propagation (shock.cpp) ---
+
+    /// Sweeps in which the violation that a level's sweeps meet has to fall to `least_fall` of itself: a level of bodies that touch at many
+    /// points may have no solution with what lies below it frozen. Row: level patience.
+    int level_patience = 20;
+
+    // --- the island's energy (solve_contacts.cpp) ---
+
+    /// How often an island that gained energy is solved again: without the warm start, then without momentum as well. Row: retries.
+    int retries = 2;
+
+    /// Of its energies, far more than what their sums are rounded by.
+    double energy_rounding = 0x1p-40;
+
+    // --- where the exact solver follows (solve_contacts.cpp, exact_islands.hpp) ---
+
+    /// An exact solve starts from what so many sweeps find, of few contacts and of many, and is not needed where that is all. Row: exact.
+    int sweeps_before_exact = 20, sweeps_of_many = 60;
+    /// Bodies whose factorisation, some 72 n^3 operations, costs less than so few sweeps over the eight or so contacts of each.
+    int bodies_factorised_soon = 8;
+
+    // --- tolerances and targets (step/static_stage.cpp) ---
+
+    /// Of the rest distance, which a target's dead band takes at most. Row: band.
+    double most_of_rest = 0.02;
+    /// Of what gravity adds in a step, and of a rest distance a step: the tolerance. Row: tolerance.
+    double of_gravity = 1.0 / 2048, of_rest = 1.0 / 1024;
+    /// Of what gravity adds in a step: contacts that slide by less keep their random tangents. Only the paper's pyramids have such.
+    double most_slip = 0.1;
+};
+
+} // namespace flotilla
