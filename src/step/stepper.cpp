@@ -192,6 +192,7 @@ StepReport Stepper::step() {
     report.time = static_cast<double>(report.step) * time_step_;
     if (model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
         before_ = {state_, turns_, activity_, inner_};
+    contact_visits_ = 0;
     inner_.resize(static_cast<std::size_t>(substeps_) - 1);
     try {
         const Stopwatch total(report.total_ms);
@@ -361,11 +362,14 @@ StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<
     // limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
-    return solve_static_contact(model_, contacts_, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
-                                final_stage ? state_.warm_half : state_.warm_final,
-                                {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, lists_.still_version,
-                                 state_.motion, state_.pose, level_, &team_, options_.tuning},
-                                static_);
+    const StaticStageStats stats =
+        solve_static_contact(model_, contacts_, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
+                             final_stage ? state_.warm_half : state_.warm_final,
+                             {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, lists_.still_version,
+                              state_.motion, state_.pose, level_, &team_, options_.tuning},
+                             static_);
+    contact_visits_ += stats.solve.visits;
+    return stats;
 }
 
 FailsafeStats Stepper::move_bodies(StepData& d, std::span<Motion> half, StepReport& report) {

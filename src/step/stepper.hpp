@@ -56,6 +56,8 @@ class Stepper {
     [[nodiscard]] const std::vector<Contact>& sleeping_contacts() const { return sleeping_contacts_; }
     /// Cluster state and cost of every body in the last step; contacts are not counted.
     [[nodiscard]] const std::vector<BodyActivity>& activity() const { return activity_; }
+    /// Contact updates of sweeps in the last step, stages 3 and 7 together.
+    [[nodiscard]] std::int64_t contact_visits() const { return contact_visits_; }
     [[nodiscard]] QueryCounters query_counters() const;
     [[nodiscard]] Team& team() { return team_; }
 
@@ -125,6 +127,7 @@ class Stepper {
     };
     StepBuffers buffers_;
     StaticStageScratch static_;
+    std::int64_t contact_visits_ = 0;
     EnergyAccount energy_;
     std::vector<Vec3> way_;            ///< m, of centres of mass in the step
     std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() did it
