@@ -13,8 +13,8 @@ struct ContactTuning {
     /// Of the last change of impulses and velocities, that a sweep begins with at most. Slow modes become 1 / (1 - m) times faster; beyond
     /// 0.95 fast ones ring. Row: momentum.
     double most_momentum = 0.9;
-    /// Times the lowest residual, at which momentum begins anew: it can keep a turning error alive that never heads straight back.
-    /// Row: rise.
+    /// Times the lowest residual, at which momentum begins anew: it can keep a turning error alive that never heads straight back. Thirty
+    /// bodies with friction then never come nearer than 0.17 m/s to a solution. Row: rise.
     double most_rise = 2;
     /// Sweeps between two looks at the residual, of which one costs half a sweep. Row: looks.
     int look_every = 10;
