@@ -100,7 +100,7 @@ CoveringList candidates(const StepData& data, Worker& worker, PairRecord& r, con
 
 /// The distance of the bodies at x^n, from the last contact search where that looked at the pair.
 double start_distance(const StepData& data, Worker& worker, PairRecord& r) {
-    if (r.start_distance < 0) {
+    if (r.start_distance < 0 || r.doubt > 0) { // paths that turn are cut by it: it must be exact
         const ProximityResult result =
             find_proximities(data.trajectories.at_start(at(r.a)), data.trajectories.at_start(at(r.b)),
                              r.lengths.proximity, data.angle_cos, {}, worker.proximity);
@@ -308,12 +308,9 @@ void record_distance(const StepData& data, PairRecord& r, const ProximityResult&
 }
 
 void record_renewed_distance(const StepData& data, PairRecord& r, double distance) {
-    r.end_distance = r.slack =
-        -1; // where nothing is known; and paths that turn are cut by the distance, which must be exact
+    r.end_distance = r.slack = -1; // where nothing is known
     r.doubt = 0;
-    if (r.candidates == nullptr || r.candidates->searched_distance < 0 ||
-        data.model.settings.trajectory == Trajectory::rigid)
-        return;
+    if (r.candidates == nullptr || r.candidates->searched_distance < 0) return;
     const PairCandidates& c = *r.candidates;
     const BodyMotion a = data.trajectories.at_end(at(r.a)), b = data.trajectories.at_end(at(r.b));
     const double moved = (1 + kRoundingRoom) * std::numbers::sqrt3 *
