@@ -16,13 +16,6 @@ std::int64_t SweepRecord::busy(std::size_t group) const {
     return sum;
 }
 
-double SweepEngine::Momentum::next(bool restart) {
-    const double next = (1 + std::sqrt(1 + 4 * theta_ * theta_)) / 2;
-    const double m = restart ? 0.0 : std::min(most_, (theta_ - 1) / next);
-    theta_ = restart ? 1.0 : next;
-    return m;
-}
-
 void SweepEngine::move_on(int share, double m) {
     for_bodies(share, [&](std::span<const std::int32_t> bodies, double&) {
         for (const std::int32_t body : bodies) {

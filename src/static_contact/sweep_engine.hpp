@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "parallel/team.hpp"
+#include "static_contact/momentum.hpp"
 #include "static_contact/packet_shares.hpp"
 #include "static_contact/solver_state.hpp"
 
@@ -192,15 +193,6 @@ class SweepEngine {
 
   private:
     /// The sequence of m.
-    class Momentum {
-      public:
-        explicit Momentum(double most) : most_(most) {}
-        /// The m of the next sweep: 0 after a restart.
-        double next(bool restart);
-
-      private:
-        double most_, theta_ = 1;
-    };
     double sweep(double m);
     /// Remembers the velocities x of the bodies and moves them on to y.
     void move_on(int share, double m);
