@@ -3,12 +3,15 @@
 // solver itself: only the relative velocity comes from W instead of bodies.
 #pragma once
 
-#include <cstring>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include <flotilla/error.hpp>
 
 #include "geometry/pack_scalar.hpp"
 
@@ -120,33 +123,51 @@ struct FrictionProblem {
     }
 };
 
+/// Numbers as they lie in a file.
+class BinaryReader {
+  public:
+    explicit BinaryReader(const std::filesystem::path& path) : path_(path), file_(path, std::ios::binary) {}
+
+    template <class T>
+    T read() {
+        T value{};
+        if (!file_.read(reinterpret_cast<char*>(&value), sizeof value))
+            throw InputError(path_.string() + " is missing or too short");
+        return value;
+    }
+    std::size_t read_index() { return static_cast<std::size_t>(read<std::int32_t>()); }
+    Vec3 read_vec() {
+        const double x = read<double>(), y = read<double>();
+        return {x, y, read<double>()};
+    }
+
+  private:
+    std::filesystem::path path_;
+    std::ifstream file_;
+};
+
 /// Reads the format of data/README: int32 nc, nblocks, mu[nc], q[3 nc], nblocks x {int32 row, col, double B[9]}.
 inline FrictionProblem read_friction_problem(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    const auto read = [&]<class T>(T value) {
-        if (!file.read(reinterpret_cast<char*>(&value), sizeof value))
-            throw std::runtime_error("short " + path.string());
-        return value;
-    };
-    const auto read_vec = [&] {
-        const double x = read(0.0), y = read(0.0);
-        return Vec3{x, y, read(0.0)};
-    };
+    BinaryReader file(path);
     FrictionProblem p;
-    const auto n = static_cast<std::size_t>(read(std::int32_t{}));
-    const std::int32_t num_blocks = read(std::int32_t{});
+    const std::size_t n = file.read_index(), num_blocks = file.read_index();
     p.contacts.resize(n);
     p.row.resize(n);
-    for (LocalContact& c : p.contacts) c.friction = read(0.0);
-    for (std::size_t i = 0; i < n; ++i) p.q.push_back(read_vec());
-    for (std::int32_t k = 0; k < num_blocks; ++k) {
-        const auto i = static_cast<std::size_t>(read(std::int32_t{}));
-        const auto j = static_cast<std::size_t>(read(std::int32_t{}));
-        const Mat3 w = read(Mat3{});
+    for (LocalContact& c : p.contacts) c.friction = file.read<double>();
+    for (std::size_t i = 0; i < n; ++i) p.q.push_back(file.read_vec());
+    for (std::size_t k = 0; k < num_blocks; ++k) {
+        const std::size_t i = file.read_index(), j = file.read_index();
+        const Mat3 w = file.read<Mat3>();
         p.row.at(i).push_back({j, w});
         if (i == j) p.set_diagonal(i, w);
     }
     return p;
+}
+
+/// Puts the reference's impulses into the problem: r[3 nc] of the .fcref beside it.
+inline void read_reference_impulses(const std::filesystem::path& path, FrictionProblem& p) {
+    BinaryReader file(path);
+    for (LocalContact& c : p.contacts) c.impulse = file.read_vec();
 }
 
 } // namespace flotilla

@@ -8,12 +8,12 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include "base/random.hpp"
 
 #include "static_contact/friction_problem.hpp"
+#include "static_contact/matrix_program.hpp"
 
 namespace flotilla {
 namespace {
@@ -496,77 +496,21 @@ TEST(InteriorPoint, IsTheSameInOtherUnits) {
     }
 }
 
-// H of the symmetric part of W, by Cholesky with the largest pivot first.
-ConeProgram factor_matrix(const FrictionProblem& f) {
-    const auto n = static_cast<Eigen::Index>(3 * f.contacts.size());
-    Eigen::MatrixXd w = Eigen::MatrixXd::Zero(n, n), h = Eigen::MatrixXd::Zero(n, n);
-    for (std::size_t i = 0; i < f.contacts.size(); ++i)
-        for (const FrictionProblem::Block& b : f.row[i])
-            for (int k = 0; k < 9; ++k) {
-                const auto at = static_cast<Eigen::Index>(3 * i) + k / 3;
-                const auto to = static_cast<Eigen::Index>(3 * b.column) + k % 3;
-                w(at, to) += b.w.m[static_cast<std::size_t>(k)] / 2;
-                w(to, at) += b.w.m[static_cast<std::size_t>(k)] / 2;
-            }
-    Eigen::VectorXd rest = w.diagonal();
-    const double rounding = 1e-14 * rest.maxCoeff();
-    Eigen::Index rank = 0;
-    for (Eigen::Index pivot = 0; rank < n && rest.maxCoeff(&pivot) > rounding; ++rank) {
-        h.col(rank) = (w.col(pivot) - h.leftCols(rank) * h.row(pivot).head(rank).transpose()) / std::sqrt(rest(pivot));
-        for (Eigen::Index i = 0; i < n; ++i) {
-            if (std::isinf(rest(i))) h(i, rank) = 0; // was a pivot
-            rest(i) -= h(i, rank) * h(i, rank);
-        }
-        rest(pivot) = -std::numeric_limits<double>::infinity();
-    }
-    ConeProgram p;
-    p.num_columns = static_cast<std::int32_t>(rank);
-    for (std::size_t i = 0; i < f.contacts.size(); ++i) {
-        const auto at = static_cast<Eigen::Index>(3 * i);
-        p.contacts.push_back({f.q[i], f.contacts[i].friction});
-        for (Eigen::Index k = 0; k < rank; ++k)
-            if (!h.col(k).segment(at, 3).isZero(0))
-                p.entries.push_back({static_cast<std::int32_t>(k), {h(at, k), h(at + 1, k), h(at + 2, k)}});
-        p.first_entry.push_back(static_cast<std::int32_t>(p.entries.size()));
-    }
-    return p;
-}
-
 class MatrixProblem : public testing::TestWithParam<const char*> {};
 
 TEST_P(MatrixProblem, IsSolved) {
     const std::filesystem::path path = std::filesystem::path(FLOTILLA_TEST_DATA) / "friction" / GetParam();
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path << ": external test data is absent";
     FrictionProblem f = read_friction_problem(path);
-    ConeProgram p = factor_matrix(f);
-    std::vector<Vec3> r(f.contacts.size());
-    ConeScratch scratch;
+    const ConeProgram p = factor_matrix(f);
     double speed = 0;
     for (const Vec3& q : f.q) speed = std::max(speed, length(q));
-    // Some of the matrices are not quite symmetric. What H H^T leaves of W r goes into q, which converges as the share is small.
-    ConeSolveStats stats;
-    int iterations = 0;
-    for (int pass = 0; pass < 8 && f.natural_map() > 1e-9; ++pass) {
-        std::vector<Vec3> v(static_cast<std::size_t>(p.num_columns));
-        for (std::size_t i = 0; i < r.size(); ++i)
-            for (auto k = p.first_entry[i]; k < p.first_entry[i + 1]; ++k) {
-                const ConeProgram::Entry& e = p.entries[static_cast<std::size_t>(k)];
-                v[static_cast<std::size_t>(e.column)].x += dot(e.h, r[i]);
-            }
-        for (std::size_t i = 0; i < r.size(); ++i) {
-            p.contacts[i].q = f.velocity(i);
-            for (auto k = p.first_entry[i]; k < p.first_entry[i + 1]; ++k) {
-                const ConeProgram::Entry& e = p.entries[static_cast<std::size_t>(k)];
-                p.contacts[i].q -= v[static_cast<std::size_t>(e.column)].x * e.h;
-            }
-        }
-        stats = solve_cone_program(p, {1e-10 * speed, 100}, r, scratch);
-        iterations += stats.iterations;
-        EXPECT_TRUE(stats.solved) << stats.residual / speed;
-        for (std::size_t i = 0; i < r.size(); ++i) f.contacts[i].impulse = r[i];
-    }
+    ConeScratch scratch;
+    const MatrixSolve solve = solve_by_factor(f, p, 1e-9, scratch);
+    EXPECT_TRUE(solve.solved);
     std::printf("%-42s contacts %3zu rank %4d factorisations %3d residual %.1e of max |q|, natural map %.1e\n",
-                GetParam(), r.size(), p.num_columns, iterations, f.residual<Cone::disc>() / speed, f.natural_map());
+                GetParam(), f.contacts.size(), p.num_columns, solve.factorisations, f.residual<Cone::disc>() / speed,
+                f.natural_map());
     EXPECT_LE(f.natural_map(), 1e-8);
     EXPECT_LE(f.residual<Cone::disc>(), 1e-8 * speed);
 }
