@@ -279,7 +279,7 @@ int main(int argc, char** argv) {
     Arguments arguments;
     app.add_option("--data", arguments.data, "Folder of the problems and their INDEX.csv")->capture_default_str();
     app.add_option("--goal", arguments.goal, "Of the natural map, and of the residual as a share of the largest |q|")
-        ->check(CLI::PositiveNumber)
+        ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
     app.add_option("--sweeps", arguments.sweeps, "At most, of one solve")
         ->check(CLI::PositiveNumber)
@@ -287,9 +287,11 @@ int main(int argc, char** argv) {
     app.add_option("--repetitions", arguments.repetitions, "Of which times are the median")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
-    CLI11_PARSE(app, argc, argv);
     try {
+        app.parse(argc, argv);
         return survey_friction(arguments);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
     } catch (const InputError& error) {
         std::cerr << "flotilla_friction_survey: " << error.what() << '\n';
         return 2;
