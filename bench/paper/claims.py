@@ -103,7 +103,8 @@ def interference_detection(context):
 def sliding_boxes(context):
     """Figures 3, 4, 11: no normal of a wrong face, no catching on internal edges."""
     path = os.path.join(context.flotilla.folder, "contacts.csv")
-    run = context.run("sliding-boxes", steps=context.pick(72, 144), options=("--contacts", path))
+    # The counts are of searches: one in every step.
+    run = context.run("sliding-boxes", steps=context.pick(72, 144), settings={"contact_reuse": 0}, options=("--contacts", path))
     with open(path, encoding="utf-8", newline="") as file:
         upright = min(abs(float(row["nz"])) for row in csv.DictReader(file))
     near, contacts = sum(run.column("proximities")), sum(run.column("contacts"))
