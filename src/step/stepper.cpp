@@ -125,42 +125,6 @@ void Stepper::prepare() {
     find_contacts(d, state_.step, search_, contacts_);
 }
 
-namespace {
-
-/// How far points of a body are along any axis from where they were at a pose, m.
-double stray_from(const Pose& from, const BodyMotion& now) {
-    return displacement(*now.shape, {from.origin, matrix(from.rotation)}, matrix_pose(now.at0));
-}
-
-} // namespace
-
-/// Of all bodies, at x^n.
-void Stepper::measure_strays() {
-    if (model_.settings.contact_reuse == 0) return;
-    if (state_.searched.empty())
-        for (const Pose& pose : state_.pose) state_.searched.push_back({pose, state_.step});
-    lists_.stray.resize(model_.size());
-    team_.for_each("strays", model_.size(), kBodyGrain, [&](std::size_t i, int) {
-        lists_.stray[i] = stray_from(state_.searched[i].pose, trajectories_.at_start(i));
-    });
-}
-
-/// Of the active bodies, at x^{n+1} of the given step. Pairs are searched anew with whom strayed by half of what a pair may.
-void Stepper::note_strays(std::int64_t step) {
-    if (state_.searched.empty()) return;
-    const std::vector<std::int32_t>& active = model_.active;
-    team_.for_each("strays", active.size(), kBodyGrain, [&](std::size_t k, int) {
-        const std::size_t i = at(active[k]);
-        double& stray = lists_.stray[i];
-        stray = stray_from(state_.searched[i].pose, trajectories_.at_end(i));
-        const double most =
-            model_.bodies[i].movable() ? 0.5 * model_.settings.contact_reuse * body_lengths(model_, i).rest : 0.0;
-        if (!(stray > most)) return;
-        state_.searched[i] = {trajectories_.end_pose(i), step};
-        stray = 0;
-    });
-}
-
 QueryCounters Stepper::query_counters() const {
     QueryCounters sum;
     for (const auto& worker : workers_) sum += worker->ccd.counters;

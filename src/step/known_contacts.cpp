@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// How far bodies strayed from where the contacts of their pairs were searched for (contact_reuse): near enough, the features in contact are
+// known (static_stage.cpp).
+#include "base/rotation.hpp"
+#include "step/stepper.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr std::size_t kBodyGrain = 16; // bodies of a task
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// How far points of a body are along any axis from where they were at a pose, m.
+double stray_from(const Pose& from, const BodyMotion& now) {
+    return displacement(*now.shape, {from.origin, matrix(from.rotation)}, matrix_pose(now.at0));
+}
+
+} // namespace
+
+/// Of all bodies, at x^n.
+void Stepper::measure_strays() {
+    if (model_.settings.contact_reuse == 0) return;
+    if (state_.searched.empty())
+        for (const Pose& pose : state_.pose) state_.searched.push_back({pose, state_.step});
+    lists_.stray.resize(model_.size());
+    team_.for_each("strays", model_.size(), kBodyGrain, [&](std::size_t i, int) {
+        lists_.stray[i] = stray_from(state_.searched[i].pose, trajectories_.at_start(i));
+    });
+}
+
+/// Of the active bodies, at x^{n+1} of the given step. Pairs are searched anew with whom strayed by half of what a pair may.
+void Stepper::note_strays(std::int64_t step) {
+    if (state_.searched.empty()) return;
+    const std::vector<std::int32_t>& active = model_.active;
+    team_.for_each("strays", active.size(), kBodyGrain, [&](std::size_t k, int) {
+        const std::size_t i = at(active[k]);
+        double& stray = lists_.stray[i];
+        stray = stray_from(state_.searched[i].pose, trajectories_.at_end(i));
+        const double most =
+            model_.bodies[i].movable() ? 0.5 * model_.settings.contact_reuse * body_lengths(model_, i).rest : 0.0;
+        if (!(stray > most)) return;
+        state_.searched[i] = {trajectories_.end_pose(i), step};
+        stray = 0;
+    });
+}
+
+} // namespace flotilla
