@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "step/stepper.hpp"
+
 namespace flotilla {
 
 void add_inner_step(const StepReport& inner, StepReport& report) {
@@ -35,6 +37,19 @@ void add_inner_step(const StepReport& inner, StepReport& report) {
     report.pruned_same_direction = inner.pruned_same_direction;
     report.pruned_angle = inner.pruned_angle;
     report.pruned_occluded = inner.pruned_occluded;
+}
+
+void Stepper::make_inner_steps(StepReport& report) {
+    activity_.assign(model_.size(), {});
+    for (int k = 0; k < substeps_; ++k) {
+        StepReport inner;
+        inner.step = state_.step + 1;
+        team_.region([&] { advance(inner); });
+        add_inner_step(inner, report);
+        if (k + 1 == substeps_) return;
+        inner_[static_cast<std::size_t>(k)].pose = state_.pose;
+        inner_[static_cast<std::size_t>(k)].turn = turns_;
+    }
 }
 
 } // namespace flotilla

@@ -8,7 +8,6 @@
 #include <tuple>
 
 #include "collision/collisions.hpp"
-#include "step/inner_report.hpp"
 
 namespace flotilla {
 namespace {
@@ -171,19 +170,6 @@ StepReport Stepper::step() {
     }
     measure(report);
     return report;
-}
-
-void Stepper::make_inner_steps(StepReport& report) {
-    activity_.assign(model_.size(), {});
-    for (int k = 0; k < substeps_; ++k) {
-        StepReport inner;
-        inner.step = state_.step + 1;
-        team_.region([&] { advance(inner); });
-        add_inner_step(inner, report);
-        if (k + 1 == substeps_) return;
-        inner_[static_cast<std::size_t>(k)].pose = state_.pose;
-        inner_[static_cast<std::size_t>(k)].turn = turns_;
-    }
 }
 
 /// One inner step.
