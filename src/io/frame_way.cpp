@@ -7,6 +7,7 @@
 
 #include "base/vec3.hpp"
 #include "io/file.hpp"
+#include "io/flat.hpp"
 
 namespace flotilla::io {
 namespace {
@@ -14,14 +15,6 @@ namespace {
 /// Below this angle (rad) the shortest arc between two rounded rotations is the turn; nearer to pi it could be its complement.
 constexpr double kLargestShortArc = 3.0;
 
-std::span<const double> flat(std::span<const Vec3> values) {
-    static_assert(sizeof(Vec3) == 3 * sizeof(double));
-    return {reinterpret_cast<const double*>(values.data()), 3 * values.size()};
-}
-std::span<const double> flat(std::span<const Quat> values) {
-    static_assert(sizeof(Quat) == 4 * sizeof(double));
-    return {reinterpret_cast<const double*>(values.data()), 4 * values.size()};
-}
 void append(std::vector<double>& to, std::span<const double> values) {
     to.insert(to.end(), values.begin(), values.end());
 }
@@ -60,12 +53,12 @@ void WayWriter::append(std::size_t frame, const Way& way) {
     checksums_.push_back(way_checksum(way));
 }
 
-void WayWriter::write(Hdf5Writer& file, std::size_t bodies) const {
+void WayWriter::write(Hdf5Writer& file, std::size_t inner_steps, std::size_t bodies) const {
     if (checksums_.empty()) return;
-    const std::size_t frames = checksums_.size(), inner = position_.size() / (3 * frames * bodies);
+    const std::size_t frames = checksums_.size();
     const auto checked = Hdf5Writer::Checked::by_owner;
-    file.write<double>("/way_position", position_, {frames, inner, bodies, 3}, checked);
-    file.write<double>("/way_rotation", rotation_, {frames, inner, bodies, 4}, checked);
+    file.write<double>("/way_position", position_, {frames, inner_steps, bodies, 3}, checked);
+    file.write<double>("/way_rotation", rotation_, {frames, inner_steps, bodies, 4}, checked);
     file.write<std::uint64_t>("/way_checksum", checksums_, {frames});
     file.write<std::int32_t>("/way_index", index_, {index_.size() / 2, 2});
     file.write<double>("/way_turn", turn_, {turn_.size() / 3, 3});

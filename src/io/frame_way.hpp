@@ -42,7 +42,7 @@ class WayWriter {
   public:
     /// Precondition: ways of one segment have the same size.
     void append(std::size_t frame, const Way& way);
-    void write(Hdf5Writer& file, std::size_t bodies) const;
+    void write(Hdf5Writer& file, std::size_t inner_steps, std::size_t bodies) const;
     void clear();
 
   private:

@@ -15,6 +15,7 @@
 #include <flotilla/build_info.hpp>
 #include <flotilla/error.hpp>
 
+#include "io/flat.hpp"
 #include "io/number.hpp"
 
 namespace flotilla::io {
@@ -184,16 +185,6 @@ RunInfo parse_run_json(const fs::path& path, const std::string& text) {
 }
 
 namespace {
-
-/// Vec3, Quat and Triangle are arrays of their components.
-std::span<const double> flat(std::span<const Vec3> values) {
-    static_assert(sizeof(Vec3) == 3 * sizeof(double));
-    return {reinterpret_cast<const double*>(values.data()), 3 * values.size()};
-}
-std::span<const std::int32_t> flat(std::span<const Triangle> values) {
-    static_assert(sizeof(Triangle) == 3 * sizeof(std::int32_t));
-    return {reinterpret_cast<const std::int32_t*>(values.data()), 3 * values.size()};
-}
 
 std::uint64_t scene_checksum(const RunScene& scene) {
     std::vector<std::uint64_t> parts;

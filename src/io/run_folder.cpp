@@ -11,6 +11,7 @@
 
 #include "base/assert.hpp"
 #include "base/rotation.hpp"
+#include "io/flat.hpp"
 #include "io/run_files.hpp"
 #include "io/step_csv.hpp"
 
@@ -24,14 +25,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kSegmentFrames = 120;
 constexpr std::size_t kSegmentBytes = std::size_t{32} << 20;
 
-std::span<const double> flat(std::span<const Vec3> values) {
-    static_assert(sizeof(Vec3) == 3 * sizeof(double));
-    return {reinterpret_cast<const double*>(values.data()), 3 * values.size()};
-}
-std::span<const double> flat(std::span<const Quat> values) {
-    static_assert(sizeof(Quat) == 4 * sizeof(double));
-    return {reinterpret_cast<const double*>(values.data()), 4 * values.size()};
-}
 template <class T>
 void append(std::vector<T>& to, std::type_identity_t<std::span<const T>> values) {
     to.insert(to.end(), values.begin(), values.end());
@@ -270,7 +263,7 @@ void RunWriter::write_segment() {
                        Hdf5Writer::Checked::by_owner);
     file.write<std::uint64_t>("/checksum", checksums_, {frames_here});
     write_activity(file);
-    ways_.write(file, bodies_);
+    ways_.write(file, static_cast<std::size_t>(info_.substeps - 1), bodies_);
     file.write<std::int32_t>("/path_index", path_index_, {path_index_.size() / 2, 2});
     file.write<double>("/path_rotation", path_rotation_, {path_rotation_.size() / 3, 3});
     const fs::path path = segment_path(folder_, first_frame_, last);

@@ -182,5 +182,18 @@ TEST_P(SubstepsRun, ARunWithoutInnerStepsHasNoneOfTheirData) {
     EXPECT_EQ(reader.run_json().find("\n  \"substeps\""), std::string::npos);
 }
 
+TEST(SubstepsRunOf, NoBodiesIsWrittenAndRead) {
+    const test::TemporaryFolder temporary;
+    SceneDescription scene;
+    scene.settings.substeps = kSubsteps;
+    RunOptions options;
+    options.output = temporary.path() / "run";
+    options.steps = 3;
+    (void)run_scene(scene, "scene", options);
+    io::RunReader reader(options.output);
+    ASSERT_EQ(reader.frames(), 4);
+    for (std::int64_t k = 0; k < reader.frames(); ++k) EXPECT_TRUE(reader.way(k).empty()) << k;
+}
+
 } // namespace
 } // namespace flotilla
