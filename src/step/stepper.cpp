@@ -506,6 +506,7 @@ void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
             else
                 known->share *= script.share;
         }
+        std::sort(failsafe.delayed_scripts.begin(), failsafe.delayed_scripts.end());
     }
 }
 
