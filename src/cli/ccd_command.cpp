@@ -13,6 +13,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/enum_option.hpp"
+#include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -92,7 +93,7 @@ void register_ccd(CLI::App& app, Action& action) {
     command
         ->add_option("--separation", arguments->options.separation,
                      "Distance in m that counts as a hit (cubic: its tolerance, 1e-4 where 0)")
-        ->check(CLI::NonNegativeNumber)
+        ->check(kNonNegative)
         ->capture_default_str();
     add_enum_option<CcdMethod>(*command, "--method", arguments->options.method,
                                {{"conservative", CcdMethod::conservative}, {"cubic", CcdMethod::cubic}},

@@ -15,6 +15,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/enum_option.hpp"
+#include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -102,8 +103,10 @@ void register_export(CLI::App& app, Action& action) {
                                    {"glb", ExportFormat::glb},
                                    {"usd", ExportFormat::usd}},
                                   "What to write");
-    command->add_option("--output", arguments->output,
-                        "File (csv, glb, usd) or folder (vtp, obj); default: stdout for csv, else inside DIR");
+    command
+        ->add_option("--output", arguments->output,
+                     "File (csv, glb, usd) or folder (vtp, obj); default: stdout for csv, else inside DIR")
+        ->check(kNotEmpty);
     command->add_option(
         "--frames", arguments->frames,
         "frames FIRST:LAST:EVERY, each may be missing, or one frame; default: all. They keep their numbers");

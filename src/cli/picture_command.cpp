@@ -15,6 +15,7 @@
 #include <flotilla/picture.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -49,7 +50,7 @@ void register_picture(CLI::App& app, Action& action) {
     PictureOptions& options = arguments->options;
     CLI::App* command = app.add_subcommand("picture", "Render a frame of a run, or a scene, to a PNG file");
     command->add_option("SOURCE", arguments->source, "Run folder or scene file")->required();
-    command->add_option("--output", arguments->output, "PNG file to write")->required();
+    command->add_option("--output", arguments->output, "PNG file to write")->required()->check(kNotEmpty);
     command->add_option("--frame", arguments->frame, "Frame, from 0 (default: the last)");
     command->add_option("--camera-frame", options.camera_frame,
                         "Frame that the camera is fitted to, for films (default: the one shown)");

@@ -10,6 +10,7 @@
 #include <flotilla/html_report.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -47,15 +48,15 @@ void register_report(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand(
         "report", "Write a run as one HTML file: animation, plots and tables; works offline, in any browser");
     command->add_option("DIR", arguments->folder, "Run folder")->required();
-    command->add_option("--output", arguments->output, "File to write (default DIR/report.html)");
+    command->add_option("--output", arguments->output, "File to write (default DIR/report.html)")->check(kNotEmpty);
     command->add_flag("--verify", arguments->options.verify,
                       "Prove the run free of intersections first and show the verdict; exit "
                       "code 3 where it is not");
     command
         ->add_option("--frame-every", arguments->options.frame_every,
                      "Frames of the run per frame shown (default: as few as the page can hold)")
-        ->check(CLI::PositiveNumber);
-    command->add_option("--threads", arguments->options.verification.threads, kThreadsHelp)->check(CLI::PositiveNumber);
+        ->check(kPositiveCount);
+    command->add_option("--threads", arguments->options.verification.threads, kThreadsHelp)->check(kPositiveCount);
     command->add_flag("--quiet", arguments->quiet, "Print problems only");
     command->callback([arguments, &action] { action = [arguments] { return run_report(*arguments); }; });
 }

@@ -19,6 +19,7 @@
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/stop_request.hpp"
+#include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -43,16 +44,19 @@ struct RunArguments {
 
 constexpr double kDefaultDuration = 10; // s
 
-std::int64_t total_steps(const RunArguments& arguments, double dt) {
-    if (arguments.steps >= 0) return arguments.steps;
-    const double duration = arguments.duration >= 0 ? arguments.duration : kDefaultDuration;
-    return static_cast<std::int64_t>(std::ceil(duration / dt - 1e-9));
-}
-
 std::string exact_text(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.17g", value);
     return text;
+}
+
+std::int64_t total_steps(const RunArguments& arguments, double dt) {
+    if (arguments.steps >= 0) return arguments.steps;
+    const double duration = arguments.duration >= 0 ? arguments.duration : kDefaultDuration;
+    const double steps = std::ceil(duration / dt - 1e-9);
+    if (!(steps <= kMostCount))
+        throw InputError("run: " + exact_text(duration) + " s in steps of " + exact_text(dt) + " s are too many steps");
+    return static_cast<std::int64_t>(steps);
 }
 
 /// Mean time of the last steps, as single ones differ too much to be read.
@@ -242,38 +246,41 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
                                                   "error (unsatisfiable_script): --resume goes on");
     command->add_option("scene", arguments->scene, "scene file, or - for standard input")->required();
     add_scene_options(*command, arguments->options);
-    command->add_option("--output", arguments->output, "run folder; without it nothing is written");
-    auto* steps =
-        command->add_option("--steps", arguments->steps, "total number of steps")->check(CLI::NonNegativeNumber);
+    command->add_option("--output", arguments->output, "run folder; without it nothing is written")->check(kNotEmpty);
+    auto* steps = command->add_option("--steps", arguments->steps, "total number of steps")->check(kCount);
     command->add_option("--duration", arguments->duration, "total time, s (default 10)")
-        ->check(CLI::NonNegativeNumber)
+        ->check(kNonNegative)
         ->excludes(steps);
-    command->add_option("--dt", arguments->dt, "time step, s; replaces the scene's")->check(CLI::PositiveNumber);
-    command->add_option("--frame-every", arguments->frame_every, "steps per written frame")->check(CLI::PositiveNumber);
+    command->add_option("--dt", arguments->dt, "time step, s; replaces the scene's")->check(kPositive);
+    command->add_option("--frame-every", arguments->frame_every, "steps per written frame")->check(kPositiveCount);
     auto* overwrite = command->add_flag("--overwrite", arguments->overwrite, "replace an earlier run in the folder");
     command->add_flag("--resume", arguments->resume, "go on from the folder's last checkpoint, with the same bits")
         ->excludes(overwrite);
     command
         ->add_option("--checkpoint-every", arguments->checkpoint_every,
                      "steps per checkpoint (default 100, and one in five minutes)")
-        ->check(CLI::PositiveNumber);
+        ->check(kPositiveCount);
     command->add_option("--time-limit", arguments->time_limit,
                         "H:M:S; stop with a checkpoint before so much time has passed (exit code 6)");
-    command->add_option("--threads", arguments->threads, kThreadsHelp)->check(CLI::PositiveNumber);
+    command->add_option("--threads", arguments->threads, kThreadsHelp)->check(kPositiveCount);
     command
         ->add_option("--executor", arguments->executor,
                      "parallel, or serial: a plain loop on one thread; the results are the same bits")
         ->check(CLI::IsMember({"parallel", "serial"}));
-    auto* trace = command->add_option(
-        "--trace", arguments->trace,
-        "record the executed tasks into FILE (.gz: compressed) for flotilla trace, chrome://tracing and Perfetto");
+    auto* trace = command
+                      ->add_option("--trace", arguments->trace,
+                                   "record the executed tasks into FILE (.gz: compressed) for flotilla trace, "
+                                   "chrome://tracing and Perfetto")
+                      ->check(kNotEmpty);
     command->add_option("--trace-every", arguments->trace_every, "steps per recorded step")
         ->needs(trace)
-        ->check(CLI::PositiveNumber);
-    command->add_option(
-        "--contacts", arguments->contacts,
-        "write the contact points of every step and their impulses into FILE as CSV (.gz: compressed); those of "
-        "sleeping bodies are marked");
+        ->check(kPositiveCount);
+    command
+        ->add_option(
+            "--contacts", arguments->contacts,
+            "write the contact points of every step and their impulses into FILE as CSV (.gz: compressed); those of "
+            "sleeping bodies are marked")
+        ->check(kNotEmpty);
     command->add_flag_callback(
         "--pin",
         [] { throw CLI::ValidationError("--pin", "is gone: OMP_PROC_BIND=true binds threads, OMP_PLACES says where"); },

@@ -13,6 +13,7 @@
 #include <flotilla/scene_library.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -47,8 +48,8 @@ void register_scene(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("scene", "Print a scene of the library as JSON");
     command->add_option("NAME", arguments->name, "Name of the scene (--list prints them)");
     command->add_option("--bodies", arguments->bodies, "Number of bodies in all (default: the scene's own)")
-        ->check(CLI::PositiveNumber);
-    command->add_option("--seed", arguments->seed, "Of orientations and places")->capture_default_str();
+        ->check(kPositiveCount);
+    command->add_option("--seed", arguments->seed, "Of orientations and places")->check(kWhole)->capture_default_str();
     command->add_flag("--list", arguments->list, "List the scenes");
     command->callback([arguments, &action] { action = [arguments] { return run_scene(*arguments); }; });
 }

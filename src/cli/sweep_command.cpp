@@ -18,6 +18,7 @@
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/stop_request.hpp"
+#include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -184,8 +185,7 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
         .add_option("SCENE", sweep.scenes,
                     "Scene files, or names of scenes of the library: several starts of one problem")
         ->required();
-    command.add_option("--bodies", sweep.bodies, "Number of bodies of scenes of the library")
-        ->check(CLI::PositiveNumber);
+    command.add_option("--bodies", sweep.bodies, "Number of bodies of scenes of the library")->check(kPositiveCount);
     command
         .add_option("--vary", arguments.vary,
                     "key=a,b,...: values of a setting (plan --settings lists them), of preset, dt, or seed; every "
@@ -197,7 +197,7 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
             "--seeds", arguments.seeds,
             "As --vary seed=1,2,...,N: so many starts of a scene of the library (of a scene file, of its random "
             "tangents), over which mean and spread are taken")
-        ->check(CLI::PositiveNumber);
+        ->check(kPositiveCount);
     command.add_option("--reference", sweep.reference,
                        "Preset to compare with; where the time step is varied, at half of the shortest");
     std::string names;
@@ -210,20 +210,19 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
         ->allow_extra_args(false);
     add_scene_options(command, arguments.options);
     auto* steps = command.add_option("--steps", sweep.steps, "Steps of a run; with other time steps, the same time")
-                      ->check(CLI::PositiveNumber);
+                      ->check(kPositiveCount);
     command.add_option("--duration", sweep.duration, "Time of a run, s (default 10)")
-        ->check(CLI::PositiveNumber)
+        ->check(kPositive)
         ->excludes(steps);
-    command.add_option("--dt", arguments.dt, "Time step, s; replaces the scene's")->check(CLI::PositiveNumber);
+    command.add_option("--dt", arguments.dt, "Time step, s; replaces the scene's")->check(kPositive);
     command.add_option("--output", arguments.output, "Folder of the campaign: tables, page and the runs' folders")
-        ->required();
-    command.add_option("--threads", sweep.threads, "Threads of a run")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
+        ->required()
+        ->check(kNotEmpty);
+    command.add_option("--threads", sweep.threads, "Threads of a run")->check(kPositiveCount)->capture_default_str();
     command
         .add_option("--jobs", sweep.jobs,
                     "Runs at a time (default and most: as many as have cores of their own, so that times are true)")
-        ->check(CLI::PositiveNumber);
+        ->check(kPositiveCount);
     command.add_option("--time-limit", arguments.time_limit,
                        "H:M:S of a run; what takes longer stops with a checkpoint (exit code 6)");
     auto* overwrite = command.add_flag("--overwrite", sweep.overwrite, "Replace an earlier campaign in the folder");

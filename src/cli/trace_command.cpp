@@ -14,6 +14,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/enum_option.hpp"
+#include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -164,7 +165,7 @@ void register_trace(CLI::App& app, Action& action) {
                       "Take costs of an idle machine (two threads: fork-join 1000 ns, barrier and hand-over 300 ns)");
     command->add_flag("--csv", arguments->csv, "Print the rows as CSV");
     command->add_option("--cores", arguments->options.cores, "Numbers of cores (default: 1 2 4 ... 256)")
-        ->check(CLI::PositiveNumber)
+        ->check(kPositiveCount)
         ->delimiter(',')
         ->allow_extra_args(false);
     add_enum_option<CostGrowth>(*command, "--growth", arguments->options.growth,

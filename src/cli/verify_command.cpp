@@ -15,6 +15,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/enum_option.hpp"
+#include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
 namespace {
@@ -117,7 +118,7 @@ void register_verify(CLI::App& app, Action& action) {
         *command, "--motion", arguments->options.motion,
         {{"auto", VerifyMotion::automatic}, {"always", VerifyMotion::always}, {"never", VerifyMotion::never}},
         "Check the motion between frames: auto (frames one time step apart), always, never");
-    command->add_option("--threads", arguments->options.threads, kThreadsHelp)->check(CLI::PositiveNumber);
+    command->add_option("--threads", arguments->options.threads, kThreadsHelp)->check(kPositiveCount);
     command->add_flag("!--no-distance", arguments->options.distance, "Do not measure the smallest distance");
     command->add_flag("--quiet", arguments->quiet, "No progress; the report is printed");
     command->callback([arguments, &action] { action = [arguments] { return run_verify(*arguments); }; });

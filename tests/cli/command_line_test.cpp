@@ -75,6 +75,28 @@ TEST(CommandLine, UnknownWordsNameTheNearestKnownOne) {
     EXPECT_EQ(run_flotilla("").exit_code, 2);
 }
 
+TEST(CommandLine, NumbersThatAreNoneAreRefused) {
+    const TemporaryFolder folder;
+    const std::string run = "run " + folder.write("stack.json", run_flotilla("scene stack").out) + " ";
+    for (const auto& [line, complaint] :
+         {std::pair{run + "--steps 99999999999999999999", "--steps: 99999999999999999999 is too large"},
+          {run + "--steps -1", "--steps: -1 must be 0 or more"},
+          {run + "--dt nan", "--dt: nan is not a finite number"},
+          {run + "--dt inf", "--dt: inf is not a finite number"},
+          {run + "--dt 0", "--dt: 0 must be above 0"},
+          {run + "--duration nan", "--duration: nan is not a finite number"},
+          {run + "--duration 1e300", "s are too many steps"},
+          {run + "--threads 0", "--threads: 0 must be above 0"},
+          {run + "--output ''", "--output: a name must be given"},
+          {std::string("scene stack --seed 99999999999999999999"), "--seed: 99999999999999999999 is too large"},
+          {std::string("sweep stack --dt nan --output x"), "--dt: nan is not a finite number"}}) {
+        const CommandOutput r = run_flotilla(line);
+        EXPECT_EQ(r.exit_code, 2) << line;
+        EXPECT_EQ(r.out, "") << line;
+        EXPECT_TRUE(contains(r.err, complaint)) << r.err;
+    }
+}
+
 TEST(CommandLine, ScenesComeFromStandardInputToo) {
     const TemporaryFolder folder;
     const std::string scene = folder.write("scene.json", run_flotilla("scene stack").out);
