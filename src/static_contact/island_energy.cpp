@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "static_contact/island_energy.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <span>
+
 namespace flotilla {
 namespace {
 
@@ -35,6 +39,40 @@ double kinetic_energy(const ContactScratch::Island& island, const ContactBodies&
         twice += length_sq(v.linear) / bodies.inv_mass[id] + angular_energy_twice(bodies.inv_inertia[id], v.angular);
     }
     return twice / 2;
+}
+
+void take_back_gain(const ContactScratch::Island& island, ContactScratch& s) {
+    double given = 0, from_start = 0; // J: l W l and l (u - target)
+    const auto for_rows = [&](auto&& work) {
+        for (const ContactBlock& block :
+             std::span(s.blocks).subspan(index(island.first), index(island.end - island.first)))
+            for (std::int32_t r = block.first; r < block.end; ++r) work(block, s.rows[index(r)]);
+    };
+    for_rows([&](const ContactBlock& block, const ContactRow& row) {
+        const auto velocity = [&](std::span<const BodyVelocity> of) {
+            return to_contact(row, relative_velocity(row, of[index(block.a)], of[index(block.b)]));
+        };
+        const Vec3 start = velocity(s.start_velocity), &l = row.local.impulse;
+        given += dot(l, velocity(s.velocity) - start);
+        from_start += dot(l, start) - l.x * row.local.target;
+    });
+    if (0.5 * given + from_start <= 0) return;
+    const bool numbers = std::isfinite(given) && std::isfinite(from_start);
+    const double share = numbers && given > 0 ? std::clamp(-from_start / given, 0.0, 1.0) : 0;
+    for_rows([&](const ContactBlock&, ContactRow& row) {
+        row.local.impulse = share > 0 ? share * row.local.impulse : Vec3{};
+    });
+    for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
+        const std::size_t body = index(s.island_bodies[index(k)]);
+        const BodyVelocity& start = s.start_velocity[body];
+        BodyVelocity& v = s.velocity[body];
+        if (share > 0) {
+            v.linear = start.linear + share * (v.linear - start.linear);
+            v.angular = start.angular + share * (v.angular - start.angular);
+        } else {
+            v = start;
+        }
+    }
 }
 
 } // namespace flotilla

@@ -13,4 +13,9 @@ namespace flotilla {
 [[nodiscard]] double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies,
                                     const ContactScratch& scratch);
 
+/// Takes back what an island got from nowhere. 1/2 l W l + l (u - target), J, with u the velocities before the solve, is zero without
+/// impulses and lower at a solution. Where unsolved impulses are above zero, which those that grew without bound are, the island is left
+/// with what is best along their ray, in their cones as they are: less of all of them. Where they are no numbers, with none of them.
+void take_back_gain(const ContactScratch::Island& island, ContactScratch& scratch);
+
 } // namespace flotilla

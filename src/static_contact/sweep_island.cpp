@@ -42,7 +42,11 @@ bool stands(const Left& before, const Left& now, const ContactTuning& tuning) {
 class Progress {
   public:
     Progress(const ContactSolveOptions& options, bool jams)
-        : tuning_(options.tuning), patience_(options.patience), jams_(jams && options.tuning.looks_at_jam > 0) {}
+        : tuning_(options.tuning),
+          patience_(options.patience),
+          most_residual_(options.tolerance > 0 ? options.tolerance / std::numeric_limits<double>::epsilon()
+                                               : std::numeric_limits<double>::max()),
+          jams_(jams && options.tuning.looks_at_jam > 0) {}
 
     void saw(int sweeps, const Left& left) {
         if (left.residual <= tuning_.least_fall * mark_.residual ||
@@ -50,6 +54,7 @@ class Progress {
             mark_ = left;
             mark_sweeps_ = sweeps;
         }
+        lost_ = !(left.residual < most_residual_);
         rose_ = left.residual > tuning_.most_rise * lowest_;
         lowest_ = rose_ ? left.residual : std::min(lowest_, left.residual);
     }
@@ -60,20 +65,21 @@ class Progress {
     /// Once per look that found the residual far above its lowest value since the last such look.
     bool rose() { return std::exchange(rose_, false); }
     [[nodiscard]] bool stalls(int sweeps) const {
-        return patience_ > 0 &&
-               (sweeps - mark_sweeps_ >= patience_ || (jams_ && looks_standing_ >= tuning_.looks_at_jam));
+        return lost_ || (patience_ > 0 &&
+                         (sweeps - mark_sweeps_ >= patience_ || (jams_ && looks_standing_ >= tuning_.looks_at_jam)));
     }
 
   private:
     const ContactTuning& tuning_;
     int patience_;
-    bool jams_; ///< whether the island may be jammed
-    Left mark_; ///< what was left when it last had fallen by so much, and when that was
+    double most_residual_; ///< m/s: velocities of that size are not known to the tolerance, and do not come back to it
+    bool jams_;            ///< whether the island may be jammed
+    Left mark_;            ///< what was left when it last had fallen by so much, and when that was
     int mark_sweeps_ = 0;
     Left last_;
     double lowest_ = std::numeric_limits<double>::infinity();
     int looks_standing_ = 0;
-    bool rose_ = false;
+    bool rose_ = false, lost_ = false;
 };
 
 /// How far the solve of an island has come.

@@ -330,6 +330,34 @@ TEST(SolveContacts, NeverAddsEnergyWhereTargetsAreZero) {
         }
 }
 
+// Coulomb's law is not the minimum of a function: where friction is large, sweeps may grow without bound.
+TEST(SolveContacts, SweepsThatGrowWithoutBoundEndWithNumbersAndAddNoEnergy) {
+    int unsolved = 0;
+    for (unsigned seed = 0; seed < 10; ++seed)
+        for (const double friction : {10.0, 100.0, 1000.0})
+            for (const int patience : {0, 50}) {
+                ContactWorld w = make_random(seed, 20, 10, friction, seed % 2 == 0);
+                const Vec3 ground = seed % 4 == 0 ? Vec3{0.1, 0.2, -0.3} : Vec3{}; // moved by a script
+                const auto accelerate = [&](const Vec3& by) {
+                    for (Vec3& v : w.velocity) v += by;
+                };
+                const double before = w.kinetic_energy();
+                accelerate(ground);
+                const ContactSolveStats stats =
+                    w.solve({.iterations = 20000, .tolerance = 1e-9, .patience = patience, .shock = false});
+                accelerate(-ground);
+                unsolved += stats.residual > 1 ? 1 : 0;
+                EXPECT_TRUE(std::isfinite(stats.residual)) << seed << ' ' << friction;
+                EXPECT_LE(w.kinetic_energy(), before * (1 + 1e-12)) << seed << ' ' << friction;
+                for (std::size_t k = 0; k < w.contacts.size(); ++k) {
+                    const double ln = dot(w.impulses[k], w.contacts[k].normal);
+                    EXPECT_GE(ln, 0);
+                    EXPECT_LE(length(w.impulses[k] - ln * w.contacts[k].normal), friction * ln * (1 + 1e-12));
+                }
+            }
+    EXPECT_GT(unsolved, 20); // or nothing is tested
+}
+
 TEST(SolveContacts, ASolvedStateObeysEveryRow) {
     for (unsigned seed = 0; seed < 6; ++seed) {
         ContactWorld w = make_random(seed, 30, 10, 0.4, true);
