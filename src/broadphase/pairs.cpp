@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "broadphase/swept_boxes.hpp"
 #include "parallel/compact.hpp"
 #include "parallel/team_sort.hpp"
 
@@ -17,25 +18,6 @@ constexpr double kLargestCoordinate = 1e6; // cells; farther away bodies share t
 constexpr std::size_t kBodyGrain = 128, kCellGrain = 128, kChunkGrain = 16, kPairGrain = 2048; // items of a task
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-/// With room for rounding: boxes that come within the sum of their reaches of each other overlap when inflated, and share a cell.
-Box inflated(const Box& box, double by) {
-    constexpr double kRounding = 0x1p-50;
-    const double room = by + kRounding * (by + max_abs_coordinate(box));
-    const Vec3 r{room, room, room};
-    return {box.lower - r, box.upper + r};
-}
-Box inflated(const SweptBody& b) { return inflated(b.box, b.reach); }
-
-bool near(const SweptBody& a, const SweptBody& b) { return boxes_overlap(a.box, b.box, a.reach + b.reach); }
-
-bool pairs(const SweptBody& a, const SweptBody& b) { return (a.movable || b.movable) && near(a, b); }
-
-/// Of an active body and one that stands still.
-bool pairs_with_still(const SweptBody& active, const SweptBody& still, bool wakes) {
-    const bool movable = active.movable || (wakes && still.waking_reach > 0);
-    return movable && boxes_overlap(active.box, still.box, active.reach + (wakes ? still.waking_reach : 0.0));
-}
 
 std::int64_t cell_key(const std::array<std::int64_t, 3>& c) {
     constexpr std::int64_t kOffset = 1 << 20;
@@ -189,7 +171,7 @@ std::size_t Broadphase::pair_changed(Team& team, const PairSearch& search, std::
         auto& out = found_[k];
         out.clear();
         for (const std::int32_t b : search.active) {
-            if (a == b || !pairs(p, search.bodies[at(b)])) continue;
+            if (a == b || !may_pair(p, search.bodies[at(b)], false)) continue;
             if (b < a && has_changed_[at(b)] != 0) continue; // found from the other side
             out.push_back(pair_of(a, b));
         }
@@ -223,7 +205,7 @@ void Broadphase::pair_run(std::size_t begin, std::size_t end, const PairSearch& 
         for (std::size_t j = i + 1; j < end; ++j) {
             const auto a = cells[i].body, b = cells[j].body;
             const SweptBody &p = search.bodies[at(a)], &q = search.bodies[at(b)];
-            if (!pairs(p, q)) continue;
+            if (!may_pair(p, q, false)) continue;
             // A pair is met in every cell that both fill: it counts in the first, the lower corner of the common part.
             const Vec3 corner = max(inflated(p).lower, inflated(q).lower);
             if (active_.cell_key_of(corner) == cells[begin].key) out.push_back({a, b});
@@ -243,7 +225,7 @@ std::size_t Broadphase::pair_large(Team& team, const PairSearch& search, std::si
             const bool b_large = std::binary_search(large.begin(), large.end(), b);
             for (const std::int32_t a : large) {
                 if (a == b || (b_large && b < a)) continue; // two large ones: once
-                if (pairs(search.bodies[at(a)], search.bodies[at(b)])) out.push_back(pair_of(a, b));
+                if (may_pair(search.bodies[at(a)], search.bodies[at(b)], false)) out.push_back(pair_of(a, b));
             }
         }
     });
@@ -265,7 +247,7 @@ void Broadphase::pair_with_still(std::int32_t body, const PairSearch& search, st
     const SweptBody& p = search.bodies[at(body)];
     const auto first = static_cast<std::ptrdiff_t>(out.size());
     still_.for_near(inflated(p), [&](std::int32_t other) {
-        if (pairs_with_still(p, search.bodies[at(other)], search.wakes)) out.push_back(pair_of(body, other));
+        if (may_pair(p, search.bodies[at(other)], search.wakes)) out.push_back(pair_of(body, other));
     });
     std::sort(out.begin() + first, out.end()); // a pair is met in every cell that both fill
     out.erase(std::unique(out.begin() + first, out.end()), out.end());

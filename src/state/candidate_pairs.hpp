@@ -19,7 +19,7 @@ struct CandidatePair {
 /// What a pair finder knows of a body in this sweep.
 struct SweptBody {
     Box box;                 ///< of the whole motion, not inflated
-    double reach = 0;        ///< m, inflation of this body's box: its part of the pair's distance of interest
+    double reach = 0;        ///< m, inflation of the box: its part of the distance of interest; 0 where it stands still
     bool movable = false;    ///< two bodies of infinite mass never pair
     double waking_reach = 0; ///< m, of a sleeping body, which stands still otherwise
 };

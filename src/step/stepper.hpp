@@ -4,7 +4,7 @@
 
 #include <flotilla/report.hpp>
 
-#include "broadphase/pairs.hpp"
+#include "broadphase/kept_pairs.hpp"
 #include "dynamic_contact/dynamic_contact.hpp"
 #include "failsafe/failsafe.hpp"
 #include "islands/sleeping.hpp"
@@ -119,7 +119,7 @@ class Stepper {
     Trajectories trajectories_;
     Clusters clusters_;
     PairTable pairs_;
-    Broadphase broadphase_;
+    KeptPairs broadphase_;
     /// What one step hands from stage to stage; kept, so that a steady scene allocates nothing.
     struct StepBuffers {
         std::vector<Pose> end;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Candidate pairs from the grids, and brought up to date after some bodies moved: those of a loop over all pairs.
-#include "broadphase/pairs.hpp"
+// Candidate pairs from the grids and from a list that is kept, and brought up to date after some bodies moved: those of a loop over all.
+#include "broadphase/kept_pairs.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -43,18 +43,23 @@ std::vector<CandidatePair> by_all_pairs(const std::vector<SweptBody>& bodies) {
     return out;
 }
 
+template <class Finder>
+class Pairs : public ::testing::Test {};
+using Finders = ::testing::Types<Broadphase, KeptPairs>;
+TYPED_TEST_SUITE(Pairs, Finders);
+
 std::vector<std::int32_t> all_of(const std::vector<SweptBody>& bodies) {
     std::vector<std::int32_t> out(bodies.size());
     std::iota(out.begin(), out.end(), 0);
     return out;
 }
 
-TEST(Broadphase, FindsThePairsOfALoopOverAll) {
+TYPED_TEST(Pairs, AreThoseOfALoopOverAll) {
     for (const int threads : {1, 3})
         for (unsigned seed = 0; seed < 20; ++seed) {
             Team team({threads, false});
             const auto bodies = RandomBodies(seed).bodies(seed == 0 ? 0 : 50 * seed);
-            Broadphase broadphase;
+            TypeParam broadphase;
             EXPECT_EQ(broadphase.find(team, {bodies, all_of(bodies)}), by_all_pairs(bodies)) << seed;
         }
 }
@@ -75,14 +80,14 @@ std::vector<CandidatePair> by_all_pairs(const PairSearch& search) {
     return out;
 }
 
-TEST(Broadphase, KeepsBodiesThatStandStill) {
+TYPED_TEST(Pairs, OfBodiesThatStandStillAreThoseOfALoopOverAll) {
     std::size_t pairs = 0, woken = 0;
     for (const int threads : {1, 3}) {
         Team team({threads, false});
         RandomBodies random(11);
         auto bodies = random.bodies(500);
         std::vector<std::int32_t> active;
-        Broadphase broadphase;
+        TypeParam broadphase;
         for (std::uint64_t version = 0; version < 12; ++version) { // others stand still, elsewhere
             active.clear();
             for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -94,7 +99,8 @@ TEST(Broadphase, KeepsBodiesThatStandStill) {
                 bodies[i] = random.body();
                 const bool sleeps = bodies[i].movable;
                 bodies[i].movable = false;
-                bodies[i].waking_reach = sleeps ? std::exchange(bodies[i].reach, 0.0) : 0.0;
+                bodies[i].waking_reach = sleeps ? bodies[i].reach : 0.0;
+                bodies[i].reach = 0;
             }
             for (int n = 0; n < 4; ++n) {
                 for (const std::int32_t i : active) bodies[static_cast<std::size_t>(i)] = random.body();
@@ -113,12 +119,12 @@ TEST(Broadphase, KeepsBodiesThatStandStill) {
     EXPECT_GT(woken, pairs); // sleeping bodies pair with scripted ones as well
 }
 
-TEST(Broadphase, AnUpdateGivesWhatANewSearchWould) {
+TYPED_TEST(Pairs, OfAnUpdateAreThoseOfANewSearch) {
     for (const int threads : {1, 3}) {
         Team team({threads, false});
         RandomBodies random(7);
         auto bodies = random.bodies(600);
-        Broadphase broadphase;
+        TypeParam broadphase;
         const std::vector<std::int32_t> all = all_of(bodies);
         broadphase.find(team, {bodies, all});
         std::size_t pairs_changed = 0;
@@ -138,6 +144,34 @@ TEST(Broadphase, AnUpdateGivesWhatANewSearchWould) {
         EXPECT_GE(pairs_changed, 50u);
         EXPECT_GE(before.size(), 500u);
         EXPECT_EQ(broadphase.find(team, {bodies, all}), before); // nothing of the updates stays
+    }
+}
+
+/// Boxes creep, jump, change size and become movable or not, their reaches change from search to search.
+TYPED_TEST(Pairs, OfBodiesThatCreepAreThoseOfALoopOverAll) {
+    for (const int threads : {1, 3}) {
+        Team team({threads, false});
+        RandomBodies random(5);
+        auto bodies = random.bodies(400);
+        TypeParam broadphase;
+        const std::vector<std::int32_t> all = all_of(bodies);
+        std::size_t pairs_changed = 0;
+        std::vector<CandidatePair> before;
+        for (int n = 0; n < 200; ++n) {
+            for (SweptBody& b : bodies) {
+                const double most = n % 50 == 20 ? 0.3 : 0.004;
+                const Vec3 way{random.uniform(-most, most), random.uniform(-most, most), random.uniform(-most, most)};
+                b.box = {b.box.lower + way, b.box.upper + 1.2 * way};
+                b.reach = random.uniform(0, 0.1);
+                if (random.uniform(0, 1) < 0.0005) b = random.body();
+                if (random.uniform(0, 1) < 0.0005) b.movable = !b.movable;
+            }
+            const auto expected = by_all_pairs(bodies);
+            ASSERT_EQ(broadphase.find(team, {bodies, all}), expected) << n;
+            if (expected != before) ++pairs_changed;
+            before = expected;
+        }
+        EXPECT_GE(pairs_changed, 150u);
     }
 }
 

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "broadphase/kept_pairs.hpp"
+
+#include "broadphase/swept_boxes.hpp"
+#include "parallel/compact.hpp"
+
+namespace flotilla {
+namespace {
+
+/// Of a box's largest edge. Wider: fewer bodies leave their box, more pairs are looked at in vain.
+constexpr double kMargin = 1.0 / 16;
+/// A body in so many that left its box is sorted in by itself; where it is more, all are.
+constexpr std::size_t kFew = 64;
+constexpr std::size_t kBodyGrain = 256, kPairGrain = 2048; // items of a task
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// NaN is in no box.
+bool holds(const Box& outer, const Box& inner) {
+    const auto below = [](const Vec3& p, const Vec3& q) { return p.x <= q.x && p.y <= q.y && p.z <= q.z; };
+    return below(outer.lower, inner.lower) && below(inner.upper, outer.upper);
+}
+
+/// Holds all that inflated(body) may become until the body leaves it.
+SweptBody widened(const SweptBody& body) {
+    const double margin = kMargin * max_component(extent(body.box));
+    return {inflated(body.box, body.reach + margin), 0, body.movable, body.waking_reach};
+}
+
+} // namespace
+
+const std::vector<CandidatePair>& KeptPairs::find(Team& team, const PairSearch& search) {
+    cover(team, search, search.active);
+    return near_ones(team, search);
+}
+
+const std::vector<CandidatePair>& KeptPairs::update(Team& team, const PairSearch& search,
+                                                    std::span<const std::int32_t> changed) {
+    cover(team, search, changed);
+    return near_ones(team, search);
+}
+
+void KeptPairs::cover(Team& team, const PairSearch& search, std::span<const std::int32_t> changed) {
+    // Sleeping bodies are always in the list: most searches leave them out again, some do not.
+    const auto wide_search = [&] { return PairSearch{boxes_, search.active, search.still_version, true}; };
+    if (wide_ != nullptr && still_version_ == search.still_version && boxes_.size() == search.bodies.size()) {
+        list_strays(team, search, changed);
+        if (strays_.empty()) return;
+        if (strays_.size() * kFew <= search.active.size()) {
+            for (const std::int32_t i : strays_) boxes_[at(i)] = widened(search.bodies[at(i)]);
+            wide_ = &grids_.update(team, wide_search(), strays_);
+            return;
+        }
+    } else {
+        boxes_.assign(search.bodies.begin(), search.bodies.end());
+        still_version_ = search.still_version;
+    }
+    widen_all(team, search);
+    wide_ = &grids_.find(team, wide_search());
+}
+
+void KeptPairs::list_strays(Team& team, const PairSearch& search, std::span<const std::int32_t> bodies) {
+    out_.resize(bodies.size());
+    team.for_each("bodies in their boxes", bodies.size(), kBodyGrain, [&](std::size_t k, int) {
+        const SweptBody &wide = boxes_[at(bodies[k])], &body = search.bodies[at(bodies[k])];
+        out_[k] = wide.movable == body.movable && holds(wide.box, inflated(body)) ? 0 : 1;
+    });
+    strays_.clear();
+    for (std::size_t k = 0; k < bodies.size(); ++k)
+        if (out_[k] != 0) strays_.push_back(bodies[k]);
+}
+
+void KeptPairs::widen_all(Team& team, const PairSearch& search) {
+    team.for_each("widen boxes", search.active.size(), kBodyGrain, [&](std::size_t k, int) {
+        const std::size_t i = at(search.active[k]);
+        boxes_[i] = widened(search.bodies[i]);
+    });
+}
+
+const std::vector<CandidatePair>& KeptPairs::near_ones(Team& team, const PairSearch& search) {
+    const std::vector<CandidatePair>& wide = *wide_;
+    near_.resize(wide.size());
+    const auto look = [&](std::size_t i) {
+        const SweptBody &a = search.bodies[at(wide[i].a)], &b = search.bodies[at(wide[i].b)];
+        near_[i] = may_pair(a, b, search.wakes) ? 1 : 0;
+        return near_[i] != 0;
+    };
+    const auto kept = [&](std::size_t i) { return near_[i] != 0; };
+    const auto item = [&](std::size_t i) { return wide[i]; };
+    compact_if({&team, "near pairs", kPairGrain, places_}, wide.size(), look, kept, pairs_, 0, item);
+    return pairs_;
+}
+
+} // namespace flotilla
