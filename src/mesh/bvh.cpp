@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "mesh/placement_avx2.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -172,8 +174,16 @@ void refit(const Bvh& bvh, std::span<const Vec3> vertices, std::vector<Box>& box
     }
 }
 
-void refit(const Bvh& bvh, std::span<const CoarseBox> vertices, std::vector<CoarseBox>& boxes) {
+void refit(const Bvh& bvh, std::span<const CoarseBox> vertices, std::vector<CoarseBox>& boxes,
+           [[maybe_unused]] Isa isa) {
     boxes.resize(bvh.nodes.size());
+#if defined(__x86_64__)
+    static_assert(sizeof(Triangle) == 3 * sizeof(std::int32_t)); // the kernel reads corners as bare numbers
+    if (isa != Isa::scalar)
+        return refit_avx2(bvh.nodes.data(), bvh.nodes.size(),
+                          reinterpret_cast<const std::int32_t(*)[3]>(bvh.corners.data()), vertices.data(),
+                          boxes.data());
+#endif
     for (std::size_t i = bvh.nodes.size(); i-- > 0;) {
         const BvhNode node = bvh.nodes[i];
         if (node.count == 0) {

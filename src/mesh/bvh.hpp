@@ -15,6 +15,7 @@
 #include "base/assert.hpp"
 #include "base/vec3.hpp"
 #include "geometry/box.hpp"
+#include "geometry/ccd.hpp"
 #include "geometry/coarse_box.hpp"
 #include "geometry/moving_box.hpp"
 #include "mesh/triangle_mesh.hpp"
@@ -63,7 +64,7 @@ struct BvhOptions {
 void refit(const Bvh& bvh, std::span<const Vec3> vertices, std::vector<Box>& boxes);
 
 /// Coarse boxes of all nodes from those of the vertices.
-void refit(const Bvh& bvh, std::span<const CoarseBox> vertices, std::vector<CoarseBox>& boxes);
+void refit(const Bvh& bvh, std::span<const CoarseBox> vertices, std::vector<CoarseBox>& boxes, Isa isa = best_isa());
 
 /// Boxes of all nodes at t = 0 and t = 1.
 struct MovingBoxes {

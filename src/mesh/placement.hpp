@@ -6,11 +6,17 @@
 #include <span>
 
 #include "base/rotation.hpp"
+#include "geometry/ccd.hpp"
+#include "geometry/coarse_box.hpp"
 
 namespace flotilla {
 
 /// world[i] = R(rotation) local[i] + position, each coordinate as ((r0 x + r1 y) + r2 z) + p. `position` is that of the mesh's
 /// own origin, `rotation` a unit quaternion. Sizes must agree.
 void world_vertices(std::span<const Vec3> local, const Vec3& position, const Quat& rotation, std::span<Vec3> world);
+
+/// The same with a coarse box of each vertex; returns the box of all.
+Box world_vertices(std::span<const Vec3> local, const Vec3& position, const Quat& rotation, std::span<Vec3> world,
+                   std::span<CoarseBox> points, Isa isa = best_isa());
 
 } // namespace flotilla

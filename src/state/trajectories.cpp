@@ -52,12 +52,7 @@ void PlacedBody::place(const RigidShape& shape, const Pose& at) {
     rotation = matrix(at.rotation);
     x.resize(shape.mesh.vertices.size());
     points.resize(x.size());
-    world_vertices(shape.mesh.vertices, at.origin, at.rotation, x);
-    box = {};
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        points[i] = coarse_box(x[i]);
-        box = extended(box, x[i]);
-    }
+    box = world_vertices(shape.mesh.vertices, at.origin, at.rotation, x, points);
     refit(shape.bvh, points, nodes);
 }
 
