@@ -261,18 +261,9 @@ TangentPair choose_tangents(const Contact& c, Cone cone, const ContactSolveOptio
     return keyed_tangents(c, options.seed, c.sticks ? kNoStep : options.step);
 }
 
-void set_mass(Cone cone, const ContactBlock& block, ContactRow& row) {
-    switch (cone) {
-    case Cone::none: return set_normal_mass(block, row);
-    case Cone::disc: return set_principal_mass(block, row);
-    case Cone::pyramid:
-    case Cone::frozen: break;
-    }
-    set_effective_mass(block, row);
-}
-
-ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBodies& bodies, const Vec3& warm_impulse,
-                    Cone cone, const ContactSolveOptions& options) {
+// A row without its mass and impulse.
+ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBodies& bodies, Cone cone,
+                    const ContactSolveOptions& options) {
     ContactRow row;
     row.normal = c.normal;
     row.arm_a = c.point - bodies.position[index(c.a)];
@@ -282,10 +273,17 @@ ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBo
     row.tangent_2 = t.t2;
     row.local.target = c.target;
     row.local.friction = c.friction;
-    set_mass(cone, block, row);
-    const Vec3 warm = to_contact(row, warm_impulse);
-    row.local.impulse = cut_to_cone(cone, warm, c.friction);
     return row;
+}
+
+void set_mass(Cone cone, const ContactBlock& block, PrincipalMasses& principal, ContactRow& row) {
+    switch (cone) {
+    case Cone::none: return set_normal_mass(block, row);
+    case Cone::disc: return principal.add(block, row);
+    case Cone::pyramid:
+    case Cone::frozen: break;
+    }
+    set_effective_mass(block, row);
 }
 
 // Blocks and rows of all pairs, in `pair_order`; those of a pair that are parked behind the others.
@@ -301,7 +299,7 @@ void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies,
         s.blocks[k].first = first;
         first += s.first_contact[p + 1] - s.first_contact[p];
     }
-    for_each(options.team, "contact rows", s.pair_order.size(), kPairGrain, [&](std::size_t k) {
+    const auto make = [&](std::size_t k, PrincipalMasses& principal) {
         const std::size_t p = index(s.pair_order[k]);
         ContactBlock block = make_block(s.pairs[p], bodies, s);
         block.color = s.color[p];
@@ -309,12 +307,27 @@ void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies,
         std::int32_t awake = block.first, parked = block.parked = block.first + s.num_awake[p];
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
             const std::size_t c = index(s.order[index(i)]), row = index(s.parked[index(i)] ? parked++ : awake++);
-            const Vec3 warm = options.warm_start ? impulses[c] : Vec3{};
-            s.rows[row] = make_row(contacts[c], block, bodies, warm, cone, options);
+            s.rows[row] = make_row(contacts[c], block, bodies, cone, options);
             s.source[row] = count_of(c);
         }
         block.end = parked;
         s.blocks[k] = block;
+        for (std::int32_t r = block.first; r < block.end; ++r) set_mass(cone, s.blocks[k], principal, s.rows[index(r)]);
+    };
+    const auto start = [&](const ContactBlock& block) { // frames are final now
+        for (std::int32_t r = block.first; r < block.end; ++r) {
+            ContactRow& row = s.rows[index(r)];
+            const Vec3 warm = options.warm_start ? impulses[index(s.source[index(r)])] : Vec3{};
+            row.local.impulse = cut_to_cone(cone, to_contact(row, warm), row.local.friction);
+        }
+    };
+    const std::size_t pairs = s.pair_order.size(), chunks = (pairs + kPairGrain - 1) / kPairGrain;
+    for_each(options.team, "contact rows", chunks, 1, [&](std::size_t chunk) {
+        const std::size_t begin = chunk * kPairGrain, end = std::min(pairs, begin + kPairGrain);
+        PrincipalMasses principal(options.isa);
+        for (std::size_t k = begin; k < end; ++k) make(k, principal);
+        principal.flush();
+        for (std::size_t k = begin; k < end; ++k) start(s.blocks[k]);
     });
 }
 

@@ -1,59 +1,58 @@
 // SPDX-License-Identifier: MIT
+#include "geometry/pack_scalar.hpp"
+
 #include "static_contact/contact_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "static_contact/contact_rows_kernel.hpp"
+
 namespace flotilla {
-namespace {
-
-/// What an impulse along a direction turns: arm x direction, and the inverse inertia times it, of both bodies.
-struct Torques {
-    Vec3 a, b, inv_a, inv_b;
-
-    Torques(const ContactBlock& block, const ContactRow& row, const Vec3& direction)
-        : a(cross(row.arm_a, direction)),
-          b(cross(row.arm_b, direction)),
-          inv_a(block.inv_inertia_a * a),
-          inv_b(block.inv_inertia_b * b) {}
-};
-
-double product(const Torques& p, const Torques& q) { return dot(p.a, q.inv_a) + dot(p.b, q.inv_b); }
-
-double inverse_mass(const ContactBlock& block) { return block.inv_mass_a + block.inv_mass_b; }
-
-void set_mass(double m, const Torques& n, const Torques& t1, const Torques& t2, LocalContact& c) {
-    c.mass_diagonal = {m + product(n, n), m + product(t1, t1), m + product(t2, t2)};
-    c.inv_mass_diagonal = {1 / c.mass_diagonal.x, 1 / c.mass_diagonal.y, 1 / c.mass_diagonal.z};
-    c.coupling = {product(n, t1), product(n, t2), product(t1, t2)};
-}
-
-} // namespace
 
 void set_effective_mass(const ContactBlock& block, ContactRow& row) {
-    const Torques n(block, row, row.normal), t1(block, row, row.tangent_1), t2(block, row, row.tangent_2);
-    set_mass(inverse_mass(block), n, t1, t2, row.local);
+    const ContactBlock* const blocks[] = {&block};
+    const ContactRow* const rows[] = {&row};
+    const PackMass<ScalarPack> w = effective_masses_any<ScalarPack>(blocks, rows);
+    const auto vec = [](const PackVec<ScalarPack>& v) { return Vec3{v.x.v, v.y.v, v.z.v}; };
+    LocalContact& c = row.local;
+    c.mass_diagonal = vec(w.diagonal);
+    c.inv_mass_diagonal = {1 / c.mass_diagonal.x, 1 / c.mass_diagonal.y, 1 / c.mass_diagonal.z};
+    c.coupling = vec(w.coupling);
 }
 
 void set_normal_mass(const ContactBlock& block, ContactRow& row) {
     const Vec3 turn_a = cross(row.arm_a, row.normal), turn_b = cross(row.arm_b, row.normal);
-    const double w =
-        inverse_mass(block) + (dot(turn_a, block.inv_inertia_a * turn_a) + dot(turn_b, block.inv_inertia_b * turn_b));
+    const double w = (block.inv_mass_a + block.inv_mass_b) +
+                     (dot(turn_a, block.inv_inertia_a * turn_a) + dot(turn_b, block.inv_inertia_b * turn_b));
     row.local.mass_diagonal = {w, 1, 1};
     row.local.inv_mass_diagonal = {1 / w, 1, 1};
     row.local.coupling = {};
 }
 
 void set_principal_mass(const ContactBlock& block, ContactRow& row) {
-    const double m = inverse_mass(block);
-    const Torques n(block, row, row.normal);
-    {
-        const Torques t1(block, row, row.tangent_1), t2(block, row, row.tangent_2);
-        row.local.mass_diagonal = {0, m + product(t1, t1), m + product(t2, t2)};
-        row.local.coupling = {0, 0, product(t1, t2)};
-        turn_tangents(principal_turn(row.local), row);
+    const ContactBlock* const blocks[] = {&block};
+    ContactRow* const rows[] = {&row};
+    set_principal_masses_any<ScalarPack>(blocks, rows, 1);
+}
+
+void PrincipalMasses::add(const ContactBlock& block, ContactRow& row) {
+    if (isa_ == Isa::scalar) return set_principal_mass(block, row);
+    blocks_[waiting_] = &block;
+    rows_[waiting_++] = &row;
+    if (waiting_ == kLanes) flush();
+}
+
+void PrincipalMasses::flush() {
+    if (waiting_ == 0) return;
+    for (int lane = waiting_; lane < kLanes; ++lane) {
+        blocks_[lane] = blocks_[0];
+        rows_[lane] = rows_[0];
     }
-    set_mass(m, n, {block, row, row.tangent_1}, {block, row, row.tangent_2}, row.local);
+#if defined(__x86_64__)
+    set_principal_masses_avx2(blocks_, rows_, (1U << waiting_) - 1);
+#endif
+    waiting_ = 0;
 }
 
 TangentTurn principal_turn(const LocalContact& c) {

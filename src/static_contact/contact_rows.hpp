@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/vec3.hpp"
+#include "geometry/ccd.hpp"
 
 namespace flotilla {
 
@@ -92,8 +93,27 @@ void turn_tangents(const TangentTurn& turn, ContactRow& row);
 void set_effective_mass(const ContactBlock& block, ContactRow& row);
 /// W_nn alone: the rest is that of a row without contact.
 void set_normal_mass(const ContactBlock& block, ContactRow& row);
-/// Turns the tangents to the principal axes of W_tt before.
+/// Turns the tangents to the principal axes of W_tt before. Sets the impulse to zero.
 void set_principal_mass(const ContactBlock& block, ContactRow& row);
+
+/// set_principal_mass() of many rows, several at a time: add() asks for one, flush() does what is left.
+class PrincipalMasses {
+  public:
+    explicit PrincipalMasses(Isa isa) : isa_(isa) {}
+    /// Both must stay until they are done.
+    void add(const ContactBlock& block, ContactRow& row);
+    void flush();
+
+  private:
+    static constexpr int kLanes = 4;
+    Isa isa_;
+    int waiting_ = 0;
+    const ContactBlock* blocks_[kLanes] = {};
+    ContactRow* rows_[kLanes] = {};
+};
+
+/// Of four lanes, compiled for AVX2; call only where the processor has it. `which`: a bit for each lane that is wanted; the others repeat one.
+void set_principal_masses_avx2(const ContactBlock* const* blocks, ContactRow* const* rows, unsigned which);
 
 /// The impulse nearest to a given one (contact coordinates) that the bounds allow: what a warm start may begin with.
 Vec3 cut_to_cone(Cone cone, const Vec3& impulse, double friction);
