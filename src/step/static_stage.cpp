@@ -79,6 +79,10 @@ constexpr auto kByGroup = [](const auto& x, const auto& y) { return group_key(x)
 
 /// The impulse of the same feature pair; failing that, the only one of the same vertex. `guess`: about where it is.
 const WarmImpulse* find_warm(std::span<const WarmImpulse> warm, const Contact& contact, std::size_t guess) {
+    const auto same = [&](const WarmImpulse& w) {
+        return w.feature_key == contact.feature_key && w.a == contact.a && w.b == contact.b;
+    };
+    if (guess < warm.size() && same(warm[guess]) && (guess == 0 || !same(warm[guess - 1]))) return &warm[guess];
     const auto first = warm.begin() + static_cast<std::ptrdiff_t>(lower_bound_near(warm, guess, contact, kByGroup));
     auto w = first;
     for (; w != warm.end() && group_key(*w) == group_key(contact); ++w)

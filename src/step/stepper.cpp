@@ -521,7 +521,11 @@ void Stepper::join_pushed() {
 
 /// Bodies in contact are of one island.
 void Stepper::join_contacts() {
-    for (const Contact& c : contacts_.contacts) energy_.join(model_, c.a, c.b);
+    const Contact* last = nullptr; // they come pair by pair
+    for (const Contact& c : contacts_.contacts) {
+        if (last == nullptr || last->a != c.a || last->b != c.b) energy_.join(model_, c.a, c.b);
+        last = &c;
+    }
 }
 
 /// The account of the step's energy, after stage 7 (energy_account.hpp).
