@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Chains, ropes and mail of closed links: they swing, hang and come to rest, and no link is ever held.
 #include "physics/physics.hpp"
+#include "physics/problems/tops.hpp"
 
 namespace flotilla::physics {
 namespace {
@@ -13,18 +14,9 @@ struct Link {
     [[nodiscard]] double inner() const { return 2 * (ring - tube); } ///< m, the pitch of a chain whose links touch
 };
 
-constexpr double kSteel = 7680; // kg/m^3
-
-/// `links` links from the origin along `axis`; the first one is fixed. The links are `play` m short of tight.
+/// `links` links from the origin; the first one is fixed. The links are `play` m short of tight.
 SceneDescription chain(const Settings& settings, int links, const Link& link, double play, bool hangs) {
-    SceneDescription scene = make_scene_with(settings);
-    const auto fixed = add_shape(scene, link.mesh()), free = add_solid(scene, link.mesh(), kSteel);
-    const Quat along = hangs ? rotation_from_vector({0, kPi / 2, 0}) : Quat{}; // x to -z
-    for (int i = 0; i < links; ++i)
-        add_body(scene, i == 0 ? fixed : free, i == 0 ? BodyType::fixed : BodyType::dynamic,
-                 rotate(along, {i * (link.inner() - play), 0, 0}), 0, 0)
-            .rotation = along * rotation_from_vector({i % 2 * kPi / 2, 0, 0});
-    return scene;
+    return chain_of(settings, links, link.mesh(), link.inner() - play, hangs);
 }
 
 // A chain that is let go level has no tension at first: its last link falls freely, and faster once the rest pulls it round. It is
@@ -154,49 +146,12 @@ void flat_links_hang(const Run& run, int links) {
     hangs(run, scene, 5, {links - 1, 0.8, (0.4 * 0.4 + 0.5 * 0.5) / 4});
 }
 
-// The lowest frequency of a hanging chain of length l is 1.2024 sqrt(g / l), first zero of J0 over 2, with the shape
-// J0(2.4048 sqrt(s / l)) at s above the end. A chain of N links from a fixed one is N + 1/4 pitches long to within a quarter: it
-// hangs from a point half a pitch below the fixed link's centre, but every other link is free to turn in the plane of its ring and
-// acts on a point. Links start in that shape, their vertices in each other's corners; period from the zero crossings of the
-// part of the motion along the shape.
 void frequency_of_a_chain(const Run& run, int links) {
-    Link link{0.28, 0.02, 32, 8};
-    const double gap = rest_gap(link.mesh()), pitch = link.inner() - 1.0 * gap;
-    const double length_of_chain = (links + 0.25) * pitch;
-    const auto shape_at = [&](double depth) {
-        const double s = std::max(0.0, 1 - depth / length_of_chain);
-        return std::cyl_bessel_j(0.0, 2.404825557695773 * std::sqrt(s));
-    };
-    SceneDescription scene = chain(run.settings(), links + 1, link, gap, true);
-    // Swings across the x axis; each centre follows its neighbour at the pitch, turned along the tangent between them.
-    constexpr double kAmplitude = 0.02; // of the length
-    Vec3 at;
-    std::vector<double> shape{0};
-    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-        const double depth = static_cast<double>(i) * pitch;
-        shape.push_back(shape_at(depth));
-        const double aside = kAmplitude * length_of_chain * shape.back() - at.x;
-        at += Vec3{aside, 0, -std::sqrt(pitch * pitch - aside * aside)};
-        scene.bodies[i].position = at;
-        scene.bodies[i].rotation = rotation_from_vector({0, -std::asin(aside / pitch), 0}) * scene.bodies[i].rotation;
-    }
-    for (BodyDescription& b : scene.bodies) b.friction = 1; // no slipping along the sides of a hole
-    Motion motion(scene);
-    const double due = 1.2024 * std::sqrt(kGravity / length_of_chain), period = 2 * kPi / due;
-    double before = 1, first = 0, last = 0;
-    int crossings = 0;
-    motion.run(2.3 * period, [&](const StepReport& r) {
-        double part = 0;
-        for (std::size_t i = 1; i < motion.world().size(); ++i) part += shape[i] * motion.body(i).center_of_mass.x;
-        if (part * before < 0) {
-            const double time = r.time - run.dt() * part / (part - before);
-            if (crossings++ == 0) first = time;
-            last = time;
-        }
-        before = part;
-    });
-    const double found = crossings > 1 ? kPi * (crossings - 1) / (last - first) : 0;
-    motion.print("frequency %.5g, due %.5g rad/s (%.4f), %d crossings", found, due, found / due, crossings);
+    const HangingChain chain(links);
+    Motion motion(chain.scene(run.settings()));
+    const double due = chain.frequency();
+    const auto [found, crossings] = chain.found(motion.record(2.3 * 2 * kPi / due));
+    motion.print("frequency %.5g, due %.5g rad/s (%.4f), %zu crossings", found, due, found / due, crossings);
     EXPECT_NEAR(found / due, 1, 0.02);
     EXPECT_EQ(motion.outcome().held, 0);
     expect_no_rise(motion);

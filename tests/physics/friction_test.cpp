@@ -1,39 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Coulomb's friction: the rate of sliding, the threshold, creep, straight paths.
 #include "physics/physics.hpp"
+#include "physics/problems/sliding.hpp"
 
 namespace flotilla::physics {
 namespace {
-
-/// A flat body on a slope that falls towards `heading`, at its rest distance, turned with the slope.
-struct Slope {
-    double angle = 0, heading = 0; ///< radians
-    [[nodiscard]] Quat tilt() const {
-        return rotation_from_vector({0, 0, heading}) * rotation_from_vector({0, angle, 0});
-    }
-    [[nodiscard]] Vec3 down() const { return rotate(tilt(), {1, 0, 0}); }
-    [[nodiscard]] Vec3 aside() const { return rotate(tilt(), {0, 1, 0}); }
-    /// m/s^2, of a body that slides.
-    [[nodiscard]] double rate(double friction) const {
-        const SinCos s = sin_cos(angle);
-        return kGravity * (s.sin - friction * s.cos);
-    }
-};
-
-Motion on_slope(const Run& run, const Slope& slope, double friction, TriangleMesh mesh, double half_height,
-                double mass = 5) {
-    SceneDescription scene = make_scene_with(run.settings());
-    const double gap = rest_gap(mesh);
-    const auto body = add_shape(scene, std::move(mesh), mass), plane = add_shape(scene, make_plate(80, 80));
-    add_body(scene, body, BodyType::dynamic, rotate(slope.tilt(), {0, 0, half_height + gap}), friction, 0).rotation =
-        slope.tilt();
-    add_body(scene, plane, BodyType::fixed, {}, friction, 0).rotation = slope.tilt();
-    return Motion(scene);
-}
-
-Motion block_on_slope(const Run& run, const Slope& slope, double friction) {
-    return on_slope(run, slope, friction, make_box(1, 1, 0.4), 0.2);
-}
 
 constexpr double kSteep[] = {10, 20, 30, 40, 50}; // degrees
 
@@ -41,14 +12,11 @@ void slides_at_the_rate_of_coulomb(const Run& run, double heading) {
     for (const double angle : kSteep) {
         const Slope slope{angle * kDegree, heading * kDegree};
         const double friction = 0.7 * std::tan(slope.angle);
-        Motion motion = block_on_slope(run, slope, friction);
-        motion.run(0.5);
-        const Vec3 before = motion.body(0).velocity;
-        motion.run(1.5);
-        const Vec3 gained = motion.body(0).velocity - before;
-        const double due = slope.rate(friction), share = dot(gained, slope.down()) / due;
-        const double turned = std::abs(std::atan2(dot(gained, slope.aside()), dot(gained, slope.down()))) / kDegree;
-        motion.print("slope %g, %.5f of the due rate %.4g m/s^2, %.3g degrees aside", angle, share, due, turned);
+        Motion motion(block_on_slope(run.settings(), slope, friction));
+        const auto [share, turn] = sliding(motion.record(1.5), slope, friction);
+        const double turned = turn / kDegree;
+        motion.print("slope %g, %.5f of the due rate %.4g m/s^2, %.3g degrees aside", angle, share,
+                     slope.rate(friction), turned);
         EXPECT_NEAR(share, 1, 0.005) << "slope " << angle;
         EXPECT_LT(turned, 0.1) << "degrees, slope " << angle;
     }
@@ -59,10 +27,8 @@ void slides_just_below_the_threshold(const Run& run) {
     for (const double angle : {10.0, 30.0}) {
         const Slope slope{angle * kDegree, 0.5};
         const double friction = 0.999 * std::tan(slope.angle), due = 0.5 * slope.rate(friction) * 4;
-        Motion motion = block_on_slope(run, slope, friction);
-        const Vec3 start = motion.body(0).position;
-        motion.run(2);
-        const double way = dot(motion.body(0).position - start, slope.down());
+        Motion motion(block_on_slope(run.settings(), slope, friction));
+        const double way = way_down(motion.record(2), slope);
         motion.print("slope %g, %.4g of the due %.4g m", angle, way / due, due);
         EXPECT_NEAR(way / due, 1, 0.1) << "slope " << angle;
     }
@@ -71,7 +37,7 @@ void slides_just_below_the_threshold(const Run& run) {
 void holds(const Run& run, double share, double time, double most) {
     for (const double angle : {10.0, 30.0}) {
         const Slope slope{angle * kDegree, 0.5};
-        Motion motion = block_on_slope(run, slope, share * std::tan(slope.angle));
+        Motion motion(block_on_slope(run.settings(), slope, share * std::tan(slope.angle)));
         motion.run(0.5);
         const Vec3 start = motion.body(0).position;
         motion.run(0.5 + time);
@@ -83,29 +49,19 @@ void holds(const Run& run, double share, double time, double most) {
 
 void slides(const Run& run, TriangleMesh mesh, double half_height, double angle, double friction, double time) {
     const Slope slope{angle, 0};
-    Motion motion = on_slope(run, slope, friction, std::move(mesh), half_height);
-    const Vec3 start = motion.body(0).position;
-    motion.run(time);
+    Motion motion(on_slope(run.settings(), slope, friction, std::move(mesh), half_height));
+    const History history = motion.record(time);
     // The scheme is exact for a constant rate; the first step may differ by what settling takes.
-    const double way = dot(motion.body(0).position - start, slope.down()),
+    const double way = way_down(history, slope),
                  due = 0.5 * slope.rate(friction) * motion.world().time() * motion.world().time();
     motion.print("slides %.5g m, due %.5g", way, due);
     EXPECT_NEAR(way / due, 1, 0.02);
 }
 
-void thrown_block(const Run& run, double heading) {
-    constexpr double kSpeed = 5, kFriction = 0.3;
-    SceneDescription scene = make_scene_with(run.settings());
-    const TriangleMesh mesh = make_box(1, 1, 0.4);
-    const auto block = add_shape(scene, mesh, 5);
-    const Vec3 along = rotate(rotation_from_vector({0, 0, heading * kDegree}), {1, 0, 0});
-    add_body(scene, block, BodyType::dynamic, {0, 0, 0.2 + rest_gap(mesh)}, kFriction, 0).velocity = kSpeed * along;
-    add_ground(scene, 40, kFriction, 0);
-    Motion motion(scene);
-    motion.run(2.5);
-    const Vec3 way = motion.body(0).position;
-    const double due = kSpeed * kSpeed / (2 * kFriction * kGravity), share = dot(way, along) / due;
-    const double turned = std::abs(std::atan2(cross(along, way).z, dot(along, way))) / kDegree;
+void thrown_block_stops(const Run& run, double heading) {
+    Motion motion(thrown_block(run.settings(), heading * kDegree));
+    const auto [share, turn] = thrown(motion.record(2.5), heading * kDegree);
+    const double due = kThrownSpeed * kThrownSpeed / (2 * kThrownFriction * kGravity), turned = turn / kDegree;
     motion.print("stops after %.5f of %.4g m, path turned by %.3g degrees, at %.3g m/s", share, due, turned,
                  length(motion.body(0).velocity));
     // A step in which the block stops is one of friction that is not needed in full: dt v / 2 at most.
@@ -115,16 +71,8 @@ void thrown_block(const Run& run, double heading) {
     expect_rest(motion);
 }
 
-// A spinning disc-like box that also slides: friction of its corners turns with it, its path stays straight by symmetry.
 void spinning_block_slides_straight(const Run& run) {
-    SceneDescription scene = make_scene_with(run.settings());
-    const TriangleMesh mesh = make_box(1, 1, 0.2);
-    const auto block = add_shape(scene, mesh, 5);
-    auto& body = add_body(scene, block, BodyType::dynamic, {0, 0, 0.1 + rest_gap(mesh)}, 0.3, 0);
-    body.velocity = {3, 0, 0};
-    body.angular_velocity = {0, 0, 8};
-    add_ground(scene, 40, 0.3, 0);
-    Motion motion(scene);
+    Motion motion(spinning_block(run.settings()));
     motion.run(4);
     const Vec3 way = motion.body(0).position;
     motion.print("path of %.4g m, aside by %.3g m", way.x, way.y);
@@ -161,7 +109,7 @@ void painleve_rod(const Run& run, double friction) {
                      [=] { slides_at_the_rate_of_coulomb(run, heading); });
         for (const Run& run : runs())
             add_test("Friction", "ThrownBlockStopsWhereItShould/" + run.name() + "_heading" + std::to_string(heading),
-                     fast && run.rate == 24 ? Slice::fast : Slice::full, [=] { thrown_block(run, heading); });
+                     fast && run.rate == 24 ? Slice::fast : Slice::full, [=] { thrown_block_stops(run, heading); });
     }
     add_runs("Friction", "SlidesJustBelowTheThreshold", runs(), true, slides_just_below_the_threshold);
     add_runs("Friction", "HoldsJustAboveTheThreshold", runs(), true, [](const Run& r) { holds(r, 1.001, 2, 1e-6); });

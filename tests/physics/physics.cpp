@@ -36,13 +36,6 @@ Vec3 angular_momentum(const MassProperties& mass, const Quat& rotation, const Ve
 
 } // namespace
 
-Settings Run::settings() const {
-    Settings s = flotilla::preset(preset);
-    s.time_step = dt();
-    s.sleeping = false;
-    return s;
-}
-
 std::vector<Run> runs(const std::vector<int>& rates) {
     std::vector<Run> list;
     for (const char* preset : {"balanced", "accurate", "reference"})
@@ -61,73 +54,6 @@ void add_runs(const std::string& suite, const std::string& name, const std::vect
     for (const Run& run : list)
         add_test(suite, name + "/" + run.name(), fast && &run == &list.front() ? Slice::fast : Slice::full,
                  [run, body] { body(run); });
-}
-
-SceneDescription make_scene_with(const Settings& settings, const Vec3& gravity) {
-    SceneDescription scene;
-    scene.settings = settings;
-    scene.gravity = gravity;
-    return scene;
-}
-
-std::int32_t add_solid(SceneDescription& scene, TriangleMesh mesh, double density) {
-    const std::int32_t shape = add_shape(scene, std::move(mesh));
-    scene.shapes.back().mass_kind = MassKind::density;
-    scene.shapes.back().mass_value = density;
-    return shape;
-}
-
-BodyDescription& add_ground(SceneDescription& scene, double size, double friction, double restitution) {
-    return add_body(scene, add_shape(scene, make_plate(size, size)), BodyType::fixed, {}, friction, restitution);
-}
-
-double rest_gap(const TriangleMesh& mesh) {
-    Vec3 low = mesh.vertices.front(), high = low;
-    for (const Vec3& v : mesh.vertices) low = min(low, v), high = max(high, v);
-    double radius = 0;
-    for (const Vec3& v : mesh.vertices) radius = std::max(radius, length(v - 0.5 * (low + high)));
-    return 1.0001 * 2 * radius / kSizePerRestDistance;
-}
-
-TriangleMesh make_hexahedron(const std::array<Vec3, 8>& corners) {
-    TriangleMesh mesh;
-    mesh.vertices.assign(corners.begin(), corners.end());
-    const auto face = [&](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
-        mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}});
-    };
-    face(3, 2, 1, 0), face(4, 5, 6, 7);
-    for (std::int32_t i = 0; i < 4; ++i) face(i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i);
-    return mesh;
-}
-
-TriangleMesh make_annulus(double inner, double outer, int segments) {
-    TriangleMesh mesh;
-    for (int i = 0; i < segments; ++i) {
-        const SinCos s = sin_cos(2 * kPi * i / segments);
-        mesh.vertices.push_back({inner * s.cos, inner * s.sin, 0});
-        mesh.vertices.push_back({outer * s.cos, outer * s.sin, 0});
-        const std::int32_t a = 2 * i, b = 2 * ((i + 1) % segments);
-        mesh.triangles.insert(mesh.triangles.end(), {{a, a + 1, b + 1}, {a, b + 1, b}});
-    }
-    return mesh;
-}
-
-SceneDescription scaled(SceneDescription scene, double factor) {
-    const double root = std::sqrt(factor);
-    for (ShapeDescription& shape : scene.shapes)
-        for (Vec3& v : shape.vertices) v *= factor;
-    for (BodyDescription& body : scene.bodies) {
-        body.position *= factor;
-        body.velocity *= root;
-        body.angular_velocity = body.angular_velocity / root;
-        for (Keyframe& key : body.keyframes) key.position *= factor, key.time *= root;
-    }
-    return scene;
-}
-
-double Numbers::next() {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<double>(state_ >> 11) * 0x1p-52 - 1;
 }
 
 Motion::Motion(const SceneDescription& scene) : scene_(scene), world_(scene), bodies_(scene.bodies.size()) {
@@ -211,6 +137,18 @@ void Motion::run(double time, const std::function<void(const StepReport&)>& each
         ADD_FAILURE() << "given up at " << world_.time() << " s of " << time << " s, step " << out_.steps;
         return;
     }
+}
+
+History Motion::record(double time) {
+    History history(scene_.settings.time_step);
+    const auto add_instant = [&] {
+        Instant now{world_.time(), {}};
+        for (std::size_t i = 0; i < world_.size(); ++i) now.bodies.push_back(world_.body(i));
+        history.add(std::move(now));
+    };
+    add_instant();
+    run(time, [&](const StepReport&) { add_instant(); });
+    return history;
 }
 
 double Motion::total_mass() const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the tests of the physics share: scenes built in code, runs with their account of energy, and tests that are registered once
-// for each preset and time step. Every run prints one line of what was measured, whether its checks pass or not. SI units.
+// What the tests of the physics share beside their problems (problems/): runs with their account of energy, and tests that are
+// registered once for each preset and time step. Every run prints one line of what was measured, whether its checks pass or not. SI units.
 //
 // A check states what is due, not what the solver gives: none is to be loosened so that it passes.
 #pragma once
@@ -11,32 +11,15 @@
 #include <vector>
 
 #include "base/rotation.hpp"
+#include "physics/problems/history.hpp"
 #include "step/scenario.hpp"
 
 namespace flotilla::physics {
-
-using scenario::add_body;
-using scenario::add_shape;
-using scenario::kGravity;
-using scenario::kPi;
-
-inline constexpr double kDegree = kPi / 180;
 
 // ---- tests --------------------------------------------------------------------------------------------------------------------
 
 /// Where a test belongs: `fast` ones run in less than 3 s each and a minute together; all of them make the full set.
 enum class Slice { fast, full };
-
-/// A preset and a time step.
-struct Run {
-    std::string preset = "balanced";
-    int rate = 24; ///< steps a second
-
-    [[nodiscard]] double dt() const { return 1.0 / rate; }
-    [[nodiscard]] std::string name() const { return preset + "_dt" + std::to_string(rate); }
-    /// Of the preset, sleeping off: rest and creep are then the solver's own doing.
-    [[nodiscard]] Settings settings() const;
-};
 
 /// balanced, accurate and reference at each of `rates`.
 [[nodiscard]] std::vector<Run> runs(const std::vector<int>& rates = {24, 120, 480});
@@ -48,38 +31,6 @@ inline constexpr bool kNotReached = false;
 /// Registers `body` as SUITE.NAME/RUN for each of `list`; the first one, if `fast`, in the fast slice.
 void add_runs(const std::string& suite, const std::string& name, const std::vector<Run>& list, bool fast,
               const std::function<void(const Run&)>& body);
-
-// ---- scenes -------------------------------------------------------------------------------------------------------------------
-
-/// `settings` with the gravity of scenes, or without.
-[[nodiscard]] SceneDescription make_scene_with(const Settings& settings, const Vec3& gravity = {0, 0, -kGravity});
-/// A solid of `density` kg/m^3; the mesh must be closed.
-std::int32_t add_solid(SceneDescription& scene, TriangleMesh mesh, double density);
-/// A fixed square plate of `size` m in the plane z = 0.
-BodyDescription& add_ground(SceneDescription& scene, double size, double friction = 0.1, double restitution = 0.1);
-/// The distance at which a body of this mesh comes to rest on a fixed one, and a rounding more: size / 330.
-[[nodiscard]] double rest_gap(const TriangleMesh& mesh);
-/// Six faces on eight corners: the first four around one face, the others opposite to them.
-[[nodiscard]] TriangleMesh make_hexahedron(const std::array<Vec3, 8>& corners);
-/// A flat ring in the plane z = 0 without thickness.
-[[nodiscard]] TriangleMesh make_annulus(double inner, double outer, int segments);
-/// The same scene `factor` times as large, with speeds that grow like the square root: gravity makes both move alike in time
-/// sqrt(factor) as long. The time step is not changed.
-[[nodiscard]] SceneDescription scaled(SceneDescription scene, double factor);
-/// Numbers in [-1, 1) that depend on nothing but the order of calls.
-class Numbers {
-  public:
-    explicit Numbers(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15u + 1) {}
-    double next();
-    Vec3 vector() {
-        const double x = next(), y = next(), z = next();
-        return {x, y, z};
-    }
-    Quat rotation() { return normalized(Quat{next(), next(), next(), next()}); }
-
-  private:
-    std::uint64_t state_;
-};
 
 // ---- runs ---------------------------------------------------------------------------------------------------------------------
 
@@ -110,6 +61,8 @@ class Motion {
     /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes more than `most` s of the stepping
     /// thread, and when the energy has risen by half of the scale without scripts: what follows an explosion teaches nothing.
     void run(double time, const std::function<void(const StepReport&)>& each = {}, double most = 60);
+    /// The same, from the start on, with all states on the way.
+    History record(double time);
 
     [[nodiscard]] World& world() { return world_; }
     [[nodiscard]] BodyState body(std::size_t i) const { return world_.body(i); }

@@ -1,26 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Stacks come to rest and stay, whatever their height and mass ratios, and carry their weight.
 #include "physics/physics.hpp"
+#include "physics/problems/standing.hpp"
 
 namespace flotilla::physics {
 namespace {
-
-/// Boxes of `edge` with `gap` below each on the ground, which is the last body.
-SceneDescription stack(const Settings& settings, const std::vector<double>& masses, double edge, double gap) {
-    SceneDescription scene = make_scene_with(settings);
-    double z = 0;
-    for (const double mass : masses) {
-        const auto box = add_shape(scene, make_box(edge, edge, edge), mass);
-        add_body(scene, box, BodyType::dynamic, {0, 0, z + gap + edge / 2}, 0.5, 0);
-        z += gap + edge;
-    }
-    add_ground(scene, 40 * edge, 0.5, 0);
-    return scene;
-}
-
-SceneDescription resting_stack(const Settings& settings, const std::vector<double>& masses, double edge = 1) {
-    return stack(settings, masses, edge, rest_gap(make_box(edge, edge, edge)));
-}
 
 /// Masses from the ground up, each `ratio` times that below.
 std::vector<double> growing(int boxes, double ratio) {
