@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
 // flotilla_bullet: a scene simulated by Bullet (bulletphysics.org), single precision as Debian builds it.
 //  - panels: movable meshes as compounds of thin convex hulls (panels.hpp), each with a margin of half the gap around it.
+//  - primitives: what meshes stand for (primitives.hpp): boxes, spheres, cylinders, planes; thin boxes of the panels' thickness for
+//    movable plates, hulls with a margin of half the gap for convex solids.
 //  - gimpact: movable meshes as btGImpactMeshShape, which Bullet's author calls deprecated, with the same margin.
-// Static meshes are triangle meshes in both. Friction and restitution of a pair are products in Bullet; bodies get the square
+// Static meshes are triangle meshes in the other two. Friction and restitution of a pair are products in Bullet; bodies get the square
 // roots of theirs, so that pairs have the geometric mean, as in flotilla. Nothing sleeps.
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
+#include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
+#include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <cmath>
@@ -15,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/vec3.hpp"
 #include "engine.hpp"
 #include "panels.hpp"
 
@@ -39,12 +45,25 @@ Frame frame_of(const btTransform& t) {
     return {vector(t.getOrigin()), {q.w(), q.x(), q.y(), q.z()}};
 }
 
+std::unique_ptr<btConstraintSolver> make_solver(const std::string& name, btMLCPSolverInterface& pivots) {
+    if (name.starts_with("nncg")) return std::make_unique<btNNCGConstraintSolver>();
+    if (name.starts_with("dantzig")) return std::make_unique<btMLCPSolver>(&pivots);
+    return std::make_unique<btSequentialImpulseConstraintSolver>();
+}
+
 class Bullet final : public Engine {
   public:
     Bullet(const EngineScene& scene, const EngineArguments& arguments)
-        : scene_(scene), dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+        : scene_(scene),
+          dispatcher_(&configuration_),
+          solver_(make_solver(arguments.solver, pivots_)),
+          world_(&dispatcher_, &broadphase_, solver_.get(), &configuration_) {
+        if (arguments.shape == kPrimitives) {
+            world_.getSolverInfo().m_restitutionVelocityThreshold = 0; // a rebound of any speed is one
+        }
         btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
         world_.setGravity(vector(scene.description.gravity));
+        if (arguments.solver.ends_with("-2")) world_.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
         if (arguments.iterations > 0) world_.getSolverInfo().m_numIterations = arguments.iterations;
         for (const BodyDescription& body : scene.description.bodies) add(body, arguments);
     }
@@ -79,7 +98,12 @@ class Bullet final : public Engine {
     btCollisionShape* make_shape(std::size_t index, bool movable, const EngineArguments& arguments) {
         const ShapeDescription& shape = scene_.description.shapes[index];
         const auto margin = static_cast<btScalar>(arguments.gap / 2);
+        if (auto solid = make_primitive(scene_.primitives[index], movable, arguments.panel_thickness)) {
+            shapes_.push_back(std::move(solid));
+            return shapes_.back().get();
+        }
         const std::vector<Vec3> vertices = vertices_about_mass(shape, scene_.masses[index]);
+        if (movable && scene_.primitives[index].kind == Primitive::Kind::convex) return make_hull(vertices, margin);
         if (movable && arguments.shape == "panels")
             return make_panels({vertices, shape.triangles}, {.thickness = arguments.panel_thickness}, margin);
         auto mesh = std::make_unique<btTriangleMesh>();
@@ -91,6 +115,27 @@ class Bullet final : public Engine {
         gimpact->setMargin(margin);
         gimpact->updateBound();
         return keep(std::move(gimpact), margin);
+    }
+
+    /// Null where there is none; margins are Bullet's own, inside the solid.
+    static std::unique_ptr<btCollisionShape> make_primitive(const Primitive& p, bool movable, double thickness) {
+        const btVector3 half = vector(0.5 * p.size);
+        switch (p.kind) {
+        case Primitive::Kind::plate:
+            if (!movable) return std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), btScalar(0));
+            return std::make_unique<btBoxShape>(btVector3(half.x(), half.y(), static_cast<btScalar>(thickness / 2)));
+        case Primitive::Kind::box: return std::make_unique<btBoxShape>(half);
+        case Primitive::Kind::sphere: return std::make_unique<btSphereShape>(half.x());
+        case Primitive::Kind::cylinder: return std::make_unique<btCylinderShapeZ>(half);
+        default: return nullptr;
+        }
+    }
+
+    btCollisionShape* make_hull(const std::vector<Vec3>& vertices, btScalar margin) {
+        auto hull = std::make_unique<btConvexHullShape>();
+        for (const Vec3& v : vertices) hull->addPoint(vector(v), false);
+        hull->recalcLocalAabb();
+        return keep(std::move(hull), margin);
     }
 
     btCollisionShape* make_panels(const TriangleMesh& mesh, const PanelLimits& limits, btScalar margin) {
@@ -137,7 +182,8 @@ class Bullet final : public Engine {
     btDefaultCollisionConfiguration configuration_;
     btCollisionDispatcher dispatcher_;
     btDbvtBroadphase broadphase_;
-    btSequentialImpulseConstraintSolver solver_;
+    btDantzigSolver pivots_;
+    std::unique_ptr<btConstraintSolver> solver_;
     btDiscreteDynamicsWorld world_;
     std::map<Key, btCollisionShape*> of_key_;
     std::vector<std::unique_ptr<btTriangleMesh>> meshes_;
@@ -149,6 +195,7 @@ class Bullet final : public Engine {
 
 int main(int argc, char** argv) {
     return run_engine(
-        argc, argv, "flotilla_bullet", {"panels", "gimpact"},
+        argc, argv, "flotilla_bullet", {"panels", "gimpact", kPrimitives},
+        {"impulses", "impulses-2", "nncg", "nncg-2", "dantzig-2"},
         [](const auto& scene, const auto& arguments) { return std::make_unique<Bullet>(scene, arguments); });
 }

@@ -21,14 +21,27 @@ double cpu_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void simulate(const EngineArguments& arguments, const MakeEngine& make) {
-    EngineScene scene{read_scene(arguments.scene), {}};
-    for (const ShapeDescription& shape : scene.description.shapes) scene.masses.push_back(shape_mass_properties(shape));
+EngineScene load(const EngineArguments& arguments) {
+    EngineScene scene{read_scene(arguments.scene), {}, {}};
+    for (const ShapeDescription& shape : scene.description.shapes) {
+        auto mass = shape_mass_properties(shape);
+        const Primitive primitive = arguments.shape == kPrimitives ? recognize(shape) : Primitive{};
+        const bool regular = primitive.kind != Primitive::Kind::mesh && primitive.kind != Primitive::Kind::convex;
+        if (mass && regular) mass = primitive_mass(primitive, shape, *mass);
+        scene.masses.push_back(mass);
+        scene.primitives.push_back(primitive);
+    }
+    return scene;
+}
+
+int simulate(const EngineArguments& arguments, const MakeEngine& make) {
+    const EngineScene scene = load(arguments);
     const auto engine = make(scene, arguments);
     PosesFile file(arguments.output, scene.description);
     file.write(0, 0, engine->rows());
     double seconds = 0;
-    for (int k = 1; k <= arguments.steps; ++k) {
+    int k = 1;
+    for (; k <= arguments.steps && (arguments.limit <= 0 || seconds < arguments.limit); ++k) {
         const double start = cpu_seconds();
         engine->step(arguments.dt);
         seconds += cpu_seconds() - start;
@@ -36,6 +49,7 @@ void simulate(const EngineArguments& arguments, const MakeEngine& make) {
     }
     file.close();
     std::cout << "cpu seconds: " << seconds << '\n';
+    return k > arguments.steps ? 0 : 6;
 }
 
 } // namespace
@@ -59,10 +73,11 @@ Frame mesh_frame(const Frame& frame, const std::optional<MassProperties>& mass) 
 }
 
 int run_engine(int argc, char** argv, const std::string& name, const std::vector<std::string>& shapes,
-               const MakeEngine& make) {
+               const std::vector<std::string>& solvers, const MakeEngine& make) {
     CLI::App app{"A scene simulated by another engine, for comparison", name};
     EngineArguments arguments;
     arguments.shape = shapes.front();
+    arguments.solver = solvers.front();
     app.add_option("SCENE", arguments.scene, "Scene file")->required();
     app.add_option("--output", arguments.output, "Trajectory, CSV")->required();
     app.add_option("--steps", arguments.steps, "Steps")->required()->check(CLI::PositiveNumber);
@@ -74,10 +89,12 @@ int run_engine(int argc, char** argv, const std::string& name, const std::vector
         ->check(CLI::NonNegativeNumber);
     app.add_option("--iterations", arguments.iterations, "Of the engine's solver (default: its own)");
     app.add_option("--shape", arguments.shape, "How meshes are taken")->check(CLI::IsMember(shapes));
+    app.add_option("--solver", arguments.solver, "Of contacts")->check(CLI::IsMember(solvers));
+    app.add_option("--limit", arguments.limit, "CPU seconds after which the run is given up: exit code 6")
+        ->check(CLI::NonNegativeNumber);
     CLI11_PARSE(app, argc, argv);
     try {
-        simulate(arguments, make);
-        return 0;
+        return simulate(arguments, make);
     } catch (const std::exception& e) {
         std::cerr << name << ": " << e.what() << '\n';
         return 2;

@@ -12,6 +12,7 @@
 
 #include "mesh/mass_properties.hpp"
 #include "poses_file.hpp"
+#include "primitives.hpp"
 
 namespace flotilla::baseline {
 
@@ -22,12 +23,17 @@ struct EngineArguments {
     double panel_thickness = 0;       ///< m, of convex panels that meshes are cut into; 0: a panel for each triangle
     int steps = 0;
     int iterations = 0; ///< of the engine's solver; 0: its default
+    std::string solver; ///< of those that the engine has, its own words
+    double limit = 0;   ///< CPU s of the steps after which the run is given up; 0: none
 };
 
-/// The scene, and for each shape its mass: the same numbers as flotilla's.
+inline const std::string kPrimitives = "primitives"; ///< a shape(): what meshes stand for (primitives.hpp)
+
+/// The scene, and for each shape its mass: the same numbers as flotilla's, but for round primitives.
 struct EngineScene {
     SceneDescription description;
     std::vector<std::optional<MassProperties>> masses;
+    std::vector<Primitive> primitives; ///< of each shape; meshes unless they were asked for
 };
 
 /// A shape's vertices in the frame of its mass (centre and principal axes) where it has one, else in mesh coordinates, m.
@@ -51,8 +57,9 @@ class Engine {
 
 using MakeEngine = std::function<std::unique_ptr<Engine>(const EngineScene&, const EngineArguments&)>;
 
-/// Parses, runs, writes every step as a frame, prints the CPU seconds of the steps alone. Returns the exit code.
+/// Parses, runs, writes every step as a frame, prints the CPU seconds of the steps alone. Returns the exit code: 2 for bad input, 6 where
+/// the run was given up.
 int run_engine(int argc, char** argv, const std::string& name, const std::vector<std::string>& shapes,
-               const MakeEngine& make);
+               const std::vector<std::string>& solvers, const MakeEngine& make);
 
 } // namespace flotilla::baseline
