@@ -16,12 +16,15 @@ namespace flotilla::physics {
 /// How a problem begins.
 struct Start {
     Settings settings;
-    /// Bodies that touch begin at the rest distance that flotilla keeps; else without it, for engines whose solids touch.
+    /// Bodies that touch begin at the rest distance that flotilla keeps; else, for engines whose solids touch, a millionth of it within each
+    /// other, so that rounding does not choose which corners do.
     bool apart = true;
 
     Start(const Settings& s, bool keep_apart = true) : settings(s), apart(keep_apart) {} // NOLINT: implicit on purpose
-    [[nodiscard]] double gap(const TriangleMesh& mesh) const { return apart ? rest_gap(mesh) : 0; }
-    [[nodiscard]] double gap(double rest_distance) const { return apart ? 1.0001 * rest_distance : 0; }
+    [[nodiscard]] double gap(const TriangleMesh& mesh) const { return apart ? rest_gap(mesh) : -1e-6 * rest_gap(mesh); }
+    [[nodiscard]] double gap(double rest_distance) const {
+        return apart ? 1.0001 * rest_distance : -1e-6 * rest_distance;
+    }
 };
 
 struct Instant {

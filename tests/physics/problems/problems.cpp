@@ -85,11 +85,6 @@ void add_sliding(List& list) {
                         const Thrown found = thrown(h, heading);
                         return off(found.share, found.turned);
                     }});
-    list.push_back({"spinning-block", "a block slides and spins; its path is straight by symmetry",
-                    "way aside, of the way", 0.03, 4, true, spinning_block, [](const History& h) {
-                        const Vec3 way = h.last(0).position;
-                        return std::abs(way.y / way.x);
-                    }});
 }
 
 void add_rolling(List& list) {
@@ -167,15 +162,15 @@ void add_thresholds(List& list) {
     list.push_back({"arch", "seven stones in a semicircle, 5 % thicker than the least that stands, 8 s",
                     "farthest that one moved, radii", 0.002, kArchTime, true,
                     [](const Start& s) { return arch(s, 7, 1.05 * 0.0962, 1); },
-                    [](const History& h) { return h.farthest() / kArchRadius; }});
+                    [](const History& h) { return h.farthest() / kArchRadius; }, kArchGap});
     list.push_back({"cards", "two cards lean on each other with 1.05 of the least friction, 4 s",
                     "farthest that one moved, lengths", 1e-3, 4, true,
                     [](const Start& s) { return leaning_cards(s, 1.05); },
-                    [](const History& h) { return h.farthest(); }});
+                    [](const History& h) { return h.farthest(); }, kCardGap});
     list.push_back({"card-house", "a house of 15 cards, 5 s", "farthest that one moved, lengths", 0.05, 5, true,
                     // Cards have no thickness: other engines' are thin boxes that fill the rest distances.
                     [](const Start& s) { return card_house(s, 3, 0.5); },
-                    [](const History& h) { return h.farthest() / kCardLength; }});
+                    [](const History& h) { return h.farthest() / kCardLength; }, house_gap()});
     list.push_back({"pinched-block", "a block held between two cylinders with 1.05 of the least friction, 5 s",
                     "distance that it sank, edges", 1e-3, 5, true,
                     [](const Start& s) { return pinched_block(s, 1.05, 1.05); },
@@ -183,9 +178,9 @@ void add_thresholds(List& list) {
     const auto falls = [](double most) { return [=](const History& h) { return h.farthest() > most ? 0.0 : 1.0; }; };
     const std::string wrong = "0: it falls; 1: it stands";
     list.push_back({"arch-falls", "the same arch, 5 % thinner than the least that stands", wrong, 0.5, kArchTime, true,
-                    [](const Start& s) { return arch(s, 7, 0.95 * 0.0962, 1); }, falls(kArchMoves)});
+                    [](const Start& s) { return arch(s, 7, 0.95 * 0.0962, 1); }, falls(kArchMoves), kArchGap});
     list.push_back({"cards-slip", "the two cards with 0.95 of the least friction", wrong, 0.5, 4, true,
-                    [](const Start& s) { return leaning_cards(s, 0.95); }, falls(0.05)});
+                    [](const Start& s) { return leaning_cards(s, 0.95); }, falls(0.05), kCardGap});
     list.push_back({"pinched-slips", "the block between cylinders with 0.95 of the least friction at the block", wrong,
                     0.5, 3, true, [](const Start& s) { return pinched_block(s, 0.95, 2); }, falls(0.1)});
 }

@@ -21,6 +21,9 @@ struct Problem {
     bool solids;
     std::function<SceneDescription(const Start&)> scene;
     std::function<double(const History&)> error_of;
+    /// m, between surfaces at rest at the start for engines whose solids touch: half of it is a convex solid's margin, all of it the
+    /// thickness of a card. 0: there they touch from the start.
+    double others_gap = 0;
 };
 
 /// In the order of a table.

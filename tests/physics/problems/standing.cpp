@@ -23,11 +23,11 @@ SceneDescription resting_stack(const Start& start, const std::vector<double>& ma
 }
 
 SceneDescription arch(const Start& start, int stones, double thickness, double friction) {
-    constexpr double kWidth = 3, kRest = 2e-4;
+    constexpr double kWidth = 3;
     SceneDescription scene = make_scene_with(start.settings);
-    scene.settings.rest_distance = kRest;
+    scene.settings.rest_distance = kArchGap;
     const double inner = kArchRadius * (1 - thickness / 2), outer = kArchRadius * (1 + thickness / 2);
-    const double angle = kPi / stones, gap = start.gap(kRest);
+    const double angle = kPi / stones, gap = start.gap(kArchGap);
     // In its own frame a stone's middle is on the x axis; its faces to the neighbours are half a gap behind the joints.
     const auto corner = [&](double r, double side, double y) {
         const SinCos s = sin_cos(angle / 2);
@@ -48,8 +48,8 @@ SceneDescription arch(const Start& start, int stones, double thickness, double f
 SceneDescription leaning_cards(const Start& start, double share) {
     constexpr double kAngle = 25 * kDegree, kLength = 1, kWidth = 0.7, kThick = 0.01;
     SceneDescription scene = make_scene_with(start.settings);
-    scene.settings.rest_distance = 1e-4;
-    const double gap = start.gap(1e-4), foot = kThick / std::cos(kAngle), run_out = kLength * std::sin(kAngle),
+    scene.settings.rest_distance = kCardGap;
+    const double gap = start.gap(kCardGap), foot = kThick / std::cos(kAngle), run_out = kLength * std::sin(kAngle),
                  high = kLength * std::cos(kAngle), y = kWidth / 2;
     // The right card, in the world's frame: from its foot at x = run_out up to x = 0.
     const double drop = foot / std::tan(kAngle);
@@ -67,11 +67,13 @@ SceneDescription leaning_cards(const Start& start, double share) {
     return scene;
 }
 
+double house_gap() { return rest_gap(make_plate(kCardLength, kCardWidth)); }
+
 SceneDescription card_house(const Start& start, int levels, double friction) {
-    constexpr double kLength = kCardLength, kWidth = 0.06, kAngle = 20 * kDegree;
+    constexpr double kLength = kCardLength, kWidth = kCardWidth, kAngle = 20 * kDegree;
     SceneDescription scene = make_scene_with(start.settings);
     const TriangleMesh card = make_plate(kLength, kWidth);
-    const double gap = rest_gap(card), reach = kLength * std::sin(kAngle), high = kLength * std::cos(kAngle);
+    const double gap = house_gap(), reach = kLength * std::sin(kAngle), high = kLength * std::cos(kAngle);
     // Tops of a pair are one gap apart; floors end above it, each over the card of its own side, and cover both tops at the ends of
     // a level.
     const double pitch = 2 * reach + 6 * gap, floor = pitch - 0.5 * gap, level_height = high + 2 * gap;
