@@ -45,7 +45,7 @@ int simulate(const EngineArguments& arguments, const MakeEngine& make) {
         const double start = cpu_seconds();
         engine->step(arguments.dt);
         seconds += cpu_seconds() - start;
-        file.write(k, k * arguments.dt, engine->rows());
+        if (k % arguments.frame_every == 0) file.write(k / arguments.frame_every, k * arguments.dt, engine->rows());
     }
     file.close();
     std::cout << "cpu seconds: " << seconds << '\n';
@@ -90,6 +90,8 @@ int run_engine(int argc, char** argv, const std::string& name, const std::vector
     app.add_option("--iterations", arguments.iterations, "Of the engine's solver (default: its own)");
     app.add_option("--shape", arguments.shape, "How meshes are taken")->check(CLI::IsMember(shapes));
     app.add_option("--solver", arguments.solver, "Of contacts")->check(CLI::IsMember(solvers));
+    app.add_option("--frame-every", arguments.frame_every, "Steps between frames (a proof of motions needs every one)")
+        ->check(CLI::PositiveNumber);
     app.add_option("--limit", arguments.limit, "CPU seconds after which the run is given up: exit code 6")
         ->check(CLI::NonNegativeNumber);
     CLI11_PARSE(app, argc, argv);

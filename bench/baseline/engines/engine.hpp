@@ -22,9 +22,10 @@ struct EngineArguments {
     double gap = 0.01;                ///< m, kept between surfaces where the engine can
     double panel_thickness = 0;       ///< m, of convex panels that meshes are cut into; 0: a panel for each triangle
     int steps = 0;
-    int iterations = 0; ///< of the engine's solver; 0: its default
-    std::string solver; ///< of those that the engine has, its own words
-    double limit = 0;   ///< CPU s of the steps after which the run is given up; 0: none
+    int iterations = 0;  ///< of the engine's solver; 0: its default
+    std::string solver;  ///< of those that the engine has, its own words
+    int frame_every = 1; ///< steps
+    double limit = 0;    ///< CPU s of the steps after which the run is given up; 0: none
 };
 
 inline const std::string kPrimitives = "primitives"; ///< a shape(): what meshes stand for (primitives.hpp)
@@ -57,7 +58,7 @@ class Engine {
 
 using MakeEngine = std::function<std::unique_ptr<Engine>(const EngineScene&, const EngineArguments&)>;
 
-/// Parses, runs, writes every step as a frame, prints the CPU seconds of the steps alone. Returns the exit code: 2 for bad input, 6 where
+/// Parses, runs, writes frames, prints the CPU seconds of the steps alone. Returns the exit code: 2 for bad input, 6 where
 /// the run was given up.
 int run_engine(int argc, char** argv, const std::string& name, const std::vector<std::string>& shapes,
                const std::vector<std::string>& solvers, const MakeEngine& make);

@@ -40,7 +40,7 @@ bool is_cylinder(const std::vector<Vec3>& vertices, const Primitive& p, double s
         const double r = std::hypot(arm.x, arm.y);
         const bool rim = same(r, radius, size), cap = same(r, 0, size) && same(std::abs(arm.z), p.size.z / 2, size);
         if (!rim && !cap) return false;
-        around += rim && same(arm.z, p.size.z / 2, size) ? 1 : 0;
+        if (rim && same(arm.z, p.size.z / 2, size)) ++around;
     }
     return around >= kRoundSides;
 }
@@ -69,10 +69,10 @@ Primitive recognize(const ShapeDescription& shape) {
         p.kind = vertices.size() == 4 ? plate : mesh;
     else if (is_box(vertices, p, size))
         p.kind = box;
+    else if (is_cylinder(vertices, p, size)) // its two rims lie on a sphere as well
+        p.kind = cylinder;
     else if (is_sphere(vertices, p, size))
         p.kind = sphere;
-    else if (is_cylinder(vertices, p, size))
-        p.kind = cylinder;
     else if (is_convex(shape, size))
         p.kind = convex;
     return p;
