@@ -12,6 +12,8 @@
 #include "base/vec3.hpp"
 #include "io/run_folder.hpp"
 #include "state/build_model.hpp"
+#include "static_contact/contact_packets.hpp"
+#include "step/stepper.hpp"
 
 namespace flotilla {
 namespace {
@@ -21,6 +23,10 @@ std::string number(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.4g", value);
     return text;
+}
+
+std::size_t bytes_of(const TriangleMesh& mesh) {
+    return mesh.vertices.size() * sizeof(mesh.vertices[0]) + mesh.triangles.size() * sizeof(mesh.triangles[0]);
 }
 
 struct Range {
@@ -38,6 +44,8 @@ struct FreeFlight {
     double way =
         0; ///< m, longest of a body in the last step without contact, or what gravity and its velocity give in step 1
     bool intersecting = false; ///< at the start: there are no steps
+    std::int64_t steps = 0;    ///< run, with the one of the first contact
+    std::int64_t calm = 0;     ///< of these, without an impulse of stage 1
 };
 
 constexpr std::int64_t kLongestFlight = 240; // steps, 10 s of the default time step
@@ -53,7 +61,7 @@ double longest_way(const World& world, std::vector<Vec3>& places) {
 }
 
 FreeFlight fly(const SceneDescription& scene, const std::string& source, double first_way) {
-    FreeFlight flight{0, first_way, false};
+    FreeFlight flight{.way = first_way};
     try {
         World world(scene, source);
         std::vector<Vec3> places(scene.bodies.size());
@@ -65,6 +73,8 @@ FreeFlight fly(const SceneDescription& scene, const std::string& source, double 
             } catch (const ScriptError&) { // touches, and does not give way
                 report.contacts = 1;
             }
+            ++flight.steps;
+            flight.calm += report.collisions == 0 ? 1 : 0;
             if (report.collisions > 0 || report.contacts > 0) {
                 flight.first_contact = step;
                 break;
@@ -103,6 +113,7 @@ class Planner {
         contact_law();
         paths();
         rest();
+        savings();
         frames();
         changed_settings();
         for (const std::string& warning : scene_.warnings) add("warning", warning);
@@ -156,7 +167,8 @@ class Planner {
         const std::string parts = substeps == 1 ? "" : " of " + std::to_string(substeps) + " inner ones";
         add("time step", number(dt) + " s" + (substeps == 1 ? "" : ", a step" + parts) + "; gravity adds " +
                              number(gravity) + " m/s in " + (substeps == 1 ? "a step" : "one of these"));
-        const FreeFlight flight = fly(description_, source_, first_way.high);
+        flight_ = fly(description_, source_, first_way.high);
+        const FreeFlight& flight = flight_;
         const std::string way = " by up to " + number(flight.way) + " m";
         std::string text = "bodies of " + size.text("m");
         if (flight.intersecting)
@@ -197,6 +209,57 @@ class Planner {
                                                    "steps sleep until something moves near them"
                                              : "no body sleeps: every contact is solved in every step");
     }
+    /// What is left out because the scene does not need it: Savings, and what State, Scene and the settings leave out by themselves.
+    void savings() {
+        const std::size_t dynamic = count(BodyType::dynamic);
+        const auto bodies = [](std::size_t n) { return std::to_string(n) + (n == 1 ? " body" : " bodies"); };
+        const auto saved = [&](const std::string& text) { add("saved", text); };
+        std::size_t shown = 0, stored = 0;
+        for (std::size_t i = 0; i < model_.size(); ++i) shown += bytes_of(model_.shape_of(i).mesh);
+        for (const RigidShape& shape : model_.shapes) stored += bytes_of(shape.mesh);
+        if (stored < shown)
+            saved(bodies(model_.size()) + " on " + std::to_string(model_.shapes.size()) + " meshes: " +
+                  std::to_string(stored) + " bytes of vertices and triangles in place of " + std::to_string(shown));
+        if (dynamic == 0) return;
+        if (std::all_of(model_.bodies.begin(), model_.bodies.end(), [](const Body& b) { return b.friction == 0; }))
+            saved("no friction: a contact has 1 row in place of 3, " +
+                  std::to_string(sizeof(NormalRow) / kPacketLanes) + " bytes in place of " +
+                  std::to_string(sizeof(PacketRow) / kPacketLanes));
+        if (model_.settings.trajectory == Trajectory::linear)
+            saved("straight paths: 1 segment a body and step in place of up to 64");
+        if (model_.settings.sleeping)
+            saved("rest: 0 pairs, 0 contacts and 0 rows for islands of up to " + bodies(dynamic) + " that sleep");
+        if (!flight_.intersecting) savings_of_steps();
+    }
+    void savings_of_steps() {
+        const auto saved = [&](const std::string& text) { add("saved", text); };
+        const auto of = [](auto part, auto whole, const char* what) {
+            return std::to_string(part) + " of " + std::to_string(whole) + " " + what;
+        };
+        if (flight_.calm > 0)
+            saved("no impulse needed: no collision pass in " +
+                  of(flight_.calm, flight_.steps, "steps up to the first contact"));
+        Stepper stepper(model_, state_);
+        try {
+            (void)stepper.step();
+        } catch (const BlockedScripts&) { // what is counted is known by then
+        }
+        if (stepper.lone_bodies() > 0)
+            saved("ballistic: " + of(stepper.lone_bodies(), count(BodyType::dynamic), "bodies") +
+                  " cost their bounds alone in the first step");
+        std::size_t triangles = 0, large = 0;
+        for (const std::int32_t i : stepper.large_still()) {
+            triangles += model_.shape_of(static_cast<std::size_t>(i)).mesh.triangles.size();
+            ++large;
+        }
+        if (large > 0)
+            saved("not rasterized: " + of(large, model_.size() - count(BodyType::dynamic), "static meshes") + ", " +
+                  std::to_string(triangles) + " triangles, asked by their own trees");
+        if (!stepper.looks_ahead())
+            saved(
+                "falls in a step are shorter than contacts are seen: 2 solves of contacts a step in place of up to 5");
+        if (!stepper.has_scripts()) saved("no scripts: none of their code in a step, no copy of the state to undo one");
+    }
     void frames() {
         add("output", "a frame takes " +
                           std::to_string(io::frame_bytes_per_body(model_.settings.substeps) * model_.size()) +
@@ -217,6 +280,7 @@ class Planner {
     const Scene& scene_;
     Model model_;
     State state_;
+    FreeFlight flight_;
     std::vector<PlanLine> lines_;
 };
 

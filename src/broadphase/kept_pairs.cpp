@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "broadphase/kept_pairs.hpp"
 
+#include <algorithm>
+
 #include "broadphase/swept_boxes.hpp"
 #include "parallel/compact.hpp"
 
@@ -30,19 +32,35 @@ SweptBody widened(const SweptBody& body) {
 } // namespace
 
 const std::vector<CandidatePair>& KeptPairs::find(Team& team, const PairSearch& search) {
+    if (!search.savings.kept_pairs) {
+        wide_ = nullptr;
+        return grids_.find(team, search);
+    }
     cover(team, search, search.active);
     return near_ones(team, search);
 }
 
 const std::vector<CandidatePair>& KeptPairs::update(Team& team, const PairSearch& search,
                                                     std::span<const std::int32_t> changed) {
+    if (!search.savings.kept_pairs) return grids_.update(team, search, changed);
     cover(team, search, changed);
     return near_ones(team, search);
 }
 
+std::size_t KeptPairs::lone_bodies(std::span<const std::int32_t> active) const {
+    if (wide_ == nullptr) return 0;
+    std::vector<std::uint8_t> met(boxes_.size(), 0);
+    for (const CandidatePair& p : *wide_) met[at(p.a)] = met[at(p.b)] = 1;
+    return static_cast<std::size_t>(std::count_if(active.begin(), active.end(), [&](std::int32_t i) {
+        return boxes_[at(i)].movable && met[at(i)] == 0;
+    }));
+}
+
 void KeptPairs::cover(Team& team, const PairSearch& search, std::span<const std::int32_t> changed) {
     // Sleeping bodies are always in the list: most searches leave them out again, some do not.
-    const auto wide_search = [&] { return PairSearch{boxes_, search.active, search.still_version, true}; };
+    const auto wide_search = [&] {
+        return PairSearch{boxes_, search.active, search.still_version, true, search.savings};
+    };
     if (wide_ != nullptr && still_version_ == search.still_version && boxes_.size() == search.bodies.size()) {
         list_strays(team, search, changed);
         if (strays_.empty()) return;

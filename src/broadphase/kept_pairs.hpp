@@ -15,6 +15,9 @@ class KeptPairs : public PairFinder {
     const std::vector<CandidatePair>& find(Team& team, const PairSearch& search) override;
     const std::vector<CandidatePair>& update(Team& team, const PairSearch& search,
                                              std::span<const std::int32_t> changed) override;
+    /// Movable bodies of `active` without a pair in the kept list; 0 where there is none.
+    [[nodiscard]] std::size_t lone_bodies(std::span<const std::int32_t> active) const;
+    [[nodiscard]] const Broadphase& grids() const { return grids_; }
 
   private:
     /// Makes wide_ hold all pairs of the search, of whose bodies only those `changed` may be elsewhere than before.

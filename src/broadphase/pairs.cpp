@@ -12,7 +12,8 @@
 namespace flotilla {
 namespace {
 
-constexpr std::int64_t kMaxCellsPerBody = 64;
+constexpr std::int64_t kMaxCellsPerBody = 64, kNoLimit = std::int64_t{1} << 18;
+constexpr std::size_t kFewestBodies = 8;   // whose boxes are compared in less time than sorted into cells
 constexpr double kCellOfMedian = 1.5;      // cell edge in median body sizes
 constexpr double kLargestCoordinate = 1e6; // cells; farther away bodies share the outermost one
 constexpr std::size_t kBodyGrain = 128, kCellGrain = 128, kChunkGrain = 16, kPairGrain = 2048; // items of a task
@@ -57,7 +58,7 @@ std::int64_t BodyGrid::cell_key_of(const Vec3& p) const { return cell_key(cell_o
 BodyGrid::CellRange BodyGrid::cells_of(const Box& box) const {
     CellRange r{cell_of(box.lower), cell_of(box.upper)};
     const std::int64_t count = (r.high[0] - r.low[0] + 1) * (r.high[1] - r.low[1] + 1) * (r.high[2] - r.low[2] + 1);
-    r.count = count > kMaxCellsPerBody || count <= 0 ? 0 : count;
+    r.count = count > most_cells_ || count <= 0 ? 0 : count;
     return r;
 }
 
@@ -68,9 +69,10 @@ void for_cells(const BodyGrid::CellRange& r, Visit&& visit) {
             for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z) visit(cell_key({x, y, z}));
 }
 
-void BodyGrid::build(Team& team, const std::vector<Item>& items) {
+void BodyGrid::build(Team& team, const std::vector<Item>& items, std::int64_t most_cells, std::size_t fewest) {
     choose_cells(items);
-    const bool has_cells = !sizes_.empty(); // else nothing says how large they should be
+    most_cells_ = most_cells;
+    const bool has_cells = !sizes_.empty() && items.size() >= fewest; // else nothing says how large they should be
     ranges_.resize(items.size());
     offset_.resize(items.size());
     team.for_each("rasterize: count", items.size(), kBodyGrain,
@@ -130,7 +132,7 @@ void Broadphase::sort_in_still(Team& team, const PairSearch& search) {
         const SweptBody& b = search.bodies[i];
         items_.push_back({static_cast<std::int32_t>(i), inflated(b.box, b.waking_reach), true});
     }
-    still_.build(team, items_);
+    build_grid(team, search, still_);
     still_version_ = search.still_version;
     has_still_ = true;
 }
@@ -141,7 +143,12 @@ void Broadphase::sort_in_active(Team& team, const PairSearch& search) {
         const SweptBody& b = search.bodies[at(i)];
         items_.push_back({i, inflated(b), b.movable});
     }
-    active_.build(team, items_);
+    build_grid(team, search, active_);
+}
+
+void Broadphase::build_grid(Team& team, const PairSearch& search, BodyGrid& grid) {
+    const bool large = search.savings.large_bodies;
+    grid.build(team, items_, large ? kMaxCellsPerBody : kNoLimit, large ? kFewestBodies : 0);
 }
 
 const std::vector<CandidatePair>& Broadphase::update(Team& team, const PairSearch& search,

@@ -32,7 +32,8 @@ class BodyGrid {
         bool sizes_cells;
     };
 
-    void build(Team& team, const std::vector<Item>& items);
+    /// Bodies that touch more than `most_cells` cells, and all where there are fewer than `fewest` of them, are large.
+    void build(Team& team, const std::vector<Item>& items, std::int64_t most_cells, std::size_t fewest);
 
     [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; } ///< sorted
     [[nodiscard]] const std::vector<std::int32_t>& large() const { return large_; }
@@ -45,6 +46,8 @@ class BodyGrid {
     void choose_cells(const std::vector<Item>& items);
     [[nodiscard]] std::array<std::int64_t, 3> cell_of(const Vec3& p) const;
     [[nodiscard]] CellRange cells_of(const Box& box) const;
+
+    std::int64_t most_cells_ = 0;
 
     double cell_size_ = 1;
     Vec3 origin_;
@@ -60,8 +63,11 @@ class Broadphase : public PairFinder {
     const std::vector<CandidatePair>& find(Team& team, const PairSearch& search) override;
     const std::vector<CandidatePair>& update(Team& team, const PairSearch& search,
                                              std::span<const std::int32_t> changed) override;
+    /// Bodies that stand still and fill no cells, ascending.
+    [[nodiscard]] const std::vector<std::int32_t>& large_still() const { return still_.large(); }
 
   private:
+    void build_grid(Team& team, const PairSearch& search, BodyGrid& grid);
     void sort_in_still(Team& team, const PairSearch& search);
     void sort_in_active(Team& team, const PairSearch& search);
     /// These fill the next entries of found_ and return how many.

@@ -202,7 +202,8 @@ StageCounters handle_collisions(StepData& data) {
     const auto left = [&] { return limit - static_cast<int>(counters.sweeps); };
     while (left() > 0) {
         const std::vector<ListedPair>& list = freeze(data, true);
-        prove_early(data, [&](PairRecord& record, Worker& worker) { return examine(data, worker, record); });
+        if (data.savings.calm_pairs)
+            prove_early(data, [&](PairRecord& record, Worker& worker) { return examine(data, worker, record); });
         const std::size_t proved_early = list.size() - data.lists.num_open;
         counters.pairs += static_cast<std::int64_t>(proved_early);
         if (data.lists.num_open == 0 || sweep(data, list, 1, counters) == 0) {

@@ -210,7 +210,7 @@ void place_still(StepData& data) {
 }
 
 PairSearch search_of(const StepData& data, bool wakes = false) {
-    return {data.lists.swept, data.model.active, data.lists.still_version, wakes};
+    return {data.lists.swept, data.model.active, data.lists.still_version, wakes, data.savings};
 }
 
 /// Candidate pairs of bodies with the given boxes.
@@ -388,7 +388,8 @@ const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity) {
         if (r == nullptr) return true;
         r->assumed = false;
         if (proved(data, *r)) return false;
-        if (prove_by_bounds(data, *r, with_proximity)) by_bounds.fetch_add(1, std::memory_order_relaxed);
+        const bool by_turns = with_proximity && !data.savings.calm_pairs;
+        if (!by_turns && prove_by_bounds(data, *r, with_proximity)) by_bounds.fetch_add(1, std::memory_order_relaxed);
         return true;
     };
     const std::vector<ListedPair>& listed = list_pairs(data, swept_pairs(data, with_proximity), wanted);

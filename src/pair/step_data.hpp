@@ -12,6 +12,7 @@
 #include "response/cluster.hpp"
 #include "response/pair_manifold.hpp"
 #include "state/candidate_pairs.hpp"
+#include "state/savings.hpp"
 
 namespace flotilla {
 
@@ -105,6 +106,7 @@ struct StepData {
     double approach;  ///< m/s, slower end proximities are left to static contact
     /// Off: every query traverses the hierarchies, whatever is known of the pair; the same answers.
     bool keep_candidates = true;
+    Savings savings{};
 
     [[nodiscard]] Worker& worker(int thread) const { return *workers[static_cast<std::size_t>(thread)]; }
 };

@@ -8,6 +8,7 @@
 
 #include "geometry/box.hpp"
 #include "parallel/team.hpp"
+#include "state/savings.hpp"
 
 namespace flotilla {
 
@@ -31,6 +32,7 @@ struct PairSearch {
     std::span<const std::int32_t> active; ///< ascending
     std::uint64_t still_version = 0;      ///< another one where others stand still than before, or elsewhere
     bool wakes = false;                   ///< sleeping bodies count as movable, with their waking reach
+    Savings savings{};
 };
 
 class PairFinder {

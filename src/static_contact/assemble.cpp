@@ -346,8 +346,9 @@ void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::ve
 int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
              std::span<const Vec3> impulses, ContactScratch& s) {
     order_contacts(contacts, bodies, s);
-    s.packed.frictionless =
-        std::all_of(s.order.begin(), s.order.end(), [&](std::int32_t k) { return contacts[index(k)].friction == 0; });
+    s.packed.frictionless = options.normal_rows && std::all_of(s.order.begin(), s.order.end(), [&](std::int32_t k) {
+                                return contacts[index(k)].friction == 0;
+                            });
     gather_bodies(contacts, bodies, s);
     gather_pairs(contacts, s);
     park_contacts(contacts, bodies, options, impulses, s);

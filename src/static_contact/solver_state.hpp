@@ -31,8 +31,9 @@ struct ContactSolveOptions {
     int iterations = 1000; ///< sweeps per island, >= 0 (figure 20)
     /// m/s, L-infinity violation at which an island stops (but see rest_speed); the least of this and of its contacts' tolerances.
     double tolerance = 1e-6;
-    bool warm_start = true; ///< start from the impulses handed in
-    bool momentum = true;   ///< carry sweeps on (sweep_engine.hpp): several times fewer of them in a pile
+    bool warm_start = true;  ///< start from the impulses handed in
+    bool normal_rows = true; ///< one row a contact where none has friction (Savings)
+    bool momentum = true;    ///< carry sweeps on (sweep_engine.hpp): several times fewer of them in a pile
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
     /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
     /// At rest an island with more than two pairs a body, which may be jammed, is not given up while the number of violated pairs falls,

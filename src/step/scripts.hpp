@@ -37,6 +37,8 @@ class Scripts {
   public:
     explicit Scripts(const Model& model);
 
+    [[nodiscard]] bool any() const { return !scripted_.empty(); }
+
     /// Gives every scripted body its way in the step.
     void move(const Model& model, const State& state, Trajectories& trajectories, Clusters& clusters);
     /// What the step leaves of it for the next, before the step is counted.

@@ -390,6 +390,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     const ContactTuning& tuning = options.tuning;
     ContactSolveOptions solve;
     solve.tuning = tuning;
+    solve.normal_rows = options.normal_rows;
     solve.iterations = s.static_iterations;
     solve.tolerance = std::numeric_limits<double>::infinity(); // that of the contacts
     solve.warm_start = s.warm_start;

@@ -86,6 +86,7 @@ struct StaticStageOptions {
         level; ///< by body: contacts do not raise it to its rest distance; may be empty: of none
     Team* team = nullptr;
     ContactTuning tuning{};
+    bool normal_rows = true; ///< Savings
 };
 
 struct StaticStageScratch {

@@ -86,13 +86,14 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
       options_(options),
       team_(options.team),
       state_(std::move(state)),
-      scripts_(model_) {
+      scripts_(model_),
+      has_scripts_(scripts_.any() || !options.savings.scripts) {
     for (int k = 0; k < team_.size(); ++k) workers_.push_back(std::make_unique<Worker>());
     state_.sleep.resize(model_.size());
     turns_.assign(model_.size(), {});
     disturbed_.assign(model_.size(), 0);
     activity_.resize(model_.size());
-    looks_ahead_ = may_look_ahead(model_);
+    looks_ahead_ = may_look_ahead(model_) || !options.savings.look_ahead;
     contacts_.keeps_near = looks_ahead_;
     team_.region([&] { prepare(); });
 }
@@ -146,14 +147,15 @@ StepData Stepper::data() {
             s.time_step,
             sin_cos(s.proximity_angle * std::numbers::pi / 180).cos,
             approach,
-            options_.keep_candidates};
+            options_.keep_candidates,
+            options_.savings};
 }
 
 StepReport Stepper::step() {
     StepReport report;
     report.step = steps() + 1;
     report.time = static_cast<double>(report.step) * time_step_;
-    if (model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
+    if (has_scripts_ && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
         before_ = {state_, turns_, activity_, inner_};
     contact_visits_ = 0;
     inner_.resize(static_cast<std::size_t>(substeps_) - 1);
@@ -223,8 +225,9 @@ void Stepper::advance(StepReport& report) {
             const PhaseWatch watch(report, Phase::velocity, team_);
             copy_active<Motion>(model_, collided, next);
             accelerate(model_, dt, next);
-            for (const std::int32_t i : model_.active)
-                if (!model_.bodies[at(i)].movable()) next[at(i)] = clusters_.motion()[at(i)];
+            if (has_scripts_)
+                for (const std::int32_t i : model_.active)
+                    if (!model_.bodies[at(i)].movable()) next[at(i)] = clusters_.motion()[at(i)];
             turn_momenta(collided, next);
             held_velocities(collided, next, end, report);
         }
@@ -275,7 +278,7 @@ void Stepper::start_clusters(std::span<const Motion> motion) {
     const std::vector<std::int32_t>& active = model_.active;
     team_.for_each("start clusters", active.size(), kBodyGrain,
                    [&](std::size_t k, int) { clusters_.start(at(active[k]), trajectories_, motion[at(active[k])]); });
-    scripts_.move(model_, state_, trajectories_, clusters_);
+    if (has_scripts_) scripts_.move(model_, state_, trajectories_, clusters_);
     team_.for_each("move bodies", active.size(), kBodyGrain, [&](std::size_t k, int) {
         if (model_.bodies[at(active[k])].movable())
             clusters_.evolve(active[k], model_.settings.time_step, trajectories_);
@@ -312,12 +315,12 @@ StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<
     // limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
     // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
-    const StaticStageStats stats =
-        solve_static_contact(model_, contacts_, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
-                             final_stage ? state_.warm_half : state_.warm_final,
-                             {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, lists_.still_version,
-                              state_.motion, state_.pose, level_, &team_, options_.tuning},
-                             static_);
+    const StaticStageStats stats = solve_static_contact(
+        model_, contacts_, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
+        final_stage ? state_.warm_half : state_.warm_final,
+        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, lists_.still_version, state_.motion,
+         state_.pose, level_, &team_, options_.tuning, options_.savings.normal_rows},
+        static_);
     contact_visits_ += stats.solve.visits;
     return stats;
 }
@@ -531,7 +534,7 @@ void Stepper::join_contacts() {
 /// The account of the step's energy, after stage 7 (energy_account.hpp).
 void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     join_contacts();
-    for (std::size_t k = 0; k < static_.selected.size(); ++k) { // of scripted bodies in stage 7
+    for (std::size_t k = 0; has_scripts_ && k < static_.selected.size(); ++k) { // of scripted bodies in stage 7
         const Contact& c = static_.selected[k];
         for (const std::int32_t body : {c.a, c.b}) {
             if (!model_.bodies[static_cast<std::size_t>(body)].scripted()) continue;
@@ -558,7 +561,7 @@ void Stepper::record_activity() {
 }
 
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
-    scripts_.commit(model_, failsafe, state_);
+    if (has_scripts_) scripts_.commit(model_, failsafe, state_);
     for (const std::int32_t i : model_.active) turns_[at(i)] = trajectories_.turn(at(i));
     record_activity();
     for (const std::int32_t i : model_.active) {

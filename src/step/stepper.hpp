@@ -16,10 +16,11 @@
 
 namespace flotilla {
 
-/// None but the last changes a bit of the results.
+/// None but `tuning` changes a bit of the results.
 struct StepperOptions {
     bool keep_candidates = true; ///< and distances of body pairs, between queries: changes cost only
     TeamOptions team{};
+    Savings savings{};
     ContactTuning tuning{}; ///< for measurements of what each of them is worth
 };
 
@@ -59,6 +60,13 @@ class Stepper {
     /// Contact updates of sweeps in the last step, stages 3 and 7 together.
     [[nodiscard]] std::int64_t contact_visits() const { return contact_visits_; }
     [[nodiscard]] QueryCounters query_counters() const;
+    /// Movable bodies that were near no other when pairs of bodies were last looked for.
+    [[nodiscard]] std::size_t lone_bodies() const { return broadphase_.lone_bodies(model_.active); }
+    /// Bodies that stand still and fill no cells of a grid.
+    [[nodiscard]] const std::vector<std::int32_t>& large_still() const { return broadphase_.grids().large_still(); }
+    /// Whether small bodies may look for contacts ahead (look_ahead.hpp), and whether scripts run.
+    [[nodiscard]] bool looks_ahead() const { return looks_ahead_; }
+    [[nodiscard]] bool has_scripts() const { return has_scripts_; }
     [[nodiscard]] Team& team() { return team_; }
 
   private:
@@ -116,6 +124,7 @@ class Stepper {
     };
     Before before_; ///< the step under way, where that may have to be undone
     Scripts scripts_;
+    bool has_scripts_;
     Trajectories trajectories_;
     Clusters clusters_;
     PairTable pairs_;

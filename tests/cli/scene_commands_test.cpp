@@ -178,6 +178,28 @@ TEST(PlanCommand, SaysWhatWillBeModelledOfAScene) {
     EXPECT_EQ(run_flotilla("plan --settings " + scene).exit_code, 2);
 }
 
+TEST(PlanCommand, SaysWhatTheSceneDoesNotNeed) {
+    const TemporaryFolder folder;
+    const auto saved = [&](const std::string& scene, const std::string& options) {
+        const std::string file = folder.write("s.json", run_flotilla("scene " + scene).out);
+        const CommandOutput r = run_flotilla("plan " + file + options);
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        return r.out;
+    };
+    const std::string boats = saved("boats-in-bowl --bodies 12", "");
+    for (const char* text :
+         {"saved:        12 bodies on 3 meshes: ", "straight paths", "islands of up to 10 bodies",
+          "no collision pass in ", "ballistic: ", "not rasterized: 2 of 2 static meshes, 2498 triangles",
+          "2 solves of contacts", "no scripts"})
+        EXPECT_NE(boats.find(text), std::string::npos) << text << '\n' << boats;
+    EXPECT_EQ(boats.find("no friction"), std::string::npos) << boats;
+    EXPECT_NE(saved("stack", " --set friction=0").find("1 row in place of 3, 96 bytes in place of 208"),
+              std::string::npos);
+    const std::string walls = saved("closing-walls", " --set sleeping=false --set trajectory=rigid");
+    for (const char* text : {"no scripts", "straight paths", "islands of up to"})
+        EXPECT_EQ(walls.find(text), std::string::npos) << text << walls;
+}
+
 // A body falls from rest: in step k, of 1/24 s, by g dt^2 (k - 1/2).
 TEST(PlanCommand, SaysHowFarBodiesMoveBeforeTheyTouch) {
     const TemporaryFolder folder;
