@@ -53,7 +53,6 @@ constexpr Row kRows[] = {
     {"parked: 50", [](ContactTuning& t) { t.parked_margin = 50; }},
     {"parts: none", [](ContactTuning& t) { t.part_divisor = 0; }},
     {"part sweeps: 50", [](ContactTuning& t) { t.part_sweeps = 50; }},
-    {"waits: not longer", [](ContactTuning& t) { t.wait_growth = 1; }},
     {"to and fro: none", [](ContactTuning& t) { t.to_and_fro = false; }},
     {"level patience: none", [](ContactTuning& t) { t.level_patience = 1 << 20; }},
     {"retries: 1", [](ContactTuning& t) { t.retries = 1; }},

@@ -53,9 +53,8 @@ struct ContactTuning {
     int part_divisor = 8;
     /// Sweeps of a part between two looks at the whole. Row: part sweeps.
     int part_sweeps = 100;
-    /// Parts may cost so many waits, and have to wait for as many sweeps of the whole as `look_every` at first, and after each time this
-    /// many times as long. Row: waits.
-    int part_waits = 4, wait_growth = 2;
+    /// In `look_every`, of which parts wait for one each time: sweeps that parts may cost at a time.
+    int part_waits = 4;
     /// Pairs with an even number of contacts lie by region forwards and those with an odd one backwards. Row: to and fro.
     bool to_and_fro = true;
 

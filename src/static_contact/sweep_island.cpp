@@ -86,9 +86,9 @@ class Progress {
 struct Course {
     Progress progress;
     int whole = 0, of_parts = 0; ///< sweeps; those of parts in sweeps of the whole that cost as much
-    /// Parts interrupt the momentum of the whole and leave its slow modes alone. So wherever they did not solve it at the cost of
-    /// some `wait`, they have to wait for that many sweeps of the whole, and each time for more.
-    int parts_from = 0, wait = 0;
+    /// Parts interrupt the momentum of the whole and leave its slow modes alone. So wherever they did not solve it, the whole is swept alone
+    /// until the next look.
+    int parts_from = 0;
     Left left{};
 
     [[nodiscard]] int sweeps() const { return whole + of_parts; }
@@ -122,7 +122,7 @@ class IslandSweeps {
           jams_(options.patience > 0 && island.rests &&
                 index(island.end - island.first) > index(tuning().pairs_of_jam) * bodies_.size()),
           may_use_parts_(island.rests && tuning().part_divisor > 0 && is_large(island, s)),
-          course_{.progress = Progress(options, jams_), .wait = options.tuning.look_every},
+          course_{.progress = Progress(options, jams_)},
           sharing_(sharing),
           engine_(sweep_set(), sharing.crew(), cone_of(options, s), options, s) {
         if (may_use_parts_) reserve_unsolved(island, tuning(), s);
@@ -272,7 +272,7 @@ class IslandSweeps {
     /// after every round. Whether there was one.
     bool solve_parts() {
         bool swept = false;
-        const int most = std::min(options_.iterations, course_.sweeps() + tuning().part_waits * course_.wait);
+        const int most = std::min(options_.iterations, course_.sweeps() + tuning().part_waits * tuning().look_every);
         while (course_.left.residual > options_.tolerance && course_.sweeps() < most && !course_.stalls() &&
                sweep_part(!swept, most - course_.sweeps())) {
             swept = true;
@@ -281,10 +281,7 @@ class IslandSweeps {
             course_.saw_after_part(seen_left());
             if (stands(before, course_.left, tuning())) break;
         }
-        if (swept) {
-            course_.parts_from = course_.whole + course_.wait;
-            course_.wait *= tuning().wait_growth;
-        }
+        if (swept) course_.parts_from = course_.whole + tuning().look_every;
         return swept;
     }
     /// One round; false where the part is too large.
