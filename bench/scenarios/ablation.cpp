@@ -55,8 +55,6 @@ constexpr Row kRows[] = {
     {"part sweeps: 50", [](ContactTuning& t) { t.part_sweeps = 50; }},
     {"to and fro: none", [](ContactTuning& t) { t.to_and_fro = false; }},
     {"level patience: none", [](ContactTuning& t) { t.level_patience = 1 << 20; }},
-    {"retries: 1", [](ContactTuning& t) { t.retries = 1; }},
-    {"retries: none", [](ContactTuning& t) { t.retries = 0; }},
     {"exact: after 10", [](ContactTuning& t) { t.sweeps_before_exact = 10, t.sweeps_of_many = 30; }},
     {"band: none", [](ContactTuning& t) { t.most_of_rest = 0; }},
 };

@@ -66,9 +66,6 @@ struct ContactTuning {
 
     // --- the island's energy (solve_contacts.cpp) ---
 
-    /// How often an island that gained energy is solved again: without the warm start, then without momentum as well. Row: retries.
-    int retries = 2;
-
     /// Of its energies, far more than what their sums are rounded by.
     double energy_rounding = 0x1p-40;
 

@@ -74,8 +74,7 @@ double mean_speed(const Island& island, const ContactScratch& s) {
 
 // A warm start pushes where impulses of the past are too large, and momentum may carry too far; sweeps that end unfinished do not
 // take all of it back. Sweeps go down 1/2 l W l + l (u - target), which is zero without impulses: where what is prescribed rests, an
-// island has gained no more energy than the work of its targets. One that came out with more is solved again from zero, and then
-// without momentum.
+// island has gained no more energy than the work of its targets. One that came out with more is solved again from zero.
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
     ContactSolveOptions options = of_all;
     options.tolerance = island.tolerance;
@@ -100,16 +99,11 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
                island.energy_pgs - island.energy_before >
                    work_of_targets(island, s) + tuning.energy_rounding * (island.energy_pgs + island.energy_before);
     };
-    bool gained = sweep_and_measure({options.warm_start, options.momentum});
-    if (!gained || tuning.retries < 1 || !prescribed_at_rest(island, s)) return;
-    island.cold = options.warm_start;
-    if (options.warm_start) {
-        forget_warm_start(island, bodies, s);
-        gained = sweep_and_measure({false, options.momentum});
-    }
-    if (!gained || tuning.retries < 2 || !options.momentum) return;
+    const bool gained = sweep_and_measure({options.warm_start, options.momentum});
+    if (!gained || !options.warm_start || !prescribed_at_rest(island, s)) return;
+    island.cold = true;
     forget_warm_start(island, bodies, s);
-    sweep_and_measure({false, false});
+    sweep_and_measure({false, options.momentum});
 }
 
 // Large islands one after another, each on all threads; small ones side by side. No island writes what another one reads.
