@@ -40,7 +40,7 @@ constexpr Row kRows[] = {
     {"rise: none", [](ContactTuning& t) { t.most_rise = kNever; }},
     {"looks: 5", [](ContactTuning& t) { t.look_every = 5; }},
     {"looks: 20", [](ContactTuning& t) { t.look_every = 20; }},
-    {"peeks: none", [](ContactTuning& t) { t.first_peek = t.second_peek = 0; }},
+    {"peeks: none", [](ContactTuning& t) { t.peek = 0; }},
     {"patience: none", [](ContactTuning& t) { t.patience = 1 << 20; }},
     {"patience: 100", [](ContactTuning& t) { t.patience = 100; }},
     {"patience: 25", [](ContactTuning& t) { t.patience = 25, t.patience_share = 40; }},

@@ -18,8 +18,9 @@ struct ContactTuning {
     double most_rise = 2;
     /// Sweeps between two looks at the residual, of which one costs half a sweep. Row: looks.
     int look_every = 10;
-    /// Sweeps after which parked contacts are looked at before the first look; 0: not. Row: peeks.
-    int first_peek = 2, second_peek = 5;
+    /// Sweeps after which parked contacts are looked at before the first look: many more that know nothing of one that is violated are in
+    /// vain, and walls and piles of random pyramids do not come to rest without. 0: not. Row: peeks.
+    int peek = 2;
 
     // --- giving up (sweep_island.cpp) ---
 

@@ -170,7 +170,7 @@ class IslandSweeps {
             course_.saw(seen_left());
             used_parts = may_use_parts_ && course_.whole >= course_.parts_from && solve_parts();
             if (course_.left.residual <= options_.tolerance) return AfterSweep::done;
-        } else if (course_.whole == tuning().first_peek || course_.whole == tuning().second_peek) {
+        } else if (course_.whole == tuning().peek) {
             wake_violated();
         }
         if (course_.stalls() || course_.sweeps() >= options_.iterations) return AfterSweep::done;
