@@ -47,7 +47,8 @@ def preset_section(results):
              "bound is what the tests of physics grant, or what tells right from wrong."]
     for problem in results["problems"]:
         rows = ours.get(problem["name"], [])
-        lines.append(f"**{problem['name']}**: {problem['about']}. Error: {problem['error']}; bound {number(problem['bound'])}.")
+        lines.append(f"**{problem['name']}**: {problem['about']}. Error: {problem['error']}; bound {number(problem['bound'])}" +
+                     (f"; the flat sides of the mesh alone may give {number(problem['sides'])}." if problem["sides"] else "."))
         table = []
         for preset in rules.PRESETS:
             by_rate = [found(rows, preset=preset, rate=rate) for rate in rules.RATES]
@@ -167,7 +168,7 @@ def order_section(results):
     rows = [[p["name"], why, name_of(row), number(row["error"]), name_of(other), number(other["error"]),
              f"{row['error'] / p['bound']:.2g}"] for p, row, other, why in listed]
     return [f"{len(listed)} rows: a preset that is less right than a cheaper one at the same step, or a smaller step than a larger one of the same preset, "
-            f"by more than a factor of {rules.SAME_ERROR:g} and with an error above {rules.WORTH:g} of the bound; the largest errors first.",
+            f"by more than a factor of {rules.SAME_ERROR:g} and with an error above {rules.WORTH:g} of the bound and above what the sides of a round body's mesh explain; the largest errors first. Paper is left out: its friction is another law.",
             page.table(["problem", "what", "row", "error", "beside", "error", "error in bounds"], rows)]
 
 

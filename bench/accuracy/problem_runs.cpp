@@ -83,8 +83,8 @@ struct Arguments {
 
 void list() {
     for (const Problem& p : problems())
-        std::cout << Json{{"name", p.name},    {"about", p.about},           {"error", p.error},  {"bound", p.bound},
-                          {"seconds", p.time}, {"others_gap", p.others_gap}, {"solids", p.solids}}
+        std::cout << Json{{"name", p.name},    {"about", p.about},           {"error", p.error},   {"bound", p.bound},
+                          {"seconds", p.time}, {"others_gap", p.others_gap}, {"solids", p.solids}, {"sides", p.sides}}
                   << '\n';
 }
 

@@ -244,7 +244,8 @@ void VelocityArrays::store(Team* team, const Model& model, std::span<const Vec3>
 // approach each other a little at some of them and not at others, and contacts that hold more than the tiny target allows hand their
 // load to the others so slowly that the sweeps never end. So a contact within tolerance * time step of its rest distance (8 um at
 // the defaults) is at rest, and farther ones go that far. Never more than a share of the rest distance, which is that of the bodies:
-// what keeps small ones off each other must not be lost.
+// what keeps small ones off each other must not be lost. What rolls is not at rest: the side that lands next would brake it from where
+// the band begins, so a tolerance above the default one (Settings::tolerance_share) widens no band there.
 double rest_band(double rest, double time_step, double tolerance, const ContactTuning& tuning) {
     return std::min(tolerance, tuning.most_of_rest * rest / time_step);
 }
@@ -290,8 +291,9 @@ double tolerance_of(const Model& model, double rest, const ContactTuning& tuning
     return s.tolerance_share * (gravity > 0 ? std::min(moves, tuning.of_gravity * gravity) : moves);
 }
 
-/// Arcs of the contacts of one pair, whose rest distance has the given band, m.
-void arcs_of_pair(const Model& model, std::span<const Contact> pair, double band, double angle_cos,
+/// Arcs of the contacts of one pair. Whether one of its bodies rolls over the other: by more than `still` in the step, m; then those
+/// within `band` of the lowest carry.
+bool arcs_of_pair(const Model& model, std::span<const Contact> pair, double still, double band, double angle_cos,
                   const VelocityArrays& bodies, std::span<ArcContact> arcs) {
     const double dt = model.settings.time_step;
     const Contact& c = pair.front();
@@ -302,18 +304,19 @@ void arcs_of_pair(const Model& model, std::span<const Contact> pair, double band
         arcs[i] = meet_on_arcs(point(pair[i], c.a), point(pair[i], c.b), pair[i].normal, dt);
     const auto lower = [](const Contact& x, const Contact& y) { return x.distance < y.distance; };
     const auto lowest = static_cast<std::size_t>(std::min_element(pair.begin(), pair.end(), lower) - pair.begin());
-    if (!(arcs[lowest].apart > 0)) return;
+    if (!(arcs[lowest].apart > 0)) return false;
     const Vec3& n = pair[lowest].normal;
     const TurningPoint a = point(pair[lowest], c.a), b = point(pair[lowest], c.b);
     const TurningPoint& roller = 2 * dot(n, arc_acceleration(b.omega, b.arm)) >= arcs[lowest].apart ? b : a;
     const Vec3 way = cross(roller.omega, roller.arm), along = way - dot(way, n) * n;
     const double speed = length(along);
     // What moves less than static contact leaves undone does not roll.
-    if (!(speed * dt > band)) return;
+    if (!(speed * dt > still)) return false;
     share_load(
         pair, lowest,
         {b.omega - a.omega, along / speed, speed, length(roller.arm), length(model.gravity), dt, band, angle_cos},
         arcs);
+    return true;
 }
 
 /// The approach, m/s, that a pair which stage 1 has not seen takes into the next step. Stage 5 may have kept the bodies from moving
@@ -343,10 +346,9 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
     const bool random = s.tangents == Tangents::random;
     if (random) load_last_velocities(model, motion, options, scratch);
     const double angle_cos = sin_cos(s.proximity_angle * std::numbers::pi / 180).cos;
-    const auto complete = [&](std::size_t i) {
+    const auto complete = [&](std::size_t i, double band) {
         Contact& c = scratch.selected[i];
         const ArcContact& arcs = scratch.arcs[i];
-        const double band = rest_band(set.rest[i], s.time_step, c.tolerance, options.tuning);
         const double full = equation_16(set.rest[i] - (c.distance - arcs.closer), s.time_step, band) + arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost there.
         const double together = std::clamp(-0.5 * s.time_step * arcs.apart, 0.0, set.rest[i] / s.time_step);
@@ -369,10 +371,14 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
             scratch.selected[end] = set.contacts[end];
             scratch.selected[end].tolerance = tolerance_of(model, set.rest[end], options.tuning);
         }
-        const double band = rest_band(set.rest[i], s.time_step, scratch.selected[i].tolerance, options.tuning);
-        arcs_of_pair(model, std::span(scratch.selected).subspan(i, end - i), s.time_step * band, angle_cos,
-                     scratch.bodies, std::span(scratch.arcs).subspan(i, end - i));
-        for (std::size_t j = i; j < end; ++j) complete(j);
+        const auto band = [&](std::size_t j, double widened) {
+            return rest_band(set.rest[j], s.time_step, scratch.selected[j].tolerance / widened, options.tuning);
+        };
+        const double share = std::max(1.0, s.tolerance_share);
+        const bool rolls = arcs_of_pair(model, std::span(scratch.selected).subspan(i, end - i),
+                                        s.time_step * band(i, 1), s.time_step * band(i, share), angle_cos,
+                                        scratch.bodies, std::span(scratch.arcs).subspan(i, end - i));
+        for (std::size_t j = i; j < end; ++j) complete(j, band(j, rolls ? share : 1));
     });
 }
 

@@ -21,7 +21,7 @@ rules, page = run.rules, run.accuracy_page
 
 
 def problem(name, bound=0.01):
-    return {"name": name, "about": f"the scene of {name}", "error": "way, relative", "bound": bound, "seconds": 2, "others_gap": 0, "solids": True}
+    return {"name": name, "about": f"the scene of {name}", "error": "way, relative", "bound": bound, "seconds": 2, "others_gap": 0, "solids": True, "sides": 0}
 
 
 def ours(name, preset, rate, error, ms):
@@ -75,6 +75,11 @@ class Rules(unittest.TestCase):
 
     def test_errors_far_below_the_bound_are_not_out_of_order(self):
         rows = [ours("slide", "balanced", 24, 1e-5, 1), ours("slide", "balanced", 120, 9e-4, 5)]
+        self.assertEqual(rules.out_of_order([problem("slide")], rows), [])
+
+    def test_neither_are_those_of_flat_sides_and_of_another_law(self):
+        self.assertEqual(rules.out_of_order([problem("slide") | {"sides": 0.06}], ROWS), [])
+        rows = [ours("slide", "balanced", 24, 0.02, 1), ours("slide", "paper", 24, 1, 5)]
         self.assertEqual(rules.out_of_order([problem("slide")], rows), [])
 
 

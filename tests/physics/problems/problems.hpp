@@ -24,6 +24,8 @@ struct Problem {
     /// m, between surfaces at rest at the start for engines whose solids touch: half of it is a convex solid's margin, all of it the
     /// thickness of a card. 0: there they touch from the start.
     double others_gap = 0;
+    /// Of the error, what the flat sides of a round body's mesh may account for: below it that from a round body says nothing of a run.
+    double sides = 0;
 };
 
 /// In the order of a table.

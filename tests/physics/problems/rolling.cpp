@@ -26,6 +26,10 @@ SceneDescription rolling_scene(const Start& start, const Roller& roller, const R
     return scene;
 }
 
+double kept_by_facets(const Roller& roller, double angle) {
+    return std::exp(-kPi * angle / roller.sides / (1 + roller.inertia));
+}
+
 double rolled_share(const History& history, const Roller& roller, double slope) {
     const double due = kGravity * std::sin(slope) / (1 + roller.inertia) * history.end();
     return dot(history.last(0).velocity, down(slope)) / due;

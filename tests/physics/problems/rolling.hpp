@@ -39,6 +39,10 @@ struct Release {
 /// It rests on a side of its own (a vertex, for a ball) at the place where the slope's normal meets it, and rolls towards +x.
 [[nodiscard]] SceneDescription rolling_scene(const Start& start, const Roller& roller, const Release& release);
 
+/// A polygon of n sides that rolls with pure impacts on its next corner loses (2 pi / n)^2 / 2 of its speed times 1 / (1 + inertia) each
+/// side: over an angle a it keeps exp(-pi a / n / (1 + inertia)), 99 % of a cylinder of 512 sides.
+[[nodiscard]] double kept_by_facets(const Roller& roller, double angle);
+
 /// Of a round body that rolls down: speed over that due, at the end.
 [[nodiscard]] double rolled_share(const History& history, const Roller& roller, double slope);
 
