@@ -14,6 +14,10 @@ enum class Trajectory : std::uint8_t {
     linear, ///< one straight segment per vertex and step (paper, section 3.1)
     rigid,  ///< bodies turn on the way: segments of equal angle, whose certificate covers the turning motion
 };
+enum class Collisions : std::uint8_t {
+    sequential, ///< one pair after the other, each by its earliest hits as the pairs before it left them (paper, Algorithm 1)
+    accumulated, ///< all pairs are looked at, then the hits met so far in the step are solved together, until no pair hits
+};
 enum class CcdMethod : std::uint8_t {
     conservative, ///< directional conservative advancement, no false negatives
     cubic, ///< stage 1 by the paper's cubic with a tolerance (section 3.1), a baseline; stage 5 stays conservative
@@ -55,7 +59,8 @@ struct Settings {
     double proximity_angle = 3;     ///< theta_proximity, degrees, in (0, 90)
     double approach_threshold = -1; ///< m/s, slower end proximities are left to static contact; < 0: |g| dt/2
 
-    int collision_iterations = 100;    ///< sweeps of Algorithm 1
+    Collisions collisions = Collisions::sequential; ///< of stage 1
+    int collision_iterations = 100;    ///< sweeps of Algorithm 1; where collisions are accumulated, looks at all pairs
     int collision_pair_iterations = 4; ///< impulses per pair and sweep
     /// Sweeps of Algorithm 2 after which it is given up, once half as many did not make the list of pairs left any shorter.
     int dynamic_iterations = 100;
@@ -108,7 +113,8 @@ void set_setting(Settings& settings, std::string_view key, std::string_view valu
 [[nodiscard]] std::vector<std::string_view> preset_names();
 
 /// The settings of a preset; what a scene file or --set gives explicitly replaces them.
-///  - preview: few iterations, for a first look; the guarantees hold all the same.
+///  - preview: hits solved together after two looks at the pairs, few iterations, contacts kept for longer, for a first look; what is left
+///    of an impact is resolved without rebound. The guarantees hold all the same.
 ///  - paper: figure 20 as printed: friction pyramids of random direction, 1e-6 m/s, no warm start.
 ///  - balanced: `Settings{}`, figure 20 with Coulomb's cone, warm start and a tolerance that goes by gravity and the bodies' sizes:
 ///    figure 20's 1e-6 m/s is never reached in a pile within 1000 sweeps and only means "always run to the limit". 2e-4 m/s, that of

@@ -51,9 +51,8 @@ std::size_t KeptPairs::lone_bodies(std::span<const std::int32_t> active) const {
     if (wide_ == nullptr) return 0;
     std::vector<std::uint8_t> met(boxes_.size(), 0);
     for (const CandidatePair& p : *wide_) met[at(p.a)] = met[at(p.b)] = 1;
-    return static_cast<std::size_t>(std::count_if(active.begin(), active.end(), [&](std::int32_t i) {
-        return boxes_[at(i)].movable && met[at(i)] == 0;
-    }));
+    return static_cast<std::size_t>(std::count_if(
+        active.begin(), active.end(), [&](std::int32_t i) { return boxes_[at(i)].movable && met[at(i)] == 0; }));
 }
 
 void KeptPairs::cover(Team& team, const PairSearch& search, std::span<const std::int32_t> changed) {

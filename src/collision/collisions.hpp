@@ -6,10 +6,11 @@
 // infinite iterations would have no hit and no fast end proximity left; at the limit some may, for stage 5.
 #pragma once
 
-#include "pair/step_data.hpp"
+#include "collision/accumulated.hpp"
 
 namespace flotilla {
 
-StageCounters handle_collisions(StepData& data);
+/// `known` and `lists` are for `collisions: accumulated`.
+StageCounters handle_collisions(StepData& data, const KnownContacts& known, HitLists& lists);
 
 } // namespace flotilla

@@ -25,6 +25,12 @@ struct StageCounters {
     bool limit = false;                       ///< ended by its iteration limit
 };
 
+/// Of a look at the pairs.
+struct FoundHit {
+    PairRecord* record = nullptr;
+    ContactPoint point{};
+};
+
 /// What one thread has to itself.
 struct alignas(64) Worker {
     CcdScratch ccd;
@@ -35,6 +41,7 @@ struct alignas(64) Worker {
     std::vector<PairManifold::Change> changes;
     std::vector<ContactPoint> hits; ///< at one time
     std::vector<Vec3> feet;
+    std::vector<FoundHit> found;
     StageCounters counters;
     std::vector<std::int64_t> work;    ///< operations run, by round of a sweep
     std::vector<CandidatePair> pushed; ///< clusters that had an impulse in the step; equal ones may come again

@@ -190,7 +190,7 @@ void Stepper::advance(StepReport& report) {
             const PhaseWatch watch(report, Phase::collisions, team_);
             start_clusters(state_.motion);
             wake_disturbed(d);
-            const StageCounters c = handle_collisions(d);
+            const StageCounters c = handle_collisions(d, {contacts_.contacts, contacts_.rest}, hits_);
             add_counters(c, report);
             report.collisions = c.impulses;
             if (c.limit) report.warnings |= kCollisionLimit;

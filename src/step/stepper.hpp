@@ -5,6 +5,7 @@
 #include <flotilla/report.hpp>
 
 #include "broadphase/kept_pairs.hpp"
+#include "collision/accumulated.hpp"
 #include "dynamic_contact/dynamic_contact.hpp"
 #include "failsafe/failsafe.hpp"
 #include "islands/sleeping.hpp"
@@ -135,6 +136,7 @@ class Stepper {
         std::vector<Motion> collided, half, next;
     };
     StepBuffers buffers_;
+    HitLists hits_; ///< of stage 1, where collisions are accumulated
     StaticStageScratch static_;
     std::int64_t contact_visits_ = 0;
     EnergyAccount energy_;

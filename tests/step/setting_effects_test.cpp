@@ -97,6 +97,7 @@ const std::map<std::string_view, Effect>& effects() {
         {"separation", {"0.002", edge_on_edge, 5}},
         {"proximity_angle", {"60", library("falling-boats"), 60}},
         {"approach_threshold", {"0", block, 20}},
+        {"collisions", {"accumulated", hit_stack, 10}},
         {"collision_iterations", {"1", hit_stack, 10}},
         {"collision_pair_iterations", {"1", hit_stack, 10}},
         {"dynamic_iterations", {"0", left_to_stage_5, 10}},

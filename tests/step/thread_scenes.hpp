@@ -77,6 +77,19 @@ inline std::size_t count_islands(const SceneDescription& scene, const World& wor
     return static_cast<std::size_t>(std::count(touches.begin(), touches.end(), true)) - joined;
 }
 
+/// The same with hits that are solved together.
+inline SceneDescription accumulated_pile(bool large) {
+    SceneDescription scene = one_pile(large);
+    scene.settings.collisions = Collisions::accumulated;
+    return scene;
+}
+inline SceneDescription accumulated_islands(bool large) {
+    SceneDescription scene = changing_islands(large);
+    scene.settings = preset("preview");
+    scene.settings.friction = 0.05;
+    return scene;
+}
+
 struct ThreadScene {
     const char* name;
     SceneDescription (*make)(bool large);
@@ -99,6 +112,8 @@ inline SceneDescription small_cubes(bool) {
 
 inline std::vector<ThreadScene> thread_scenes() {
     return {{"OnePile", one_pile, 45, 60},
+            {"AccumulatedPile", accumulated_pile, 45, 60},
+            {"AccumulatedIslands", accumulated_islands, 30, 100},
             {"SmallCubes", small_cubes, 30, 60},
             {"SmallPiles", small_piles, 40, 100},
             {"ForcedFailsafe", forced_stack, 20, 40},

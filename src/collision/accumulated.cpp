@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include "collision/accumulated.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "collision/pair_hits.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr std::size_t kPairGrain = 16, kBodyGrain = 16; // items of a task
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+bool by_bodies(const KeptHit& x, const KeptHit& y) { return std::tuple(x.a, x.b) < std::tuple(y.a, y.b); }
+
+class Accumulation {
+  public:
+    Accumulation(StepData& data, const KnownContacts& known, HitLists& lists)
+        : data_(data), known_(known), lists_(lists) {}
+
+    StageCounters run() {
+        lists_.hits.clear();
+        for (int left = data_.model.settings.collision_iterations;; --left) {
+            counters_.limit = left <= 0;
+            if (counters_.limit) break;
+            look();
+            if (lists_.found.empty()) break;
+            keep();
+            solve();
+            if (!move()) break;
+        }
+        return counters_;
+    }
+
+  private:
+    /// Fills lists_.found.
+    void look() {
+        const std::vector<ListedPair>& list = freeze(data_, true);
+        lists_.found.clear();
+        for (const auto& worker : data_.workers) worker->found.clear();
+        data_.team.for_each("look for hits", list.size(), kPairGrain, [&](std::size_t i, int thread) {
+            if (i + 1 < list.size()) fetch_record(*list[i + 1].record);
+            PairRecord& record = *list[i].record;
+            if (proved(data_, record) || missed(data_, record) || left(data_, record)) return;
+            Worker& worker = data_.worker(thread);
+            ++worker.counters.pairs;
+            if (!find_hits(data_, worker, record)) return;
+            for (const ContactPoint& point : worker.hits) worker.found.push_back({list[i].record, point});
+        });
+        collect(data_, counters_);
+        for (const auto& worker : data_.workers)
+            lists_.found.insert(lists_.found.end(), worker->found.begin(), worker->found.end());
+        std::stable_sort(lists_.found.begin(), lists_.found.end(), [](const FoundHit& x, const FoundHit& y) {
+            return std::tuple(x.record->a, x.record->b) < std::tuple(y.record->a, y.record->b);
+        });
+        if (!lists_.found.empty()) ++counters_.sweeps;
+    }
+
+    /// Adds what was found to the hits, where it is not one of them.
+    void keep() {
+        std::vector<KeptHit>& hits = lists_.hits;
+        if (hits.empty()) keep_known();
+        const std::size_t before = hits.size();
+        for (const FoundHit& f : lists_.found) {
+            KeptHit hit;
+            hit.a = f.record->a;
+            hit.b = f.record->b;
+            const auto old = hits.begin() + static_cast<std::ptrdiff_t>(before);
+            const auto [begin, end] = std::equal_range(hits.begin(), old, hit, by_bodies);
+            const auto same = std::find_if(begin, end, [&](const KeptHit& h) { return is_same(h, f); });
+            KeptHit& to = same != end ? *same : hits.emplace_back(hit);
+            to.point = f.point;
+            to.restitution = pair_restitution(data_.model, hit.a, hit.b);
+            to.least = least_approach(data_, f.record->lengths.rest);
+            to.fresh = true;
+        }
+        std::stable_sort(hits.begin(), hits.end(), by_bodies);
+    }
+
+    [[nodiscard]] bool is_same(const KeptHit& hit, const FoundHit& found) const {
+        const double reach = found.record->lengths.rest;
+        return length_sq(hit.point.arm_b - found.point.arm_b) <= reach * reach &&
+               dot(hit.point.normal, found.point.normal) >= data_.angle_cos;
+    }
+
+    /// Contacts at x^n wait to be hits.
+    void keep_known() {
+        for (std::size_t k = 0; k < known_.contacts.size(); ++k) {
+            const Contact& c = known_.contacts[k];
+            KeptHit hit;
+            hit.a = c.a;
+            hit.b = c.b;
+            hit.point = {c.normal,
+                         c.point - data_.trajectories.start_pose(at(c.a)).com,
+                         c.point - data_.trajectories.start_pose(at(c.b)).com,
+                         {},
+                         c.friction};
+            hit.restitution = pair_restitution(data_.model, c.a, c.b);
+            hit.least = least_approach(data_, known_.rest[k]);
+            hit.gap = std::max(0.0, c.distance - known_.rest[k]);
+            hit.room = hit.gap / data_.dt;
+            lists_.hits.push_back(hit);
+        }
+    }
+
+    /// Islands of hits, side by side.
+    void solve() {
+        load_bodies();
+        gather_islands();
+        const std::size_t islands = lists_.begin.size() - 1;
+        data_.team.for_each("solve hits", islands, 1, [&](std::size_t i, int thread) {
+            const auto first = static_cast<std::size_t>(lists_.begin[i]),
+                       last = static_cast<std::size_t>(lists_.begin[i + 1]);
+            const auto island = std::span<const std::int32_t>(lists_.places).subspan(first, last - first);
+            Worker& worker = data_.worker(thread);
+            const Stopwatch watch(worker.counters.response_ms);
+            solve_hits(lists_.hits, island, lists_.bodies);
+            for (const std::int32_t k : island) {
+                const KeptHit& hit = lists_.hits[at(k)];
+                if (hit.change != Vec3{}) apply_impulse(data_, worker, hit.a, hit.b, hit.point, hit.change);
+            }
+        });
+        collect(data_, counters_);
+    }
+
+    void load_bodies() {
+        HitBodies& bodies = lists_.bodies;
+        const std::size_t n = data_.model.size();
+        bodies.body.resize(n);
+        bodies.before.resize(n);
+        bodies.owner.resize(n);
+        bodies.stamp.assign(n, 0);
+        bodies.saved.assign(n, 0);
+        lists_.used.assign(n, 0);
+        lists_.movable.resize(n);
+        for (const KeptHit& hit : lists_.hits) lists_.used[at(hit.a)] = lists_.used[at(hit.b)] = 1;
+        data_.team.for_each("bodies of hits", n, kBodyGrain, [&](std::size_t i, int) {
+            if (lists_.used[i] == 0) return;
+            bodies.body[i] = data_.clusters.impulsive(static_cast<std::int32_t>(i));
+            lists_.movable[i] = bodies.body[i].inverse_mass > 0 ? 1 : 0;
+        });
+    }
+
+    /// Fills lists_.places and begin.
+    void gather_islands() {
+        const std::size_t n = lists_.hits.size();
+        lists_.bodies_of.clear();
+        for (const KeptHit& hit : lists_.hits) lists_.bodies_of.push_back({hit.a, hit.b});
+        lists_.island.resize(n);
+        const int islands = find_islands(lists_.bodies_of, lists_.movable, lists_.graph, lists_.island);
+        lists_.begin.assign(static_cast<std::size_t>(islands) + 2, 0);
+        for (const std::int32_t i : lists_.island) ++lists_.begin[at(i) + 2];
+        for (std::size_t i = 2; i < lists_.begin.size(); ++i) lists_.begin[i] += lists_.begin[i - 1];
+        lists_.places.resize(n);
+        for (std::size_t k = 0; k < n; ++k)
+            lists_.places[at(lists_.begin[at(lists_.island[k]) + 1]++)] = static_cast<std::int32_t>(k);
+        lists_.begin.pop_back();
+    }
+
+    /// Moves the bodies that the solve changed; whether there are any. What hit and was not changed is left to stage 5.
+    bool move() {
+        std::fill(lists_.used.begin(), lists_.used.end(), std::uint8_t{0});
+        for (const KeptHit& hit : lists_.hits)
+            if (hit.change != Vec3{}) {
+                lists_.used[at(hit.a)] = lists_.used[at(hit.b)] = 1;
+            }
+        for (const FoundHit& f : lists_.found) {
+            PairRecord& r = *f.record;
+            if (lists_.used[at(r.a)] != 0 && lists_.movable[at(r.a)] != 0) continue;
+            if (lists_.used[at(r.b)] != 0 && lists_.movable[at(r.b)] != 0) continue;
+            if (left(data_, r)) continue;
+            r.left_a = data_.trajectories.version(at(r.a));
+            r.left_b = data_.trajectories.version(at(r.b));
+            ++counters_.left;
+        }
+        lists_.moved.clear();
+        for (std::size_t i = 0; i < lists_.used.size(); ++i)
+            if (lists_.used[i] != 0 && lists_.movable[i] != 0) lists_.moved.push_back(static_cast<std::int32_t>(i));
+        data_.team.for_each("move bodies", lists_.moved.size(), kBodyGrain, [&](std::size_t k, int) {
+            data_.clusters.evolve(lists_.moved[k], data_.dt, data_.trajectories);
+        });
+        return !lists_.moved.empty();
+    }
+
+    StepData& data_;
+    const KnownContacts& known_;
+    HitLists& lists_;
+    StageCounters counters_;
+};
+
+} // namespace
+
+StageCounters accumulate_collisions(StepData& data, const KnownContacts& known, HitLists& lists) {
+    return Accumulation(data, known, lists).run();
+}
+
+} // namespace flotilla

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Stage 1 with `collisions: accumulated`: looks at all pairs that moved, in any order, keep what hits; after each the hits met so far in the
+// step are solved together (response/kept_hits.hpp), and the bodies that this changed move again. It ends when a look finds nothing.
+//
+// A look reads x^n and the bodies' motions and writes the records of its pairs, one task each; islands of hits share no movable body;
+// hits are kept in the order of bodies, then of looks. So the bits are the same at any number of threads.
+#pragma once
+
+#include <span>
+
+#include "islands/contact_graph.hpp"
+#include "pair/step_data.hpp"
+#include "response/kept_hits.hpp"
+#include "state/contact.hpp"
+
+namespace flotilla {
+
+/// Contacts at x^n, sorted by bodies, and the rest distances of their pairs, m.
+struct KnownContacts {
+    std::span<const Contact> contacts;
+    std::span<const double> rest;
+};
+
+/// Hits that are kept in a step, and buffers.
+struct HitLists {
+    std::vector<KeptHit> hits;         ///< sorted by bodies
+    std::vector<FoundHit> found;       ///< by the last look
+    std::vector<BodyPair> bodies_of;   ///< of each hit
+    std::vector<std::int32_t> island;  ///< of each hit
+    std::vector<std::int32_t> places;  ///< in `hits`, by island
+    std::vector<std::int32_t> begin;   ///< in `places`, of each island, and the end
+    std::vector<std::int32_t> moved;   ///< bodies
+    std::vector<std::uint8_t> used;    ///< by body
+    std::vector<std::uint8_t> movable; ///< by body
+    HitBodies bodies;
+    ContactGraphScratch graph;
+};
+
+StageCounters accumulate_collisions(StepData& data, const KnownContacts& known, HitLists& lists);
+
+} // namespace flotilla
