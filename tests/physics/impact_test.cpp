@@ -70,16 +70,23 @@ void cradle_hands_on(const Run& run, double e) {
     expect_no_rise(motion);
 }
 
+/// The usual ones, and those whose hits are solved together.
+std::vector<Run> runs_of_impacts() {
+    std::vector<Run> list = runs();
+    for (const int rate : {24, 120}) list.push_back({"preview", rate});
+    return list;
+}
+
 [[maybe_unused]] const bool registered = [] {
     add_runs("Impact", "FreeFallIsExact", runs(), true, ballistic);
     for (const int e : {50, 80})
-        add_runs("Impact", "BouncesWithRestitution0_" + std::to_string(e), runs(), true,
+        add_runs("Impact", "BouncesWithRestitution0_" + std::to_string(e), runs_of_impacts(), true,
                  [=](const Run& r) { bounces_as_due(r, 0.01 * e); });
     for (const int e : {0, 50, 90})
-        add_runs("Impact", "CrateLandsFlatWithRestitution" + std::to_string(e) + "Percent", runs(), true,
+        add_runs("Impact", "CrateLandsFlatWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,
                  [=](const Run& r) { lands_flat(r, 0.01 * e); });
     for (const int e : {100, 50})
-        add_runs("Impact", "CradleWithRestitution" + std::to_string(e) + "Percent", runs(), true,
+        add_runs("Impact", "CradleWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,
                  [=](const Run& r) { cradle_hands_on(r, 0.01 * e); });
     return true;
 }();
