@@ -67,7 +67,9 @@ void measure(const State& start, int steps, int repetitions, std::vector<Run>& r
         for (Run& run : runs) {
             StepperOptions options;
             options.savings = run.savings;
-            run.stepper = std::make_unique<Stepper>(run.model, start, options);
+            State own = start;
+            if (!run.model.settings.sleeping) own.sleep.assign(own.sleep.size(), {});
+            run.stepper = std::make_unique<Stepper>(run.model, std::move(own), options);
         }
         for (int n = 0; n < steps; ++n)
             for (std::size_t k = 0; k < runs.size(); ++k) { // none is always the first, with cold caches
