@@ -112,7 +112,8 @@ class PrincipalMasses {
     ContactRow* rows_[kLanes] = {};
 };
 
-/// Of four lanes, compiled for AVX2; call only where the processor has it. `which`: a bit for each lane that is wanted; the others repeat one.
+/// Of four lanes, compiled for AVX2; call only where the processor has it. `which`: a bit for each lane that is wanted; the
+/// others repeat one.
 void set_principal_masses_avx2(const ContactBlock* const* blocks, ContactRow* const* rows, unsigned which);
 
 /// The impulse nearest to a given one (contact coordinates) that the bounds allow: what a warm start may begin with.
