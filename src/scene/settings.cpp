@@ -19,7 +19,7 @@ constexpr std::array kTrajectories{"linear"sv, "rigid"sv};
 constexpr std::array kCollisions{"sequential"sv, "accumulated"sv};
 constexpr std::array kCcdMethods{"conservative"sv, "cubic"sv};
 constexpr std::array kTangents{"random"sv, "aligned"sv, "cone"sv};
-constexpr std::array kContactSolvers{"pgs"sv, "exact"sv};
+constexpr std::array kContactSolvers{"pgs"sv, "exact"sv, "exact_few"sv};
 constexpr std::array kRigidifications{"kinematic"sv, "rigid"sv};
 constexpr std::array kUnsatisfiableScripts{"hold"sv, "follow"sv, "error"sv};
 constexpr std::array kInitialOverlaps{"error"sv, "separate"sv};
@@ -218,9 +218,9 @@ const std::vector<SettingRow>& table() {
          0,
          0,
          {},
-         "static contact: projected Gauss-Seidel, or the same with small islands that it leaves unsolved solved "
-         "exactly",
-         "pgs: stacks of uneven masses, chains and thin bodies end above the tolerance"},
+         "static contact: projected Gauss-Seidel, or the same with small islands that it leaves unsolved, or only "
+         "those of up to eight bodies, solved exactly",
+         "pgs: stacks of uneven masses, chains and thin bodies end above the tolerance; exact_few: the larger of them"},
         {"tangents",
          choice<&Settings::tangents>(kTangents),
          "",
@@ -438,7 +438,7 @@ constexpr std::array kPresets{
                s.collision_iterations = 2;
                s.dynamic_iterations = 50; // below, the failsafe takes over
                s.static_iterations = 50;
-               s.contact_solver = ContactSolver::pgs;
+               s.contact_solver = ContactSolver::exact_few;
                s.tolerance_share = 4; // with 8 or more some piles of 252 boats creep on and never sleep
                s.contact_reuse = 0.25;
            }},

@@ -124,9 +124,10 @@ std::int32_t contacts_of(const Island& island, const ContactScratch& s) {
 
 bool may_solve_exactly(const Island& island, const ContactSolveOptions& options, const ContactScratch& s) {
     if (!options.exact || options.tangents == Tangents::random) return false;
-    const std::int32_t contacts = contacts_of(island, s);
+    const std::int32_t contacts = contacts_of(island, s), bodies = island.end_body - island.first_body;
+    if (options.exact_few && bodies > options.tuning.bodies_factorised_soon) return false;
     if (contacts <= kFewContacts) return true;
-    const bool cheap = island.end_body - island.first_body <= kMostBodies || is_slender(island);
+    const bool cheap = bodies <= kMostBodies || is_slender(island);
     return island.rests && cheap && contacts <= kMostContacts;
 }
 

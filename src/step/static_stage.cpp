@@ -404,7 +404,8 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     const bool given = s.static_tolerance >= 0 || s.tolerance_share < 1;
     if (!given) solve.patience = std::max(tuning.patience, s.static_iterations / tuning.patience_share);
     solve.rest_speed = tuning.rest_speed * length(model.gravity) * s.time_step;
-    solve.exact = s.contact_solver == ContactSolver::exact;
+    solve.exact = s.contact_solver != ContactSolver::pgs;
+    solve.exact_few = s.contact_solver == ContactSolver::exact_few;
     solve.shock = s.shock_propagation;
     solve.tangents = s.tangents;
     solve.seed = s.seed;

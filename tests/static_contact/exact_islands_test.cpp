@@ -147,6 +147,21 @@ TEST(ExactIslands, IslandsWithMoreContactsAreLeftToTheSweeps) {
     }
 }
 
+TEST(ExactIslands, OnlyFewBodiesAreSolvedSoWhereThatIsAsked) {
+    for (const int light : {7, 8}) {
+        ContactWorld few = make_loaded_column(light), other = few;
+        ContactSolveOptions options = exact_at(1e-4);
+        options.exact_few = true;
+        const ContactSolveStats stats = few.solve(options);
+        options.exact_few = false;
+        options.exact = light + 1 <= options.tuning.bodies_factorised_soon;
+        EXPECT_EQ(stats.exact_islands, other.solve(options).exact_islands);
+        EXPECT_EQ(stats.exact_islands, options.exact ? 1 : 0);
+        EXPECT_EQ(few.velocity, other.velocity);
+        EXPECT_EQ(few.impulses, other.impulses);
+    }
+}
+
 TEST(ExactIslands, AColumnAtRestIsSolvedHoweverManyContactsItHas) {
     ContactWorld w = make_column(300, 0.4);
     ContactSolveOptions options = exact_at(10); // the sweeps are content with anything
