@@ -37,6 +37,7 @@ double least_approach(const StepData& data, double rest) {
 }
 
 std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, PairRecord& record) {
+    if (far_at_end(data, record)) return std::nullopt;
     const BodyMotion a = data.trajectories.at_end(at(record.a)), b = data.trajectories.at_end(at(record.b));
     const Impulsive body_a = data.clusters.impulsive(record.a), body_b = data.clusters.impulsive(record.b);
     if (!may_approach(body_a, body_b, a.shape->radius, b.shape->radius, data.approach)) {

@@ -26,6 +26,12 @@ struct PairCandidates {
     /// At the last search for contacts: the poses, and the distance of the bodies, m; < 0: there was none.
     MatrixPose searched_a, searched_b;
     double searched_distance = -1;
+    /// Along which a plane was last found between the hulls; zero: none was, and so many times none is looked for.
+    Vec3 apart{};
+    std::int32_t no_plane = 0;
+    /// Versions at whose ends the hulls are farther apart than the proximity distance, by `far_gap`, m.
+    std::uint64_t far_a = 0, far_b = 0;
+    double far_gap = 0;
 };
 
 /// Two cache lines: what every step reads of every pair, then what it reads of some.

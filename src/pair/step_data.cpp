@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "ccd/hull_gap.hpp"
 #include "ccd/rigid_path.hpp"
 #include "geometry/ccd_cubic.hpp"
 #include "parallel/compact.hpp"
@@ -61,11 +62,15 @@ CandidateMargins choose_margins(const PairRecord& r, double way) {
     return {0, std::clamp(2 * r.candidates->last_strayed, kSmallestMargin * base, kLargestMargin * base)};
 }
 
+PairCandidates& candidates_of(PairRecord& r) {
+    if (r.candidates == nullptr) r.candidates = std::make_unique<PairCandidates>();
+    return *r.candidates;
+}
+
 /// A list that covers the motion, made now if that seems to pay; else null.
 CoveringList candidates(const StepData& data, Worker& worker, PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
     if (!data.keep_candidates) return {};
-    if (r.candidates == nullptr) r.candidates = std::make_unique<PairCandidates>();
-    PairCandidates& c = *r.candidates;
+    PairCandidates& c = candidates_of(r);
     const bool first = c.step != data.state.step;
     if (first) {
         c.busy = c.queries > 1 && c.step + 1 == data.state.step;
@@ -133,6 +138,32 @@ bool stay_apart(const StepData& data, const PairRecord& r, const BodyMotion& a, 
     return (1 - kRoundingRoom) * from - change > kClearOfSeparation * r.lengths.separation;
 }
 
+/// Whether a plane is found that keeps the bodies farther apart than `reach`, m, all the time. Where it keeps them beyond the proximity
+/// distance at the end, that is remembered.
+bool plane_between(const StepData& data, PairRecord& r, const BodyMotion& a, const BodyMotion& b, double reach) {
+    // Whose hulls overlap does so again, and a look in vain costs a sixth of a query: with none left out detection in the impact of
+    // 252 boats costs 13 % more, with one 4 %.
+    constexpr std::int32_t kLeftOut = 8;
+    if (!data.keep_candidates || !a.straight() || !b.straight()) return false;
+    PairCandidates& c = candidates_of(r);
+    if (c.no_plane > 0) {
+        --c.no_plane;
+        return false;
+    }
+    const HullGap gap = find_hull_gap(a, b, r.lengths.proximity, c.apart);
+    if (gap.end > r.lengths.proximity) {
+        c.far_a = data.trajectories.version(at(r.a));
+        c.far_b = data.trajectories.version(at(r.b));
+        c.far_gap = gap.end;
+    }
+    if (std::min(gap.start, gap.end) > reach) return true;
+    if (!(gap.end > 0)) {
+        c.apart = {};
+        c.no_plane = kLeftOut;
+    }
+    return false;
+}
+
 /// Whether the bodies move less against each other in the step than the record's slack, along any axis: then they do not come near
 /// the separation, and at the end they are nearer than the proximity distance if and only if they were so at x^n.
 bool stay_by_bounds(const StepData& data, const PairRecord& r) {
@@ -164,6 +195,8 @@ PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod me
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
     if (method == CcdMethod::conservative && stay_apart(data, r, a, b)) return {};
     const Stopwatch watch(worker.counters.detection_ms); // reading the clock costs as much as what comes before
+    if (method == CcdMethod::conservative && plane_between(data, r, a, b, kClearOfSeparation * r.lengths.separation))
+        return {};
     const double separation = method == CcdMethod::cubic ? cubic_tolerance(data.model.settings) : r.lengths.separation;
     const bool turns = !a.straight() || !b.straight();
     const PathCut cut = turns ? cut_path(a, b, {r.lengths.rest, start_distance(data, worker, r)}) : PathCut{};
@@ -292,6 +325,13 @@ double slack_of(const StepData& data, const PairRecord& r, double least, double 
     return (1 - kRoundingRoom) * (std::min(apart, inside) - rounding) / ((1 + kRoundingRoom) * std::numbers::sqrt3);
 }
 
+/// The same of what it takes to come within the proximity distance from `least`, m.
+double slack_of_far(const StepData& data, const PairRecord& r, double least) {
+    const BodyMotion a = data.trajectories.at_end(at(r.a)), b = data.trajectories.at_end(at(r.b));
+    const double rounding = 2 * kVertexRounding * (std::max(a.max_abs(), b.max_abs()) + r.lengths.proximity);
+    return ((1 - kRoundingRoom) * least - r.lengths.proximity - rounding) / ((1 + kRoundingRoom) * std::numbers::sqrt3);
+}
+
 } // namespace
 
 void record_distance(const StepData& data, PairRecord& r, const ProximityResult& found, const CoveringList& list) {
@@ -327,6 +367,24 @@ bool far_by_bounds(const StepData& data, PairRecord& r) {
     if (!(r.start_distance > r.lengths.proximity) || !stay_by_bounds(data, r)) return false;
     r.end_distance = std::numeric_limits<double>::infinity();
     r.slack -= (1 + kRoundingRoom) * (data.lists.bounds[at(r.a)].way + data.lists.bounds[at(r.b)].way);
+    return true;
+}
+
+bool far_at_end(const StepData& data, const PairRecord& r) {
+    return r.candidates != nullptr && r.candidates->far_a == data.trajectories.version(at(r.a)) &&
+           r.candidates->far_b == data.trajectories.version(at(r.b));
+}
+
+bool far_by_plane(const StepData& data, PairRecord& r) {
+    if (!far_at_end(data, r)) {
+        const BodyMotion a = data.trajectories.at_end(at(r.a)), b = data.trajectories.at_end(at(r.b));
+        if (!plane_between(data, r, a, b, r.lengths.proximity)) return false;
+    }
+    PairCandidates& c = *r.candidates;
+    c.searched_distance = -1;
+    r.end_distance = std::numeric_limits<double>::infinity();
+    r.doubt = 0;
+    r.slack = std::min(slack_of(data, r, c.far_gap, c.far_gap), slack_of_far(data, r, c.far_gap));
     return true;
 }
 

@@ -169,6 +169,11 @@ void record_renewed_distance(const StepData& data, PairRecord& record, double di
 /// nothing to search for, and this has recorded it.
 [[nodiscard]] bool far_by_bounds(const StepData& data, PairRecord& record);
 
+/// Whether a plane is known to keep the bodies beyond the proximity distance at the end of the step.
+[[nodiscard]] bool far_at_end(const StepData& data, const PairRecord& record);
+/// Whether one does: then there is nothing to search for, and this has recorded it.
+[[nodiscard]] bool far_by_plane(const StepData& data, PairRecord& record);
+
 /// The pair's candidate list where it covers the present end poses: for queries of the proximity distance at the end of the
 /// step. Null otherwise.
 [[nodiscard]] CoveringList end_candidates(const StepData& data, const PairRecord& record);

@@ -19,6 +19,7 @@ RigidShape make_shape(const Shape& shape) {
     out.topology = shape.topology;
     out.bvh = shape.bvh;
     out.box = bounding_box(shape.mesh);
+    out.outline = support_points(shape.mesh.vertices);
     out.center_of_mass = shape.center;
     out.radius = shape.radius;
     if (shape.mass) {

@@ -2,6 +2,7 @@
 // A shape as the solver uses it: mesh, features, hierarchy and mass, shared by all bodies that have it.
 #pragma once
 
+#include "geometry/support.hpp"
 #include "mesh/bvh.hpp"
 #include "mesh/topology.hpp"
 
@@ -11,12 +12,13 @@ struct RigidShape {
     TriangleMesh mesh; ///< vertices in the mesh's own coordinates, m
     Topology topology;
     Bvh bvh;
-    Box box;              ///< of the mesh, in its own coordinates, m
-    Vec3 center_of_mass;  ///< mesh coordinates
-    double mass = 0;      ///< kg; 0 where the shape has none (static and scripted bodies only)
-    Mat3 inertia;         ///< about the centre of mass, mesh axes, kg m^2
-    Mat3 inverse_inertia; ///< zero where the shape has no mass
-    double radius = 0;    ///< m, largest distance of a vertex from the centre of mass, rounded up
+    Box box;               ///< of the mesh, in its own coordinates, m
+    Vec3 center_of_mass;   ///< mesh coordinates
+    double mass = 0;       ///< kg; 0 where the shape has none (static and scripted bodies only)
+    Mat3 inertia;          ///< about the centre of mass, mesh axes, kg m^2
+    Mat3 inverse_inertia;  ///< zero where the shape has no mass
+    SupportPoints outline; ///< of the vertices, mesh coordinates
+    double radius = 0;     ///< m, largest distance of a vertex from the centre of mass, rounded up
 };
 
 } // namespace flotilla

@@ -35,7 +35,7 @@ void list_known_features(const StepData& data, const PairRecord& record, std::in
 void append_pair(const StepData& data, Worker& worker, const ListedPair& listed, std::int64_t step, ContactSet& out) {
     const CandidatePair& pair = listed.pair;
     PairRecord& record = *listed.record;
-    if (far_by_bounds(data, record)) return;
+    if (far_by_bounds(data, record) || far_by_plane(data, record)) return;
     const BodyMotion a = data.trajectories.at_end(at(pair.a)), b = data.trajectories.at_end(at(pair.b));
     const double proximity = record.lengths.proximity;
     worker.points.clear();
