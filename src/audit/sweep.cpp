@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "audit/feature_sweep.hpp"
 #include "base/rotation.hpp"
 #include "geometry/exact/triangle_triangle.hpp"
 
@@ -20,28 +21,6 @@ double max_abs(std::span<const Vec3> points) {
     return m;
 }
 
-double norm_1(const Vec3& d) { return std::abs(d.x) + std::abs(d.y) + std::abs(d.z); }
-
-/// Scaled to a largest component of 1, so that nothing over- or underflows; zero where it cannot be.
-Vec3 scaled(const Vec3& d) {
-    const double m = max_component(abs(d));
-    return m > 0 && std::isfinite(m) ? d / m : Vec3{};
-}
-
-struct Span {
-    double low, high;
-};
-Span project(const Corners& c, const Vec3& d) {
-    const double x = dot(c[0], d), y = dot(c[1], d), z = dot(c[2], d);
-    return {std::min({x, y, z}), std::max({x, y, z})};
-}
-
-/// Both triangles at one time.
-struct Snapshot {
-    double time;
-    Corners a, b;
-};
-
 class Bisection {
   public:
     Bisection(const BodyPath& path_a, const Triangle& a, const BodyPath& path_b, const Triangle& b)
@@ -53,20 +32,28 @@ class Bisection {
           position_error_(path_a.position_error() + path_b.position_error()) {}
 
     SweepResult run(double begin, double end) {
-        prove(at(begin), at(end), 0);
+        const Snapshot start = at(begin);
+        if (exact::triangles_intersect(start.a, start.b))
+            (void)fail(SweepVerdict::crossing, start);
+        else
+            (void)prove(start, at(end), 0, 0);
         return result_;
     }
 
   private:
     [[nodiscard]] Snapshot at(double t) const { return {t, path_a_.corners(a_, t), path_b_.corners(b_, t)}; }
 
-    bool prove(const Snapshot& s, const Snapshot& e, int depth) {
-        if (separated(hint_, s, e)) return true;
+    bool prove(const Snapshot& s, const Snapshot& e, int depth, FeaturePairs apart) {
+        const double length = e.time - s.time;
+        const Slack slack{path_a_.deviation(length) + path_b_.deviation(length) + position_error_, rounding_};
+        if (separates(hint_, s, e, slack)) return true;
         const Snapshot middle = at(0.5 * s.time + 0.5 * e.time);
-        if (find_direction(s, e, middle)) return true;
+        if (find_direction(s, e, middle, slack)) return true;
         if (exact::triangles_intersect(middle.a, middle.b)) return fail(SweepVerdict::crossing, middle);
+        apart = features_apart(apart, s, middle, e, slack);
+        if (apart == kAllFeaturePairs) return true;
         if (depth == kMaxDepth || ++intervals_ == kMaxIntervals) return fail(SweepVerdict::unproved, middle);
-        return prove(s, middle, depth + 1) && prove(middle, e, depth + 1);
+        return prove(s, middle, depth + 1, apart) && prove(middle, e, depth + 1, apart);
     }
 
     bool fail(SweepVerdict verdict, const Snapshot& at) {
@@ -75,38 +62,33 @@ class Bisection {
         return false;
     }
 
-    /// See the header. NaN is not separated.
-    [[nodiscard]] bool separated(const Vec3& d, const Snapshot& s, const Snapshot& e) const {
-        const double deviation =
-            path_a_.deviation(e.time - s.time) + path_b_.deviation(e.time - s.time) + position_error_;
-        const double margin = 1.0001 * length(d) * deviation + rounding_ * norm_1(d);
-        const Span as = project(s.a, d), bs = project(s.b, d), ae = project(e.a, d), be = project(e.b, d);
-        return (bs.low - as.high > margin && be.low - ae.high > margin) ||
-               (as.low - bs.high > margin && ae.low - be.high > margin);
+    static bool separates(const Vec3& d, const Snapshot& s, const Snapshot& e, const Slack& slack) {
+        return separated(d, s.a, s.b, e.a, e.b, slack);
     }
 
-    bool accept(const Vec3& d, const Snapshot& s, const Snapshot& e) {
+    bool accept(const Vec3& d, const Snapshot& s, const Snapshot& e, const Slack& slack) {
         const Vec3 direction = scaled(d);
-        if (!separated(direction, s, e)) return false;
+        if (!separates(direction, s, e, slack)) return false;
         hint_ = direction;
         return true;
     }
 
-    bool find_direction(const Snapshot& s, const Snapshot& e, const Snapshot& m) {
-        if (accept({1, 0, 0}, s, e) || accept({0, 1, 0}, s, e) || accept({0, 0, 1}, s, e)) return true;
+    bool find_direction(const Snapshot& s, const Snapshot& e, const Snapshot& m, const Slack& slack) {
+        const auto accept = [&](const Vec3& d) { return this->accept(d, s, e, slack); };
+        if (accept({1, 0, 0}) || accept({0, 1, 0}) || accept({0, 0, 1})) return true;
         const auto edges = [](const Corners& c) { return Corners{c[1] - c[0], c[2] - c[1], c[0] - c[2]}; };
         const Corners edges_a = edges(m.a), edges_b = edges(m.b);
         const Vec3 normal_a = cross(edges_a[0], edges_a[1]), normal_b = cross(edges_b[0], edges_b[1]);
-        if (accept(normal_a, s, e) || accept(normal_b, s, e)) return true;
+        if (accept(normal_a) || accept(normal_b)) return true;
         for (const Vec3& u : edges_a)
             for (const Vec3& v : edges_b)
-                if (accept(cross(u, v), s, e)) return true;
+                if (accept(cross(u, v))) return true;
         for (const Vec3& u : edges_a)
-            if (accept(cross(normal_a, u), s, e)) return true;
+            if (accept(cross(normal_a, u))) return true;
         for (const Vec3& v : edges_b)
-            if (accept(cross(normal_b, v), s, e)) return true;
+            if (accept(cross(normal_b, v))) return true;
         const ClosestPoints closest = closest_points(m.a, m.b);
-        return accept(closest.on_b - closest.on_a, s, e);
+        return accept(closest.on_b - closest.on_a);
     }
 
     const BodyPath &path_a_, &path_b_;
@@ -139,7 +121,7 @@ BodyPath::BodyPath(std::span<const Vec3> x0, std::span<const Vec3> x1, const Vec
 }
 
 Vec3 BodyPath::vertex(std::size_t i, double t, const Mat3& rotation) const {
-    if (angle_ == 0) return x0_[i] + t * (x1_[i] - x0_[i]);
+    if (angle_ == 0 || t == 0) return x0_[i] + t * (x1_[i] - x0_[i]);
     return (c0_ + t * (c1_ - c0_)) + rotation * (x0_[i] - c0_);
 }
 

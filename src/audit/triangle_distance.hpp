@@ -19,4 +19,7 @@ struct ClosestPoints {
 /// For triangles that do not intersect; for others the distance of their boundaries.
 [[nodiscard]] ClosestPoints closest_points(const Corners& a, const Corners& b);
 
+/// Of two segments, which may be points.
+[[nodiscard]] ClosestPoints closest_points(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b);
+
 } // namespace flotilla::audit

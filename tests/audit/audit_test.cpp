@@ -2,6 +2,7 @@
 // Planted faults must be found, clean scenes must pass.
 #include "audit/audit.hpp"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,8 +10,10 @@
 
 #include <gtest/gtest.h>
 
+#include "audit/sweep.hpp"
 #include "audit/triangle_distance.hpp"
 #include "base/rotation.hpp"
+#include "geometry/exact/triangle_triangle.hpp"
 #include "mesh/placement.hpp"
 
 namespace flotilla::audit {
@@ -212,6 +215,65 @@ TEST(AuditMotion, ReportsATurnThatDoesNotLeadToTheNextFrame) {
     const auto report = motion(scene, from, to, Motion::rigid, {{0, 0, 0.4}, {}});
     ASSERT_EQ(report.bad_paths.size(), 1u);
     EXPECT_EQ(report.bad_paths[0].body, 0);
+}
+
+TEST(AuditMotion, ProvesFacesThatTurnTogetherAtATinyGap) {
+    // Any one direction separates them for 1e-8 of the step only.
+    const Scene scene = scene_of({plate(), plate()});
+    const auto turned = [](double angle, double gap) {
+        const Vec3 turn{angle, 0.3 * angle, 0.1 * angle};
+        return std::vector{pose({}, turn), pose(rotate(rotation_from_vector(turn), {0.01, 0.02, gap}), turn)};
+    };
+    for (const double gap : {1e-6, 1e-8, 1e-10, 1e-12}) {
+        EXPECT_TRUE(motion(scene, turned(-0.01, gap), turned(0.01, gap)).passages.empty()) << gap;
+        EXPECT_FALSE(motion(scene, turned(-0.01, gap), turned(0.01, -gap)).passages.empty()) << gap;
+    }
+}
+
+TEST(AuditMotion, ProvesEdgesThatAreNearlyParallelAtATinyGap) {
+    const Scene scene = scene_of({box(0.5, 0.5, 0.5), box(0.5, 0.5, 0.5)});
+    for (const double gap : {1e-6, 1e-8, 1e-10})
+        for (const double angle : {0.0, 1e-13, 1e-10, 1e-8, 1e-6, 1e-3}) {
+            // Rotated alike by a third of a turn or so, edges of one along those of the other but for `angle`.
+            const Vec3 turn{0.3, 0.7, -0.2};
+            const Vec3 apart = rotate(rotation_from_vector(turn), {1 + gap, 1 + gap, 0.3});
+            const Quat tilted = rotation_from_vector(turn) * rotation_from_vector({0, 0, angle});
+            EXPECT_TRUE(motion(scene, {pose({}, turn), {apart, tilted}}, {pose({}, turn), {1.5 * apart, tilted}})
+                            .passages.empty())
+                << gap << ' ' << angle;
+        }
+}
+
+/// A vertex brought to within `gap` of a face at a random time of random motions.
+TEST(AuditMotion, NeverProvesATinyPassage) {
+    std::mt19937_64 rng(12);
+    std::uniform_real_distribution<double> u(-1, 1);
+    const auto at = [](const Vec3& x, const Vec3& y, double t) { return x + t * (y - x); };
+    int proved = 0, refuted = 0;
+    for (int round = 0; round < 20000; ++round) {
+        std::array<std::vector<Vec3>, 2> from, to;
+        for (auto* v : {&from[0], &from[1], &to[0], &to[1]})
+            for (int k = 0; k < 3; ++k) v->push_back({u(rng), u(rng), u(rng)});
+        const double t = 0.5 + 0.5 * u(rng), gap = 1e-8 * u(rng);
+        const auto& [f0, f1] = std::pair{from[1], to[1]};
+        const Vec3 o = at(f0[0], f1[0], t), x = at(f0[1], f1[1], t) - o, y = at(f0[2], f1[2], t) - o;
+        const Vec3 goal = o + 0.3 * x + 0.3 * y + gap * normalized(cross(x, y));
+        const Vec3 shift = goal - at(from[0][0], to[0][0], t);
+        for (auto* v : {&from[0], &to[0]})
+            for (Vec3& p : *v) p += shift;
+        if (round % 2 == 0) to[0] = from[0], to[1] = from[1]; // and at rest, where there may be a proof
+        const BodyPath a(from[0], to[0]), b(from[1], to[1]);
+        const Triangle all{0, 1, 2};
+        const bool apart = sweep_triangles(a, all, b, all, 0, 1).verdict == SweepVerdict::apart;
+        bool hit = false;
+        for (const double s : {t, t - 1e-7, t + 1e-7, 0.0, 0.25, 0.5, 0.75, 1.0})
+            hit = hit || (s >= 0 && s <= 1 && exact::triangles_intersect(a.corners(all, s), b.corners(all, s)));
+        EXPECT_FALSE(apart && hit) << round;
+        proved += apart ? 1 : 0;
+        refuted += hit ? 1 : 0;
+    }
+    EXPECT_GT(proved, 100);
+    EXPECT_GT(refuted, 100);
 }
 
 TEST(AuditMotion, ContactWithoutCrossingIsNotProved) {
