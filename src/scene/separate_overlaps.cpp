@@ -9,6 +9,7 @@
 
 #include "base/rotation.hpp"
 #include "geometry/closest.hpp"
+#include "geometry/ray.hpp"
 #include "scene/initial_overlap.hpp"
 
 namespace flotilla {
@@ -24,50 +25,26 @@ constexpr int kRefinements = 6, kAround = 6;
 constexpr double kFirstTilt = 20 * std::numbers::pi / 180;
 // The distance is searched to this part of the clearance; what is searched for is so much more than what is asked for.
 constexpr double kTolerance = 0.01;
-constexpr int kMostAdvances = 200;
+constexpr int kMostAdvances = 100;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-struct Interval {
-    double low, high; ///< m along a direction
-};
+Corners moved(const Corners& t, const Vec3& by) { return {t[0] + by, t[1] + by, t[2] + by}; }
+Box moved(const Box& box, const Vec3& by) { return {box.lower + by, box.upper + by}; }
 
-double distance(const Corners& a, const Vec3& by, const Corners& b) {
-    return std::sqrt(closest_triangle_triangle({a[0] + by, a[1] + by, a[2] + by}, b).distance_sq);
-}
-
-/// First place in [from, to] at which triangle a, moved along d, comes within `clearance` of b; `to` may lie below `from`. The distance
-/// changes by at most 1 m per metre, so a step of what is left over the clearance passes nothing.
-std::optional<double> first_meeting(const Corners& a, const Corners& b, const Vec3& d, double clearance, double from,
-                                    double to) {
-    const double sign = to < from ? -1 : 1;
-    double s = from;
+/// The place in [from, to] at which triangle a, moved along d and nearer to b than `clearance` at `from`, leaves it for good: the distance
+/// of convex sets is convex along a line. So coming back from `to`, where it is left, tangents pass nothing.
+double place_of_leaving(const Corners& a, const Corners& b, const Vec3& d, double clearance, double from, double to) {
+    double s = to;
     for (int i = 0; i < kMostAdvances; ++i) {
-        const double left = distance(a, s * d, b) - clearance;
-        if (left <= kTolerance * clearance) return s;
-        s += sign * left;
-        if (sign * (s - to) > 0) return {};
+        const TriangleTriangleClosest at = closest_triangle_triangle(moved(a, s * d), b);
+        const double distance = std::sqrt(at.distance_sq), left = distance - clearance;
+        if (left <= kTolerance * clearance) break;
+        const double approach = dot(d, at.p - at.q) / distance; // m per metre, backwards
+        if (!(approach > 0) || !(s - left / approach > from)) return from;
+        s -= left / approach;
     }
-    return s; // it grazes: taken for a meeting
-}
-
-/// Where along d, in [0, reach], triangle a comes within `clearance` of b. The distance of convex sets is convex along a line, so this
-/// is one interval.
-std::optional<Interval> blocked(const Corners& a, const Corners& b, const Vec3& d, double clearance, double reach) {
-    const std::optional<double> low = first_meeting(a, b, d, clearance, 0, reach);
-    if (!low) return {};
-    return Interval{*low, first_meeting(a, b, d, clearance, reach, *low).value_or(*low)};
-}
-
-/// The smallest place in [0, reach] that no interval holds; infinite where there is none.
-double first_gap(std::vector<Interval>& intervals, double reach) {
-    std::sort(intervals.begin(), intervals.end(), [](const Interval& x, const Interval& y) { return x.low < y.low; });
-    double s = 0;
-    for (const Interval& i : intervals) {
-        if (i.low > s) break;
-        s = std::max(s, i.high);
-    }
-    return s < reach ? s : kInfinity;
+    return s;
 }
 
 /// A body at its present place.
@@ -84,8 +61,6 @@ struct Placed {
     }
 };
 
-Box moved_along(const Box& box, const Vec3& by) { return merged(box, {box.lower + by, box.upper + by}); }
-
 std::vector<Vec3> sphere_directions() {
     std::vector<Vec3> out{{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
     const double turn = std::numbers::pi * (3 - std::sqrt(5.0)); // the golden angle spreads points evenly
@@ -101,10 +76,13 @@ class Separator {
   public:
     explicit Separator(Scene& scene) : scene_(scene), sphere_(sphere_directions()) {
         for (std::size_t i = 0; i < scene.bodies.size(); ++i) placed_.push_back(place(i));
+        caught_with_.resize(placed_.size());
     }
 
     SeparatedStart run() {
         overlaps_ = find_initial_overlaps(scene_).movable;
+        for (const BodyOverlap& o : overlaps_)
+            if (placed_[at(o.a)].movable && placed_[at(o.b)].movable) ++caught_with_[at(o.a)], ++caught_with_[at(o.b)];
         std::vector<Candidate> candidates;
         for (const std::int32_t body : overlapping_bodies()) candidates.push_back({body, shortest_move(body)});
         SeparatedStart out;
@@ -127,7 +105,7 @@ class Separator {
             });
             const Box changed = merged(before, placed_[at(chosen.body)].box);
             for (Candidate& c : candidates)
-                if (boxes_overlap(grown_by_reach(c.body), changed, 0)) c.by = shortest_move(c.body);
+                if (boxes_overlap(grown_by_reach(c.body, c.by), changed, 0)) c.by = shortest_move(c.body);
         }
         return out;
     }
@@ -163,10 +141,11 @@ class Separator {
         return out;
     }
 
-    /// m, the farthest that a body is moved: its own size.
-    [[nodiscard]] double reach(std::int32_t body) const { return 2 * placed_[at(body)].shape->sphere.radius; }
-    [[nodiscard]] Box grown_by_reach(std::int32_t body) const {
-        const double r = reach(body) + clearance(body, body);
+    [[nodiscard]] double size(std::int32_t body) const { return 2 * placed_[at(body)].shape->sphere.radius; } ///< m
+    /// What the body's shortest move depends on, if it is not longer than its size or than it was found.
+    [[nodiscard]] Box grown_by_reach(std::int32_t body, const Vec3& by) const {
+        const double found = std::isfinite(by.x) ? length(by) : kInfinity;
+        const double r = std::max(size(body), found) + clearance(body, body);
         const Box& box = placed_[at(body)].box;
         return {box.lower - Vec3{r, r, r}, box.upper + Vec3{r, r, r}};
     }
@@ -197,13 +176,46 @@ class Separator {
         return out;
     }
 
+    /// How far the body's centre goes along d before it pierces a body of infinite mass, at most `limit`.
+    [[nodiscard]] double same_side(std::int32_t body, const Vec3& d, double limit) const {
+        static const Bvh kOneLeaf{{{0, 1}}, {0}, {}, {}, 0};
+        const Vec3 from = world_center(scene_, scene_.bodies[at(body)]), to = from + limit * d;
+        const std::array<Box, 1> box{extended(extended(Box{}, from), to)};
+        double least = 1;
+        for (const Placed& other : placed_) {
+            if (other.movable || !boxes_overlap(box[0], other.box, 0)) continue;
+            for_each_overlapping_leaf_pair(kOneLeaf, box, other.shape->bvh, other.boxes, 0,
+                                           [&](std::span<const std::int32_t>, std::span<const std::int32_t> triangles) {
+                                               for (const std::int32_t x : triangles) {
+                                                   const Corners f = other.corners(x);
+                                                   least = std::min(
+                                                       least, segment_triangle(from, to, f[0], f[1], f[2]).value_or(1));
+                                               }
+                                           });
+        }
+        return least * limit;
+    }
+
+    /// A body stays on the side of floors and walls on which its centre is, or one caught in a thin floor would leave it below. Where it
+    /// gets free there nowhere by its own size, it is let past the movable bodies that it intersected; only then, as deep inside a solid,
+    /// through the surface.
     [[nodiscard]] Vec3 shortest_move(std::int32_t body) const {
+        const double own = size(body);
+        Vec3 by = shortest_move(body, own, true);
+        if (const int n = caught_with_[at(body)]; !std::isfinite(by.x) && n > 0)
+            by = shortest_move(body, (1 + n) * own, true);
+        return std::isfinite(by.x) ? by : shortest_move(body, own, false);
+    }
+
+    [[nodiscard]] Vec3 shortest_move(std::int32_t body, double reach, bool on_same_side) const {
         std::vector<Vec3> directions = normals(body);
         directions.insert(directions.end(), sphere_.begin(), sphere_.end());
         Vec3 best;
         double shortest = kInfinity;
         const auto attempt = [&](const Vec3& d) {
-            const double s = free_distance(body, d, std::min(reach(body), shortest));
+            double limit = std::min(reach, shortest);
+            if (on_same_side) limit = same_side(body, d, limit);
+            const double s = free_distance(body, d, limit);
             if (s < shortest) shortest = s, best = d;
         };
         for (const Vec3& d : directions) attempt(d);
@@ -223,36 +235,50 @@ class Separator {
 
     /// The smallest s in [0, limit) such that the body, moved by s d, is clear of every other; infinite where there is none.
     [[nodiscard]] double free_distance(std::int32_t body, const Vec3& d, double limit) const {
+        double s = 0;
+        while (s < limit) {
+            const double next = next_place(body, d, s, limit);
+            if (next == s) return s;
+            s = next;
+        }
+        return kInfinity;
+    }
+
+    /// s where the body, moved by s d, is clear of every other; else where it has left the first one that it is too near to, or `limit`.
+    [[nodiscard]] double next_place(std::int32_t body, const Vec3& d, double s, double limit) const {
         const Placed& moving = placed_[at(body)];
-        std::vector<Box> swept = moving.boxes;
-        for (Box& box : swept) box = moved_along(box, limit * d);
-        const Box whole = moved_along(moving.box, limit * d);
-        std::vector<Interval> intervals;
-        for (std::size_t j = 0; j < placed_.size(); ++j) {
-            const auto other = static_cast<std::int32_t>(j);
-            const double c = other == body ? 0 : clearance(body, other);
-            if (other == body || !boxes_overlap(whole, placed_[j].box, c)) continue;
-            for_each_overlapping_leaf_pair(moving.shape->bvh, swept, placed_[j].shape->bvh, placed_[j].boxes, c,
+        const Vec3 by = s * d;
+        std::vector<Box> boxes;
+        double next = s;
+        for (std::size_t j = 0; j < placed_.size() && next == s; ++j) {
+            const Placed& other = placed_[j];
+            if (&other == &moving) continue;
+            const double c = clearance(body, static_cast<std::int32_t>(j));
+            if (!boxes_overlap(moved(moving.box, by), other.box, c)) continue;
+            if (boxes.empty())
+                for (const Box& box : moving.boxes) boxes.push_back(moved(box, by));
+            const auto look = [&](std::int32_t x, std::int32_t y) {
+                const Corners a = moved(moving.corners(x), by), b = other.corners(y);
+                if (!boxes_overlap(box_of(a[0], a[1], a[2]), box_of(b[0], b[1], b[2]), c)) return;
+                if (!(closest_triangle_triangle(a, b).distance_sq < c * c)) return;
+                const double left = place_of_leaving(moving.corners(x), b, d, c, s, limit);
+                next = std::max({next, left, s + kTolerance * c}); // goes on whatever was rounded
+            };
+            for_each_overlapping_leaf_pair(moving.shape->bvh, boxes, other.shape->bvh, other.boxes, c,
                                            [&](std::span<const std::int32_t> of_a, std::span<const std::int32_t> of_b) {
-                                               for (const std::int32_t x : of_a) {
-                                                   const Corners a = moving.corners(x);
-                                                   const Box box = moved_along(box_of(a[0], a[1], a[2]), limit * d);
-                                                   for (const std::int32_t y : of_b) {
-                                                       const Corners b = placed_[j].corners(y);
-                                                       if (!boxes_overlap(box, box_of(b[0], b[1], b[2]), c)) continue;
-                                                       if (const auto i = blocked(a, b, d, c, limit))
-                                                           intervals.push_back(*i);
-                                                   }
-                                               }
+                                               for (const std::int32_t x : of_a)
+                                                   for (const std::int32_t y : of_b)
+                                                       if (next < limit) look(x, y);
                                            });
         }
-        return first_gap(intervals, limit);
+        return std::min(next, limit);
     }
 
     Scene& scene_;
     std::vector<Vec3> sphere_;
     std::vector<Placed> placed_;
     std::vector<BodyOverlap> overlaps_;
+    std::vector<int> caught_with_; ///< movable bodies that a body intersects at the start
 };
 
 } // namespace

@@ -113,6 +113,19 @@ TEST(SeparateOverlaps, FreesACrowdAndCatchesNothingNew) {
     }
 }
 
+TEST(SeparateOverlaps, LeavesNothingBelowAThinFloor) {
+    for (const double z : {0.05, 0.3, 0.5, 0.6}) {
+        SceneDescription description;
+        const auto floor = add_shape(description, make_plate(10, 10)), box = add_shape(description, make_box(1, 1, 1));
+        add_body(description, floor, {}, BodyType::fixed);
+        for (int i = 0; i < 6; ++i) add_body(description, box, {0, 0, z});
+        Scene scene = build_scene(description);
+        EXPECT_TRUE(separate_overlaps(scene).not_freed.empty()) << z;
+        EXPECT_TRUE(find_initial_overlaps(scene).movable.empty()) << z;
+        for (std::size_t i = 1; i < scene.bodies.size(); ++i) EXPECT_GE(scene.bodies[i].position.z, 0.5) << z;
+    }
+}
+
 TEST(SeparateOverlaps, RefusesABodyThatCannotGetOut) {
     SceneDescription description;
     const auto ball = add_shape(description, make_sphere(0.3, 2));
