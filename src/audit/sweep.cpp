@@ -28,20 +28,22 @@ class Bisection {
           path_b_(path_b),
           a_(a),
           b_(b),
-          rounding_(kSweepRounding * std::max(path_a.max_abs(), path_b.max_abs())),
+          origin_(path_a.corners(a, 0)[0]),
+          rounding_(kSweepRounding * std::max(path_a.reach(a, origin_), path_b.reach(b, origin_))),
           position_error_(path_a.position_error() + path_b.position_error()) {}
 
     SweepResult run(double begin, double end) {
-        const Snapshot start = at(begin);
-        if (exact::triangles_intersect(start.a, start.b))
-            (void)fail(SweepVerdict::crossing, start);
+        if (exact::triangles_intersect(path_a_.corners(a_, begin), path_b_.corners(b_, begin)))
+            (void)fail(SweepVerdict::crossing, at(begin));
         else
-            (void)prove(start, at(end), 0, 0);
+            (void)prove(at(begin), at(end), 0, 0);
         return result_;
     }
 
   private:
-    [[nodiscard]] Snapshot at(double t) const { return {t, path_a_.corners(a_, t), path_b_.corners(b_, t)}; }
+    [[nodiscard]] Snapshot at(double t) const {
+        return {t, path_a_.corners(a_, t, origin_), path_b_.corners(b_, t, origin_)};
+    }
 
     bool prove(const Snapshot& s, const Snapshot& e, int depth, FeaturePairs apart) {
         const double length = e.time - s.time;
@@ -58,7 +60,7 @@ class Bisection {
 
     bool fail(SweepVerdict verdict, const Snapshot& at) {
         const Vec3 sum = (at.a[0] + at.a[1] + at.a[2]) + (at.b[0] + at.b[1] + at.b[2]);
-        result_ = {verdict, at.time, sum / 6};
+        result_ = {verdict, at.time, origin_ + sum / 6};
         return false;
     }
 
@@ -93,6 +95,7 @@ class Bisection {
 
     const BodyPath &path_a_, &path_b_;
     const Triangle &a_, &b_;
+    Vec3 origin_; ///< of all coordinates here: near the triangles, so that they round as finely as the gap between them
     double rounding_, position_error_;
     Vec3 hint_{0, 0, 1};
     int intervals_ = 0;
@@ -113,29 +116,37 @@ BodyPath::BodyPath(std::span<const Vec3> x0, std::span<const Vec3> x1, const Vec
     radius_ = radius;
     max_abs_ = std::max(max_component(abs(c0)), max_component(abs(c1))) + radius;
     const Mat3 r = matrix(rotation_from_vector(turn));
-    for (std::size_t i = 0; i < x0.size(); ++i) mismatch_ = std::max(mismatch_, length(vertex(i, 1, r) - x1[i]));
+    for (std::size_t i = 0; i < x0.size(); ++i) mismatch_ = std::max(mismatch_, length(vertex(i, 1, r, x1[i])));
     // Rounding of x0 - c0 and of the product: a few u r; of the matrix: its angle t |w| is known to 2 u |w|, its entries to
     // 16 u more; three coordinates. The centre's interpolation is in kSweepRounding. The path's end and the recorded end
     // differ by the mismatch, which is spread over the path.
     position_error_ = 4 * kUnit * radius * (32 + 4 * angle_) + 1.0001 * mismatch_;
 }
 
-Vec3 BodyPath::vertex(std::size_t i, double t, const Mat3& rotation) const {
-    if (angle_ == 0 || t == 0) return x0_[i] + t * (x1_[i] - x0_[i]);
-    return (c0_ + t * (c1_ - c0_)) + rotation * (x0_[i] - c0_);
+Vec3 BodyPath::vertex(std::size_t i, double t, const Mat3& rotation, const Vec3& origin) const {
+    if (angle_ == 0 || t == 0) return (x0_[i] - origin) + t * (x1_[i] - x0_[i]);
+    return ((c0_ - origin) + t * (c1_ - c0_)) + rotation * (x0_[i] - c0_);
 }
 
-Corners BodyPath::corners(const Triangle& triangle, double t) const {
+Corners BodyPath::corners(const Triangle& triangle, double t, const Vec3& origin) const {
     const Mat3 r = angle_ == 0 ? Mat3{} : matrix(rotation_from_vector(t * turn_));
     Corners c;
-    for (std::size_t k = 0; k < 3; ++k) c[k] = vertex(static_cast<std::size_t>(triangle[k]), t, r);
+    for (std::size_t k = 0; k < 3; ++k) c[k] = vertex(static_cast<std::size_t>(triangle[k]), t, r, origin);
     return c;
+}
+
+double BodyPath::reach(const Triangle& triangle, const Vec3& origin) const {
+    if (angle_ != 0) return std::max(max_component(abs(c0_ - origin)), max_component(abs(c1_ - origin))) + radius_;
+    double m = 0;
+    for (const std::int32_t v : triangle)
+        for (const auto& x : {x0_, x1_}) m = std::max(m, max_component(abs(x[static_cast<std::size_t>(v)] - origin)));
+    return m;
 }
 
 void BodyPath::vertices(double t, std::vector<Vec3>& out) const {
     const Mat3 r = angle_ == 0 ? Mat3{} : matrix(rotation_from_vector(t * turn_));
     out.resize(x0_.size());
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = vertex(i, t, r);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = vertex(i, t, r, {});
 }
 
 SweepResult sweep_triangles(const BodyPath& path_a, const Triangle& a, const BodyPath& path_b, const Triangle& b,

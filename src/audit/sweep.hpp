@@ -13,9 +13,10 @@
 // delta for a body that turns at angular speed w about its moving centre, all points within r of it: r (w (e-s))^2 / 8,
 // because |x''| <= r w^2 and linear interpolation of x errs by at most |x''| (e-s)^2 / 8.
 //
-// Rounding, u = 2^-53, all coordinates at most M. Corners at s and e are computed: linear interpolation x0 + t (x1 - x0) errs
-// by at most 5 u M in a coordinate. Two dot products and their difference err by at most 8 u M |d|_1. Together 18 u M |d|_1;
-// kSweepRounding = 32 u covers it. d itself is whatever double vector was computed, without error. What a turning path adds
+// Rounding, u = 2^-53. Coordinates are relative to a corner of one of the triangles, at most M. Corners at s and e are computed:
+// differences and linear interpolation (x0 - o) + t (x1 - x0) err by at most 6 u M in a coordinate. Two dot products and their
+// difference err by at most 8 u M |d|_1. Together 20 u M |d|_1; kSweepRounding = 32 u covers it. d itself is whatever double
+// vector was computed, without error. Far from the origin of the world the proof is as fine as near it. What a turning path adds
 // is in its position_error.
 #pragma once
 
@@ -36,7 +37,10 @@ class BodyPath {
     BodyPath(std::span<const Vec3> x0, std::span<const Vec3> x1, const Vec3& c0, const Vec3& c1, const Vec3& turn,
              double radius);
 
-    [[nodiscard]] Corners corners(const Triangle& triangle, double t) const;
+    /// Relative to `origin`.
+    [[nodiscard]] Corners corners(const Triangle& triangle, double t, const Vec3& origin = {}) const;
+    /// No coordinate of the triangle relative to `origin` exceeds this, nor any that it is computed from, m.
+    [[nodiscard]] double reach(const Triangle& triangle, const Vec3& origin) const;
     void vertices(double t, std::vector<Vec3>& out) const;
     /// How far a vertex strays from the line between its places at the ends of an interval of length dt, m.
     [[nodiscard]] double deviation(double dt) const { return 0.125 * radius_ * (angle_ * dt) * (angle_ * dt) * 1.0001; }
@@ -48,7 +52,7 @@ class BodyPath {
     [[nodiscard]] double angle() const { return angle_; } ///< rad
 
   private:
-    [[nodiscard]] Vec3 vertex(std::size_t i, double t, const Mat3& rotation) const;
+    [[nodiscard]] Vec3 vertex(std::size_t i, double t, const Mat3& rotation, const Vec3& origin) const;
 
     std::span<const Vec3> x0_, x1_;
     Vec3 c0_, c1_, turn_;

@@ -230,6 +230,14 @@ TEST(AuditMotion, ProvesFacesThatTurnTogetherAtATinyGap) {
     }
 }
 
+TEST(AuditMotion, ProvesFarFromTheOriginWhatItProvesNearIt) {
+    const Scene scene = scene_of({plate(), plate()});
+    const double gap = 0x1p-23; // one unit of the last place there
+    const Vec3 far{0x1p29, -0x1p29, 0x1p29}, above{0x1p29, -0x1p29, 0x1p29 + gap};
+    EXPECT_TRUE(motion(scene, {pose(far), pose(above + Vec3{0, 0, 1})}, {pose(far), pose(above)}).passages.empty());
+    EXPECT_FALSE(motion(scene, {pose(far), pose(above + Vec3{0, 0, 1})}, {pose(far), pose(far)}).passages.empty());
+}
+
 TEST(AuditMotion, ProvesEdgesThatAreNearlyParallelAtATinyGap) {
     const Scene scene = scene_of({box(0.5, 0.5, 0.5), box(0.5, 0.5, 0.5)});
     for (const double gap : {1e-6, 1e-8, 1e-10})
