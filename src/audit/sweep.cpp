@@ -28,7 +28,7 @@ class Bisection {
           path_b_(path_b),
           a_(a),
           b_(b),
-          origin_(path_a.corners(a, 0)[0]),
+          origin_{path_a.corners(a, 0)[0], path_a.corners(a, 1)[0]},
           rounding_(kSweepRounding * std::max(path_a.reach(a, origin_), path_b.reach(b, origin_))),
           position_error_(path_a.position_error() + path_b.position_error()) {}
 
@@ -60,7 +60,7 @@ class Bisection {
 
     bool fail(SweepVerdict verdict, const Snapshot& at) {
         const Vec3 sum = (at.a[0] + at.a[1] + at.a[2]) + (at.b[0] + at.b[1] + at.b[2]);
-        result_ = {verdict, at.time, origin_ + sum / 6};
+        result_ = {verdict, at.time, origin_.at(at.time) + sum / 6};
         return false;
     }
 
@@ -95,7 +95,7 @@ class Bisection {
 
     const BodyPath &path_a_, &path_b_;
     const Triangle &a_, &b_;
-    Vec3 origin_; ///< of all coordinates here: near the triangles, so that they round as finely as the gap between them
+    MovingOrigin origin_; ///< of all coordinates here: near the triangles, so that these round as finely as their gap
     double rounding_, position_error_;
     Vec3 hint_{0, 0, 1};
     int intervals_ = 0;
@@ -116,30 +116,34 @@ BodyPath::BodyPath(std::span<const Vec3> x0, std::span<const Vec3> x1, const Vec
     radius_ = radius;
     max_abs_ = std::max(max_component(abs(c0)), max_component(abs(c1))) + radius;
     const Mat3 r = matrix(rotation_from_vector(turn));
-    for (std::size_t i = 0; i < x0.size(); ++i) mismatch_ = std::max(mismatch_, length(vertex(i, 1, r, x1[i])));
+    for (std::size_t i = 0; i < x0.size(); ++i)
+        mismatch_ = std::max(mismatch_, length(vertex(i, 1, r, {x1[i], x1[i]})));
     // Rounding of x0 - c0 and of the product: a few u r; of the matrix: its angle t |w| is known to 2 u |w|, its entries to
     // 16 u more; three coordinates. The centre's interpolation is in kSweepRounding. The path's end and the recorded end
     // differ by the mismatch, which is spread over the path.
     position_error_ = 4 * kUnit * radius * (32 + 4 * angle_) + 1.0001 * mismatch_;
 }
 
-Vec3 BodyPath::vertex(std::size_t i, double t, const Mat3& rotation, const Vec3& origin) const {
-    if (angle_ == 0 || t == 0) return (x0_[i] - origin) + t * (x1_[i] - x0_[i]);
-    return ((c0_ - origin) + t * (c1_ - c0_)) + rotation * (x0_[i] - c0_);
+Vec3 BodyPath::vertex(std::size_t i, double t, const Mat3& rotation, const MovingOrigin& o) const {
+    if (angle_ == 0 || t == 0) return o.relative(x0_[i], x1_[i], t);
+    return o.relative(c0_, c1_, t) + rotation * (x0_[i] - c0_);
 }
 
-Corners BodyPath::corners(const Triangle& triangle, double t, const Vec3& origin) const {
+Corners BodyPath::corners(const Triangle& triangle, double t, const MovingOrigin& origin) const {
     const Mat3 r = angle_ == 0 ? Mat3{} : matrix(rotation_from_vector(t * turn_));
     Corners c;
     for (std::size_t k = 0; k < 3; ++k) c[k] = vertex(static_cast<std::size_t>(triangle[k]), t, r, origin);
     return c;
 }
 
-double BodyPath::reach(const Triangle& triangle, const Vec3& origin) const {
-    if (angle_ != 0) return std::max(max_component(abs(c0_ - origin)), max_component(abs(c1_ - origin))) + radius_;
+double BodyPath::reach(const Triangle& triangle, const MovingOrigin& o) const {
+    const auto reach_of = [&](const Vec3& from, const Vec3& to) {
+        return std::max(max_component(abs(from - o.from)), max_component(abs(to - o.to)));
+    };
+    if (angle_ != 0) return reach_of(c0_, c1_) + radius_;
     double m = 0;
     for (const std::int32_t v : triangle)
-        for (const auto& x : {x0_, x1_}) m = std::max(m, max_component(abs(x[static_cast<std::size_t>(v)] - origin)));
+        m = std::max(m, reach_of(x0_[static_cast<std::size_t>(v)], x1_[static_cast<std::size_t>(v)]));
     return m;
 }
 

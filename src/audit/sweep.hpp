@@ -13,10 +13,11 @@
 // delta for a body that turns at angular speed w about its moving centre, all points within r of it: r (w (e-s))^2 / 8,
 // because |x''| <= r w^2 and linear interpolation of x errs by at most |x''| (e-s)^2 / 8.
 //
-// Rounding, u = 2^-53. Coordinates are relative to a corner of one of the triangles, at most M. Corners at s and e are computed:
-// differences and linear interpolation (x0 - o) + t (x1 - x0) err by at most 6 u M in a coordinate. Two dot products and their
-// difference err by at most 8 u M |d|_1. Together 20 u M |d|_1; kSweepRounding = 32 u covers it. d itself is whatever double
-// vector was computed, without error. Far from the origin of the world the proof is as fine as near it. What a turning path adds
+// Rounding, u = 2^-53. Coordinates are relative to a corner of one of the triangles, from place to place of it, and at most M. Corners
+// at s and e are computed: differences r0 = x0 - o0, r1 = x1 - o1 err by u M, linear interpolation r0 + t (r1 - r0) by 5 u M in a
+// coordinate. Two dot products and their difference err by at most 8 u M |d|_1. Together 20 u M |d|_1; kSweepRounding = 32 u covers it.
+// d itself is whatever double vector was computed, without error. So the proof is as fine far from the world's origin, and of bodies
+// that fly there, as it is near. What a turning path adds
 // is in its position_error.
 #pragma once
 
@@ -28,6 +29,17 @@
 
 namespace flotilla::audit {
 
+/// A point that moves on a straight line, from which others are seen; at rest in the world's origin unless given.
+struct MovingOrigin {
+    Vec3 from, to;
+    [[nodiscard]] Vec3 at(double t) const { return from + t * (to - from); }
+    /// A point that moves from x0 to x1, both on straight lines.
+    [[nodiscard]] Vec3 relative(const Vec3& x0, const Vec3& x1, double t) const {
+        const Vec3 r = x0 - from;
+        return r + t * ((x1 - to) - r);
+    }
+};
+
 /// The path of one body's vertices over t in [0, 1]: x(t) = c0 + t (c1 - c0) + R(t w) (x0 - c0), or a straight segment.
 class BodyPath {
   public:
@@ -38,9 +50,9 @@ class BodyPath {
              double radius);
 
     /// Relative to `origin`.
-    [[nodiscard]] Corners corners(const Triangle& triangle, double t, const Vec3& origin = {}) const;
+    [[nodiscard]] Corners corners(const Triangle& triangle, double t, const MovingOrigin& origin = {}) const;
     /// No coordinate of the triangle relative to `origin` exceeds this, nor any that it is computed from, m.
-    [[nodiscard]] double reach(const Triangle& triangle, const Vec3& origin) const;
+    [[nodiscard]] double reach(const Triangle& triangle, const MovingOrigin& origin) const;
     void vertices(double t, std::vector<Vec3>& out) const;
     /// How far a vertex strays from the line between its places at the ends of an interval of length dt, m.
     [[nodiscard]] double deviation(double dt) const { return 0.125 * radius_ * (angle_ * dt) * (angle_ * dt) * 1.0001; }
@@ -52,7 +64,7 @@ class BodyPath {
     [[nodiscard]] double angle() const { return angle_; } ///< rad
 
   private:
-    [[nodiscard]] Vec3 vertex(std::size_t i, double t, const Mat3& rotation, const Vec3& origin) const;
+    [[nodiscard]] Vec3 vertex(std::size_t i, double t, const Mat3& rotation, const MovingOrigin& origin) const;
 
     std::span<const Vec3> x0_, x1_;
     Vec3 c0_, c1_, turn_;

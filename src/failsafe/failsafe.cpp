@@ -22,7 +22,7 @@ class Failsafe {
 
     FailsafeStats run() {
         while (true) {
-            check_turned_clusters();
+            check_moved_clusters();
             freeze_clusters(data_, list_);
             if (list_.empty()) break;
             requests_.clear();
@@ -37,31 +37,42 @@ class Failsafe {
     }
 
   private:
-    /// Clusters whose motion no longer keeps their members apart by itself need a proof for every pair of members; without it
-    /// a kinematic one becomes rigid and a rigid one is held (step/certificate.hpp).
-    void check_turned_clusters() {
+    /// Clusters whose motion does not keep their members apart by itself need a proof for every pair of members, others for those
+    /// that are nearer than rounding can tell; without it a kinematic one becomes rigid and a rigid one is held
+    /// (step/certificate.hpp).
+    void check_moved_clusters() {
         for (const std::int32_t c : data_.model.active) {
-            while (!data_.clusters[c].members.empty() && !data_.clusters[c].internal_proved) {
-                if (members_apart(c))
-                    data_.clusters[c].internal_proved = true;
-                else
-                    go_down(c);
-            }
+            while (data_.clusters[c].members.size() > 1 && data_.clusters[c].rung != Rung::held && !members_apart(c))
+                go_down(c);
+            if (!data_.clusters[c].members.empty()) data_.clusters[c].internal_proved = true;
         }
     }
 
     bool members_apart(std::int32_t c) {
         const auto& members = data_.clusters[c].members;
+        const bool kept_apart = data_.clusters[c].internal_proved;
         for (std::size_t i = 0; i < members.size(); ++i)
-            for (std::size_t j = i + 1; j < members.size(); ++j) {
-                PairRecord& record = data_.pairs.get(data_.model, data_.state, members[i], members[j]);
-                if (proved(data_, record)) continue;
-                if (!boxes_overlap(data_.trajectories.motion(at(members[i])).swept(),
-                                   data_.trajectories.motion(at(members[j])).swept(), record.lengths.separation))
-                    continue;
-                if (query(data_, data_.worker(0), record).hit) return false;
-            }
+            for (std::size_t j = i + 1; j < members.size(); ++j)
+                if (!(kept_apart && far_enough(members[i], members[j])) && !apart(members[i], members[j])) return false;
         return true;
+    }
+
+    bool apart(std::int32_t a, std::int32_t b) {
+        PairRecord& record = data_.pairs.get(data_.model, data_.state, a, b);
+        return proved(data_, record) ||
+               !boxes_overlap(data_.trajectories.motion(at(a)).swept(), data_.trajectories.motion(at(b)).swept(),
+                              record.lengths.separation) ||
+               !query(data_, data_.worker(0), record).hit;
+    }
+
+    /// Whether a common motion that halves the distance of two bodies at most keeps it above the rounding of their coordinates.
+    bool far_enough(std::int32_t a, std::int32_t b) {
+        constexpr double kFloorPerError = 16, kShrinks = 2;
+        const BodyMotion x = data_.trajectories.motion(at(a)), y = data_.trajectories.motion(at(b));
+        const double least = kShrinks * kFloorPerError * ccd_error(std::max(x.max_abs(), y.max_abs()));
+        if (!boxes_overlap(*x.at0.box, *y.at0.box, least)) return true;
+        PairRecord& record = data_.pairs.get(data_.model, data_.state, a, b);
+        return std::min(start_distance(data_, data_.worker(0), record), kShrinks * record.lengths.separation) > least;
     }
 
     void operate(const CandidatePair& pair) {

@@ -103,7 +103,8 @@ CoveringList candidates(const StepData& data, Worker& worker, PairRecord& r, con
     return {&c.list, {}};
 }
 
-/// The distance of the bodies at x^n, from the last contact search where that looked at the pair.
+} // namespace
+
 double start_distance(const StepData& data, Worker& worker, PairRecord& r) {
     if (r.start_distance < 0 || r.doubt > 0) { // paths that turn are cut by it: it must be exact
         const ProximityResult result =
@@ -114,6 +115,8 @@ double start_distance(const StepData& data, Worker& worker, PairRecord& r) {
     }
     return r.start_distance;
 }
+
+namespace {
 
 constexpr double kRoundingRoom = 0x1p-20;   // of lengths compared, far above the rounding of either
 constexpr double kVertexRounding = 0x1p-40; // of the largest coordinate: far above that of world vertices

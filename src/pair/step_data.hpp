@@ -126,6 +126,10 @@ void collect(StepData& data, StageCounters& counters);
 [[nodiscard]] bool missed(const StepData& data, const PairRecord& record);
 [[nodiscard]] bool left(const StepData& data, const PairRecord& record);
 
+/// The distance of the bodies at x^n, m, from the last contact search where that looked at the pair; infinite beyond the proximity
+/// distance.
+double start_distance(const StepData& data, Worker& worker, PairRecord& record);
+
 /// All pairs whose swept bounds come within the separation, or within the proximity distance, sorted.
 const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity);
 

@@ -236,6 +236,9 @@ TEST(AuditMotion, ProvesFarFromTheOriginWhatItProvesNearIt) {
     const Vec3 far{0x1p29, -0x1p29, 0x1p29}, above{0x1p29, -0x1p29, 0x1p29 + gap};
     EXPECT_TRUE(motion(scene, {pose(far), pose(above + Vec3{0, 0, 1})}, {pose(far), pose(above)}).passages.empty());
     EXPECT_FALSE(motion(scene, {pose(far), pose(above + Vec3{0, 0, 1})}, {pose(far), pose(far)}).passages.empty());
+    // And of bodies that fly there together.
+    EXPECT_TRUE(motion(scene, {pose({}), pose({0, 0, 1e-10})}, {pose(far), pose(above)}).passages.empty());
+    EXPECT_FALSE(motion(scene, {pose({}), pose({0, 0, 1e-10})}, {pose(far), pose(far)}).passages.empty());
 }
 
 TEST(AuditMotion, ProvesEdgesThatAreNearlyParallelAtATinyGap) {

@@ -14,8 +14,9 @@ namespace flotilla::scenario {
 
 class AuditedRun {
   public:
-    explicit AuditedRun(const SceneDescription& description)
-        : scene_(build_scene(description)),
+    /// The bodies are moved by `shift` (m) after the scene was checked: as far as they may get in a run.
+    explicit AuditedRun(const SceneDescription& description, const Vec3& shift = {})
+        : scene_(shifted(build_scene(description), shift)),
           model_(make_model(scene_)),
           stepper_(model_, initial_state(scene_, model_)) {
         for (const RigidShape& s : model_.shapes)
@@ -41,6 +42,11 @@ class AuditedRun {
     double largest_turn = 0;        ///< rad in one inner step
 
   private:
+    static Scene shifted(Scene scene, const Vec3& shift) {
+        for (BodyDescription& body : scene.bodies) body.position += shift;
+        return scene;
+    }
+
     audit::Placement place(const std::vector<Pose>& at) {
         std::vector<audit::Pose> poses;
         for (const Pose& p : at) poses.push_back({p.origin, p.rotation});
