@@ -113,7 +113,8 @@ void register_verify(CLI::App& app, Action& action) {
     CLI::App* command =
         app.add_subcommand("verify", "Prove a trajectory free of intersections; exit code 3 where it is not");
     command->add_option("DIR", arguments->subject, "Run folder, or the scene file of --poses")->required();
-    command->add_option("--poses", arguments->poses, "Trajectory of the scene in the CSV export format");
+    command->add_option("--poses", arguments->poses, "Trajectory of the scene in the CSV export format")
+        ->check(kNotEmpty);
     add_enum_option<VerifyMotion>(
         *command, "--motion", arguments->options.motion,
         {{"auto", VerifyMotion::automatic}, {"always", VerifyMotion::always}, {"never", VerifyMotion::never}},

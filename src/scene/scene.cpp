@@ -13,6 +13,7 @@
 #include "base/text.hpp"
 #include "parallel/parallel_for.hpp"
 #include "scene/description_checks.hpp"
+#include "scene/length_checks.hpp"
 
 namespace flotilla {
 
@@ -169,6 +170,8 @@ Scene build_scene(SceneDescription description, const std::string& source) {
     const std::vector<std::int32_t> shape_index = build_shapes(description.shapes, scene);
     scene.bodies = std::move(description.bodies);
     for (BodyDescription& body : scene.bodies) body.shape = shape_index[static_cast<std::size_t>(body.shape)];
+    check_lengths(scene, errors);
+    errors.throw_if_any();
     warn_of_far_bodies(scene, scene.warnings);
     return scene;
 }

@@ -88,6 +88,7 @@ TEST(CommandLine, NumbersThatAreNoneAreRefused) {
           {run + "--duration 1e300", "s are too many steps"},
           {run + "--threads 0", "--threads: 0 must be above 0"},
           {run + "--output ''", "--output: a name must be given"},
+          {std::string("verify stack.json --poses ''"), "--poses: a name must be given"},
           {std::string("scene stack --seed 99999999999999999999"), "--seed: 99999999999999999999 is too large"},
           {std::string("sweep stack --dt nan --output x"), "--dt: nan is not a finite number"}}) {
         const CommandOutput r = run_flotilla(line);
