@@ -91,7 +91,7 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
     return sum;
 }
 
-void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
+void solve(Island& island, const ContactBodies& bodies, bool newton_alone, ContactScratch& s, Exact& e) {
     gather(island, bodies, s, e);
     e.swept = e.impulses;
     const ConeSolveStats stats =
@@ -100,7 +100,7 @@ void solve(Island& island, const ContactBodies& bodies, ContactScratch& s, Exact
                             .max_iterations = kMostToTolerance,
                             .enough = island.tolerance,
                             .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations,
-                            .polish = island.solved ? kPolish : 0},
+                            .polish = island.solved || newton_alone ? kPolish : 0},
                            e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
     island.let_off = false;
@@ -125,7 +125,8 @@ std::int32_t contacts_of(const Island& island, const ContactScratch& s) {
 bool may_solve_exactly(const Island& island, const ContactSolveOptions& options, const ContactScratch& s) {
     if (!options.exact || options.tangents == Tangents::random) return false;
     const std::int32_t contacts = contacts_of(island, s), bodies = island.end_body - island.first_body;
-    if (options.exact_few && bodies > options.tuning.bodies_factorised_soon) return false;
+    const bool soon = bodies <= options.tuning.bodies_factorised_soon || (island.rests && is_slender(island));
+    if (options.exact_few && !soon) return false;
     if (contacts <= kFewContacts) return true;
     const bool cheap = bodies <= kMostBodies || is_slender(island);
     return island.rests && cheap && contacts <= kMostContacts;
@@ -142,7 +143,9 @@ void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& optio
     s.exact_body.resize(s.bodies.size());
     s.exact.resize(index(options.team != nullptr ? options.team->size() : 1));
     const auto one = [&](std::size_t i, int thread) {
-        solve(s.islands[index(s.small_islands[i])], bodies, s, s.exact[index(thread)]);
+        Island& island = s.islands[index(s.small_islands[i])];
+        const bool many = island.end_body - island.first_body > options.tuning.bodies_factorised_soon;
+        solve(island, bodies, options.exact_few && many, s, s.exact[index(thread)]);
     };
     if (options.team == nullptr)
         for (std::size_t i = 0; i < s.small_islands.size(); ++i) one(i, 0);

@@ -45,7 +45,7 @@ struct ContactSolveOptions {
     /// this holds. 0: no island rests.
     double rest_speed = 0;
     bool exact = false;     ///< small islands that PGS leaves unsolved are solved exactly (exact_islands.hpp)
-    bool exact_few = false; ///< of them only those of few bodies
+    bool exact_few = false; ///< of them only those of few bodies, and columns at rest by Newton's steps alone
     bool shock = true;      ///< propagate a shock where an island is still unsolved
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
     /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this

@@ -172,6 +172,18 @@ TEST(ExactIslands, AColumnAtRestIsSolvedHoweverManyContactsItHas) {
     EXPECT_LE(violation(w), 2 * kExactShare * 10);
 }
 
+// A heavy box on twenty light ones, which the sweeps leave far from solved.
+TEST(ExactIslands, WhereFewAreAskedForAColumnAtRestGetsNewtonsSteps) {
+    ContactWorld w = make_loaded_column(20), swept = w;
+    ContactSolveOptions options = exact_at(1e-4);
+    options.exact_few = true;
+    EXPECT_EQ(w.solve(options).exact_islands, 0);
+    options.rest_speed = 100;
+    const ContactSolveStats stats = swept.solve(options);
+    EXPECT_EQ(stats.exact_islands, 1);
+    EXPECT_LE(violation(swept), violation(w));
+}
+
 TEST(ExactIslands, AnIslandIsSolvedToTheLeastToleranceOfItsContacts) {
     ContactWorld w = make_loaded_column(8), first = w;
     w.contacts[3].tolerance = 1e-8;
