@@ -108,14 +108,16 @@ Vec3 direction_between(const Vec3& d, double largest, const Vec3& e, const Vec3&
     // Closest points are off by a few units of 2^-53 of the largest coordinate: nearer than kNear, their difference by 2^-37 rad or more,
     // which an exact contact solve takes for real (kOfSpeed). Two walls close beside a body then make a wedge that holds it. The floor of
     // the CCD is 8 times kRounding.
-    constexpr double kNear = 0x1p-16, kRounding = 0x1p-46;
+    // Besides, squares of distances do not tell a foot beside an edge from the edge, and the point of the edge is taken for closest; that turns
+    // d by the root of what they are rounded by.
+    constexpr double kNear = 0x1p-16, kRounding = 0x1p-46, kOfSquares = 0x1p-34;
     const double square = length_sq(d), near = kNear * largest, rounding = kRounding * largest;
     if (!(square < near * near)) return normalized(d);
     const Vec3 n = cross(e, f);
     const double nn = length_sq(n), along = dot(d, n);
     // The corners' rounding turns n by its share of |n| / max(|e|, |f|), and d by its share of |d|.
     if (!(nn > square * std::max(length_sq(e), length_sq(f)))) return normalized(d);
-    if (!(length_sq(d - (along / nn) * n) <= rounding * rounding)) return normalized(d);
+    if (!(length_sq(d - (along / nn) * n) <= std::max(rounding * rounding, kOfSquares * square))) return normalized(d);
     return normalized(along < 0 ? -n : n);
 }
 

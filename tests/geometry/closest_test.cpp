@@ -160,6 +160,12 @@ TEST(Closest, DirectionsOfPointsNearEachOtherAreTheFeatures) {
             EXPECT_LT(length(direction - side * n), gap > 1e-4 ? 1e-9 : 1e-14) << gap;
         }
     }
+    // Beside an edge by so little that the square of the distance is the same, the edge's point is taken; the direction is the face's.
+    for (const double beside : {6e-14, 1e-12, 1e-10}) {
+        const Vec3 v{4 - beside, -0.5, 5e-5}, corners[] = {{-2, -1, 0}, {4, -1, 0}, {4, 1, 0}};
+        const Vec3 d = v - closest_vertex_triangle(v, corners[0], corners[1], corners[2]).point;
+        EXPECT_EQ(direction_between(d, 4, corners[1] - corners[0], corners[2] - corners[1]), (Vec3{0, 0, 1})) << beside;
+    }
     // A point beside the face is not above it, and a face without area has no normal.
     EXPECT_EQ(direction_between({1e-9, 0, 0}, 60, {1, 0, 0}, {0, 1, 0}), (Vec3{1, 0, 0}));
     EXPECT_EQ(direction_between({0, 0, 1e-9}, 60, {1, 0, 0}, {2, 0, 0}), (Vec3{0, 0, 1}));
