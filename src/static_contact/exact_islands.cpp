@@ -14,8 +14,8 @@ using Exact = ContactScratch::ExactSolve;
 constexpr std::int32_t kMostContacts = 1536;
 constexpr std::int32_t kMostBodies =
     64; ///< of an island with more than few contacts: factorisations grow with their cube, but in slender ones
-/// Problems that have a solution take ten to forty; the others end with what was found.
-constexpr int kMostFactorisations = 40, kMostToTolerance = 80;
+/// Factorisations for a residual below an island's tolerance.
+constexpr int kMostToTolerance = 80;
 /// What rests within its tolerance is solved exactly where Newton's steps get there at once, each so many times nearer. Walls then stand
 /// still and do not sway at the speed of the tolerance; piles, whose impulses are not determined, cost one factorisation.
 constexpr double kPolish = 10;

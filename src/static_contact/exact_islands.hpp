@@ -18,6 +18,11 @@ inline constexpr double kOfSpeed = 0x1p-36;
 /// are where more sweeps leave them above their tolerance, but for slender ones at rest.
 inline constexpr std::int32_t kFewContacts = 256;
 
+/// Problems that have a solution take ten to forty factorisations; the others end with what was found.
+inline constexpr int kMostFactorisations = 40;
+/// Floating point operations of a factorisation, a third of a cube of six degrees of freedom a body, for n^3 bodies.
+inline constexpr double kOfFactorisation = 72;
+
 /// Whether the island may be solved so: friction by the cone, and few enough contacts and bodies. Set `rests` before.
 [[nodiscard]] bool may_solve_exactly(const ContactScratch::Island& island, const ContactSolveOptions& options,
                                      const ContactScratch& scratch);

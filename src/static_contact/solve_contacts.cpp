@@ -72,6 +72,14 @@ double mean_speed(const Island& island, const ContactScratch& s) {
     return std::sqrt(2 * island.energy_before / mass);
 }
 
+// Sweeps that cost as much as an exact solve that takes all its factorisations.
+int sweeps_of_exact(const Island& island, const ContactTuning& tuning, const ContactScratch& s) {
+    const double bodies = island.end_body - island.first_body, coupled = is_slender(island) ? 2 : bodies;
+    const double factorisation = kOfFactorisation * bodies * coupled * coupled;
+    const double sweep = tuning.operations_of_contact * contacts_of(island, s);
+    return static_cast<int>(std::min(kMostFactorisations * factorisation / sweep, 1e9));
+}
+
 // A warm start pushes where impulses of the past are too large, and momentum may carry too far; sweeps that end unfinished do not
 // take all of it back. Sweeps go down 1/2 l W l + l (u - target), which is zero without impulses: where what is prescribed rests, an
 // island has gained no more energy than the work of its targets. One that came out with more is solved again from zero.
@@ -87,8 +95,9 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
         const bool few = contacts_of(island, s) <= kFewContacts;
         // One of many bodies that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand of them.
         const bool soon = island.rests || island.end_body - island.first_body <= tuning.bodies_factorised_soon;
-        if (soon)
-            options.iterations = std::min(options.iterations, few ? tuning.sweeps_before_exact : tuning.sweeps_of_many);
+        const int before = few ? tuning.sweeps_before_exact : tuning.sweeps_of_many;
+        options.iterations =
+            std::min(options.iterations, soon ? before : std::max(before, sweeps_of_exact(island, tuning, s)));
         if (soon && (few || is_slender(island)))
             island.exact_tolerance = options.tolerance = std::max(kExactShare * island.tolerance, kOfSpeed * speed);
     }
