@@ -51,7 +51,7 @@ double CandidateList::strayed_at_end(const BodyMotion& a, const BodyMotion& b) c
     return relative_displacement(*a.shape, end_[0], matrix_pose(a.at1), *b.shape, end_[1], matrix_pose(b.at1));
 }
 
-void CandidateList::build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
+bool CandidateList::build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
                           const CandidateMargins& margins, bool refined, ListingScratch& scratch) {
     start_ = {matrix_pose(a.at0), matrix_pose(b.at0)};
     end_ = {matrix_pose(a.at1), matrix_pose(b.at1)};
@@ -66,9 +66,14 @@ void CandidateList::build(const BodyMotion& a, const BodyMotion& b, const Candid
     const bool in_range = max_abs < kLargestListed;
     std::size_t n =
         list(a, b, {in_range ? r0.distance() : kAll, in_range ? r1.distance() : kAll, scale0_, margin}, scratch.found);
+    if (n > kMostListed) {
+        drop();
+        return false;
+    }
     refined_ = refined && in_range && margins.start > 0;
     if (refined_) n = refine(a, b, reach, std::span(scratch.found).first(n));
     store(std::span(scratch.found).first(n));
+    return true;
 }
 
 // Straying by x along every axis, both at the start and at the end of the step, moves points of the two bodies by at most sqrt(3) x
@@ -100,7 +105,7 @@ std::size_t CandidateList::list(const BodyMotion& a, const BodyMotion& b, const 
     stack.pairs[stack.size++] = {0, 0};
     std::array<NodeIds, kLeafPairs> leaves;
     std::size_t n = 0;
-    while (stack.size > 0) {
+    while (stack.size > 0 && n <= kMostListed) {
         const long found = open_node_pairs(arrays_a, arrays_b, reach, stack, leaves.data(), kLeafPairs, isa);
         std::size_t triangle_pairs = 0;
         for (const NodeIds& p : std::span(leaves).first(static_cast<std::size_t>(found)))

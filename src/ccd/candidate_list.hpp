@@ -65,9 +65,11 @@ class CandidateList {
     }
 
     /// Finds the pairs anew. `refined`: by the distances of the features themselves where the reference motion ends, not only by
-    /// their boxes. That takes longer and leaves a fraction: for lists that will serve many queries.
-    void build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach, const CandidateMargins& margins,
-               bool refined, ListingScratch& scratch);
+    /// their boxes. That takes longer and leaves a fraction: for lists that will serve many queries. False, and no list, where there
+    /// are more than kMostListed: features much thinner than the distances asked for, as in the fans of two poles, are near
+    /// each other by the square of their number, and a list would take memory for every one of these pairs.
+    [[nodiscard]] bool build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
+                             const CandidateMargins& margins, bool refined, ListingScratch& scratch);
     void drop();
 
     /// All pairs of the list whose coarse boxes come within the reach, which is at most the list's (FeatureTest::near: for bodies
@@ -85,9 +87,12 @@ class CandidateList {
     [[nodiscard]] bool refined() const { return refined_; }
     [[nodiscard]] std::size_t size() const { return features_.size(); }
 
+    static constexpr std::size_t kMostListed = std::size_t{1} << 20; ///< 16 MB while it is made, 8 MB kept
+
   private:
     static constexpr int kSlots = 16;
 
+    /// What was listed, or more than kMostListed.
     static std::size_t list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach,
                             std::vector<ListedFeature>& out);
     std::size_t refine(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,

@@ -87,7 +87,7 @@ CoveringList candidates(const StepData& data, Worker& worker, PairRecord& r, con
     if (covers && !resting) return {&c.list, strayed};
     const CandidateReach reach{swept_reach(largest_separation(data, r), a, b), r.lengths.proximity};
     if (covers) {
-        c.list.build(a, b, reach, choose_margins(r, way), true, worker.ccd.listing);
+        if (!c.list.build(a, b, reach, choose_margins(r, way), true, worker.ccd.listing)) return {};
         return {&c.list, {}};
     }
     if (live) c.paid = c.uses > 0;
@@ -99,7 +99,7 @@ CoveringList candidates(const StepData& data, Worker& worker, PairRecord& r, con
         c.paid = true;
         return {};
     }
-    c.list.build(a, b, reach, margins, resting, worker.ccd.listing);
+    if (!c.list.build(a, b, reach, margins, resting, worker.ccd.listing)) return {};
     return {&c.list, {}};
 }
 

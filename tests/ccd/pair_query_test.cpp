@@ -240,9 +240,9 @@ TEST(CandidateList, ChangesNoAnswerOfAMotionThatItCovers) {
         CandidateList list;
         CcdScratch scratch;
         EXPECT_TRUE(list.empty());
-        list.build(pair.motion(0), pair.motion(1),
-                   {swept_reach(kSeparation, pair.motion(0), pair.motion(1)), kProximity}, {0.02, 0.06}, refined,
-                   scratch.listing);
+        ASSERT_TRUE(list.build(pair.motion(0), pair.motion(1),
+                               {swept_reach(kSeparation, pair.motion(0), pair.motion(1)), kProximity}, {0.02, 0.06},
+                               refined, scratch.listing));
         if (slow) (refined ? refined_size : plain_size) += list.size();
         for (int k = 0; k < 10; ++k) {
             std::array<Pose, 2> start_k, end_k;
@@ -285,6 +285,22 @@ TEST(CandidateList, ChangesNoAnswerOfAMotionThatItCovers) {
     EXPECT_GE(uncovered, 20);
 }
 
+/// The poles of two discs come near each other: every spoke of one is near every spoke of the other.
+TEST(CandidateList, IsNotMadeOfFansWhosePairsGrowByTheSquare) {
+    Random random(1);
+    Pair pair(random);
+    for (RigidShape& shape : pair.model.shapes) shape = make_shape(make_disc(1, 2000));
+    const std::array<Pose, 2> poses{make_pose(pair.model.shapes[0], {}, {}),
+                                    make_pose(pair.model.shapes[1], {0, 0, 0.01}, {})};
+    pair.move(poses, poses);
+    CandidateList list;
+    CcdScratch scratch;
+    EXPECT_FALSE(
+        list.build(pair.motion(0), pair.motion(1), {kSeparation, kProximity}, {0.02, 0.06}, true, scratch.listing));
+    EXPECT_TRUE(list.empty());
+    EXPECT_LT(scratch.listing.found.size(), 2 * CandidateList::kMostListed); // 4 million edge pairs alone would be near
+}
+
 TEST(CandidateList, KnowsHowFarBodiesMayStillStrayBeforeAnythingIsNear) {
     int known = 0, near_beyond = 0;
     for (std::int64_t n = 0; n < 400; ++n) {
@@ -297,9 +313,9 @@ TEST(CandidateList, KnowsHowFarBodiesMayStillStrayBeforeAnythingIsNear) {
         pair.move(start, start);
         CandidateList list;
         CcdScratch scratch;
-        list.build(pair.motion(0), pair.motion(1),
-                   {swept_reach(kSeparation, pair.motion(0), pair.motion(1)), kProximity}, {0.06, 0.06}, n % 2 == 0,
-                   scratch.listing);
+        ASSERT_TRUE(list.build(pair.motion(0), pair.motion(1),
+                               {swept_reach(kSeparation, pair.motion(0), pair.motion(1)), kProximity}, {0.06, 0.06},
+                               n % 2 == 0, scratch.listing));
         for (int k = 0; k < 20; ++k) {
             std::array<Pose, 2> end;
             for (std::size_t i = 0; i < 2; ++i)
