@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "extremes/check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <vector>
+
+#include <flotilla/error.hpp>
+
+#include "base/text.hpp"
+#include "scene/initial_overlap.hpp"
+#include "step/audited_run.hpp"
+
+namespace flotilla::extremes {
+namespace {
+
+constexpr double kRise = 1e-6, kDrift = 1e-9; // shares, far above the rounding of a step of a few bodies
+constexpr double kRoundOff = 0x1p-53;
+
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+bool finite(const State& state) {
+    for (std::size_t i = 0; i < state.pose.size(); ++i) {
+        const Quat& q = state.pose[i].rotation;
+        if (!is_finite(state.pose[i].com) || !is_finite(state.pose[i].origin) || !is_finite(state.motion[i].velocity) ||
+            !is_finite(state.motion[i].momentum) || !std::isfinite(q.w + q.x + q.y + q.z))
+            return false;
+    }
+    return true;
+}
+
+/// Energy and momentum of a run, step by step.
+class Account {
+  public:
+    Account(const SceneDescription& scene, const Model& model) {
+        for (const BodyDescription& b : scene.bodies) {
+            scripted_ = scripted_ || b.type == BodyType::kinematic;
+            alone_ = alone_ && b.type == BodyType::dynamic;
+        }
+        gravity_ = model.gravity;
+        for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+            if (!model.bodies[i].dynamic()) continue;
+            mass_ += model.bodies[i].mass;
+            most_lift_ += model.bodies[i].mass * length(gravity_) * body_lengths(model, i).rest;
+        }
+    }
+
+    void add(const StepReport& r, const State& state, const Model& model) {
+        double moving = 0, farthest = 0;
+        for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+            if (!model.bodies[i].dynamic()) continue;
+            moving += model.bodies[i].mass * length(state.motion[i].velocity);
+            farthest = std::max(farthest, max_component(abs(state.pose[i].com)));
+        }
+        largest_kinetic_ = std::max(largest_kinetic_, r.kinetic_energy);
+        largest_moving_ = std::max(largest_moving_, moving);
+        // Places are rounded, and so is the potential energy that goes by them.
+        const double rounding = 64 * kRoundOff * mass_ * length(gravity_) * farthest;
+        const double owned = r.energy - r.lift;
+        if (steps_ > 0 && !scripted_) {
+            const double scale = std::max({largest_kinetic_, most_lift_, 1e-300});
+            joules = owned - before_ - rounding;
+            rise = std::max(rise, joules / scale);
+        }
+        events_ = events_ || r.merges + r.rung_changes + r.held > 0;
+        if (steps_ > 0 && alone_ && !events_ && largest_moving_ > 0)
+            drift = std::max(drift, length(r.momentum - momentum_) / largest_moving_);
+        before_ = owned;
+        momentum_ = r.momentum;
+        ++steps_;
+    }
+
+    double rise = 0, drift = 0;
+    double joules = 0; ///< of the last step
+
+  private:
+    bool scripted_ = false, alone_ = true, events_ = false;
+    double mass_ = 0, most_lift_ = 0, before_ = 0, largest_kinetic_ = 0, largest_moving_ = 0;
+    Vec3 gravity_, momentum_;
+    int steps_ = 0;
+};
+
+Outcome broken(Outcome out, const std::string& what, int step) {
+    out.verdict = Verdict::broken;
+    out.message = what + " in step " + std::to_string(step);
+    return out;
+}
+
+Outcome run(const Cell& cell, int steps) {
+    Outcome out;
+    const SceneDescription description = cell.scene();
+    const Scene scene = build_scene(description);
+    if (const auto overlaps = find_initial_overlaps(scene).movable; !overlaps.empty()) {
+        const auto name = [&](std::int32_t i) { return scene.bodies[static_cast<std::size_t>(i)].name; };
+        return {Verdict::refused, name(overlaps[0].a) + " and " + name(overlaps[0].b) + " intersect at t = 0"};
+    }
+    scenario::AuditedRun audited(description);
+    const Model model = make_model(scene);
+    Stepper three(model, initial_state(scene, model), {.team = {.threads = 3}});
+    Stepper timed(model, initial_state(scene, model));
+    Account account(description, model);
+    bool held = false;
+    for (int n = 1; n <= steps; ++n) {
+        const double start = processor_seconds();
+        const std::uint64_t hash = timed.step().state_hash;
+        const double seconds = processor_seconds() - start;
+        out.seconds += seconds;
+        out.slowest_step = std::max(out.slowest_step, seconds);
+        const StepReport report = audited.step();
+        if (audited.findings > 0) return broken(out, "not proved free of intersections", n);
+        if (!finite(audited.stepper().state())) return broken(out, "not finite", n);
+        if (report.state_hash != hash) return broken(out, "another hash when run again", n);
+        if (three.step().state_hash != hash) return broken(out, "another hash on 3 threads", n);
+        account.add(report, audited.stepper().state(), model);
+        out.rise = account.rise;
+        out.drift = account.drift;
+        if (out.rise > kRise) return broken(out, "energy rises by " + to_text(account.joules) + " J", n);
+        if (out.drift > kDrift) return broken(out, "momentum changes by " + to_text(out.drift) + " of it", n);
+        held = held || report.held > 0 || (report.warnings & kScriptDelayed) != 0;
+    }
+    if (held) out.verdict = Verdict::held;
+    return out;
+}
+
+} // namespace
+
+Outcome run_cell(const Cell& cell, int steps) {
+    try {
+        return run(cell, steps);
+    } catch (const InputError& error) {
+        return {Verdict::refused, error.what()};
+    } catch (const std::exception& error) {
+        return {Verdict::broken, std::string("an exception: ") + error.what()};
+    }
+}
+
+} // namespace flotilla::extremes

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// Runs a cell of the matrix and asks for every promise after every step.
+#pragma once
+
+#include <string>
+
+#include "extremes/cells.hpp"
+
+namespace flotilla::extremes {
+
+enum class Verdict {
+    pass,
+    held,    ///< kept every promise, and reported bodies that the failsafe held or scripts that it delayed
+    refused, ///< with a message
+    broken,  ///< a promise
+};
+
+struct Outcome {
+    Verdict verdict = Verdict::pass;
+    std::string message;     ///< of a refusal, or what was broken and in which step
+    double seconds = 0;      ///< of processor time, of one run on one thread, without the audit
+    double slowest_step = 0; ///< the same
+    double rise = 0;         ///< of energy in a step, as a share of the energy of motion, or of what lift may be in all
+    double drift = 0;        ///< of linear momentum where nothing acts from outside, as a share of all |m v|
+};
+
+/// Of that many steps; on three threads as well, where the hash of every state must be the same.
+[[nodiscard]] Outcome run_cell(const Cell& cell, int steps);
+
+} // namespace flotilla::extremes

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// The whole matrix of extremes: extremes_matrix [PAGE.md [STEPS [PART]]], the last of a cell's name. Each cell runs in a process of its own, so that one that crashes or
+// hangs is a cell of the page like any other. Exit code 1 where a promise was broken.
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <sstream>
+
+#include "extremes/check.hpp"
+
+namespace flotilla::extremes {
+namespace {
+
+constexpr int kMostSeconds = 30; ///< of processor time, of three runs of a cell and their audit
+
+std::string one_line(std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::replace(text.begin(), text.end(), '|', '/');
+    return text;
+}
+
+void write_outcome(int pipe_end, const Outcome& o) {
+    std::ostringstream out;
+    out << static_cast<int>(o.verdict) << ' ' << o.seconds << ' ' << o.slowest_step << ' ' << o.rise << ' ' << o.drift
+        << ' ' << one_line(o.message);
+    const std::string text = out.str();
+    if (write(pipe_end, text.data(), text.size()) < 0) std::_Exit(2);
+}
+
+Outcome read_outcome(const std::string& text) {
+    std::istringstream in(text);
+    int verdict = 0;
+    Outcome o;
+    in >> verdict >> o.seconds >> o.slowest_step >> o.rise >> o.drift;
+    o.verdict = static_cast<Verdict>(verdict);
+    std::getline(in >> std::ws, o.message);
+    return o;
+}
+
+Outcome run_apart(const Cell& cell, int steps) {
+    std::array<int, 2> ends{};
+    if (pipe(ends.data()) != 0) std::abort();
+    const pid_t child = fork();
+    if (child == 0) {
+        const rlimit limit{kMostSeconds, kMostSeconds};
+        setrlimit(RLIMIT_CPU, &limit);
+        write_outcome(ends[1], run_cell(cell, steps));
+        std::_Exit(0);
+    }
+    close(ends[1]);
+    std::string text;
+    std::array<char, 4096> buffer;
+    for (ssize_t n = 0; (n = read(ends[0], buffer.data(), buffer.size())) > 0;)
+        text.append(buffer.data(), static_cast<std::size_t>(n));
+    close(ends[0]);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return read_outcome(text);
+    const bool slow = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
+    Outcome o{Verdict::broken, slow ? "more than " + std::to_string(kMostSeconds) + " s" : "crashed"};
+    if (slow) o.seconds = o.slowest_step = kMostSeconds;
+    return o;
+}
+
+struct Row {
+    Cell cell;
+    Outcome outcome;
+};
+
+struct AxisSum {
+    std::map<Verdict, int> count;
+    double seconds = 0, rise = 0, drift = 0;
+    std::string slowest;
+    void add(const Row& row) {
+        ++count[row.outcome.verdict];
+        if (row.outcome.slowest_step >= seconds) seconds = row.outcome.slowest_step, slowest = row.cell.name();
+        rise = std::max(rise, row.outcome.rise);
+        drift = std::max(drift, row.outcome.drift);
+    }
+};
+
+const char* name_of(Verdict v) {
+    switch (v) {
+    case Verdict::pass: return "pass";
+    case Verdict::held: return "held";
+    case Verdict::refused: return "refused";
+    case Verdict::broken: break;
+    }
+    return "BROKEN";
+}
+
+void write_sums(std::ostream& out, const std::string& name, AxisSum& s) {
+    out << "| " << name;
+    for (const Verdict v : {Verdict::pass, Verdict::held, Verdict::refused, Verdict::broken})
+        out << " | " << s.count[v];
+    out << " | " << s.rise << " | " << s.drift << " | " << 1e3 * s.seconds << " | " << s.slowest << " |\n";
+}
+
+void write_page(std::ostream& out, const std::vector<Row>& rows, int steps) {
+    AxisSum all;
+    std::map<std::string, AxisSum> axes;
+    for (const Row& row : rows) {
+        all.add(row);
+        for (const Extreme& e : row.cell.extremes) axes[e.axis].add(row);
+    }
+    out.precision(3);
+    out << "# The matrix of extremes\n\nWritten by `extremes_matrix` (`ctest -L extremes`). " << rows.size()
+        << " small scenes of " << steps
+        << " steps, each with one or two axes at an extreme value. After every step: no two bodies intersect (exact), "
+           "the "
+           "motion of the step was free of passages, the state is finite, energy less lift did not rise (as a share of "
+           "the "
+           "largest energy of motion, or of what lift may be in all), linear momentum stayed where nothing acts from "
+           "outside and the failsafe did not "
+           "(as a share of all |m v|), and the hash of the state is the same in another run and on 3 threads. *held*: "
+           "all "
+           "this, and the failsafe reported bodies held or scripts delayed. *refused*: with a message. Times are of "
+           "the "
+           "slowest step on one thread.\n\n"
+        << "| axis | pass | held | refused | broken | worst rise | worst drift | slowest step, ms | in |\n"
+        << "|---|---|---|---|---|---|---|---|---|\n";
+    write_sums(out, "all", all);
+    for (auto& [name, sum] : axes) write_sums(out, name, sum);
+    out << "\n| cell | outcome | slowest step, ms | |\n|---|---|---|---|\n";
+    for (const Row& row : rows)
+        out << "| " << row.cell.name() << " | " << name_of(row.outcome.verdict) << " | "
+            << 1e3 * row.outcome.slowest_step << " | " << row.outcome.message << " |\n";
+}
+
+int run(const char* page, int steps, const std::string& part) {
+    std::vector<Row> rows;
+    int broken = 0;
+    for (Cell& cell : all_cells()) {
+        if (cell.name().find(part) == std::string::npos) continue;
+        const Outcome outcome = run_apart(cell, steps);
+        if (outcome.verdict == Verdict::broken) {
+            ++broken;
+            std::cout << cell.name() << ": " << outcome.message << std::endl;
+        }
+        rows.push_back({std::move(cell), outcome});
+    }
+    std::cout << rows.size() << " cells, " << broken << " broken\n";
+    if (page != nullptr) {
+        std::ofstream out(page);
+        write_page(out, rows, steps);
+    }
+    return broken == 0 ? 0 : 1;
+}
+
+} // namespace
+} // namespace flotilla::extremes
+
+int main(int argc, char** argv) {
+    return flotilla::extremes::run(argc > 1 ? argv[1] : nullptr, argc > 2 ? std::atoi(argv[2]) : 10,
+                                   argc > 3 ? argv[3] : "");
+}
