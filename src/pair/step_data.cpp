@@ -149,7 +149,8 @@ bool plane_between(const StepData& data, PairRecord& r, const BodyMotion& a, con
     constexpr std::int32_t kLeftOut = 8;
     if (!data.keep_candidates || !a.straight() || !b.straight()) return false;
     // Slow pairs have lists that last, and know how far they are from each other.
-    if (way_of(data.trajectories.motion(at(r.a)), data.trajectories.motion(at(r.b))) < r.lengths.proximity) return false;
+    if (way_of(data.trajectories.motion(at(r.a)), data.trajectories.motion(at(r.b))) < r.lengths.proximity)
+        return false;
     PairCandidates& c = candidates_of(r);
     if (c.no_plane > 0) {
         --c.no_plane;
