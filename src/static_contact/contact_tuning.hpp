@@ -74,9 +74,10 @@ struct ContactTuning {
 
     /// An exact solve starts from what so many sweeps find, of few contacts and of many, and is not needed where that is all. Row: exact.
     int sweeps_before_exact = 20, sweeps_of_many = 60;
-    /// Floating point operations of a contact in a sweep: an island that is neither small nor at rest is swept for as long as an exact solve
-    /// would cost. Who asks for more than sweeps reach would else wait for all that its limit allows, and then for the exact solve.
-    double operations_of_contact = 200;
+    /// Floating point operations of a factorisation that take as long as a contact in a sweep, some 25 ns: an island that is neither small
+    /// nor at rest is swept for as long as an exact solve would take. Who asks for more than sweeps reach would else wait for all that
+    /// the limit allows, and then for the exact solve.
+    double operations_of_contact = 25;
     /// Bodies whose factorisation, some 72 n^3 operations, costs less than so few sweeps over the eight or so contacts of each.
     int bodies_factorised_soon = 8;
 
