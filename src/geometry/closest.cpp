@@ -108,8 +108,8 @@ Vec3 direction_between(const Vec3& d, double largest, const Vec3& e, const Vec3&
     // Closest points are off by a few units of 2^-53 of the largest coordinate: nearer than kNear, their difference by 2^-37 rad or more,
     // which an exact contact solve takes for real (kOfSpeed). Two walls close beside a body then make a wedge that holds it. The floor of
     // the CCD is 8 times kRounding.
-    // Besides, squares of distances do not tell a foot beside an edge from the edge, and the point of the edge is taken for closest; that turns
-    // d by the root of what they are rounded by.
+    // Besides, squares of distances do not tell a foot beside an edge from the edge, and the point of the edge is taken for
+    // closest; that turns d by the root of what they are rounded by.
     constexpr double kNear = 0x1p-16, kRounding = 0x1p-46, kOfSquares = 0x1p-34;
     const double square = length_sq(d), near = kNear * largest, rounding = kRounding * largest;
     if (!(square < near * near)) return normalized(d);
