@@ -127,7 +127,7 @@ bool may_solve_exactly(const Island& island, const ContactSolveOptions& options,
     const std::int32_t contacts = contacts_of(island, s), bodies = island.end_body - island.first_body;
     const bool soon = bodies <= options.tuning.bodies_factorised_soon || (island.rests && is_slender(island));
     if (options.exact_few && !soon) return false;
-    if (contacts <= kFewContacts) return true;
+    if (contacts <= kFewContacts || bodies <= options.tuning.bodies_factorised_soon) return true;
     const bool cheap = bodies <= kMostBodies || is_slender(island);
     return island.rests && cheap && contacts <= kMostContacts;
 }

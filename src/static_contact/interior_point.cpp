@@ -80,6 +80,9 @@ constexpr int kStall = 20;           // iterations without progress after which 
 // and its velocity both are as the square root of their product, and the products end at the rounding, 2^-52. Many bodies at rest hold
 // such contacts, and with the impulses of the step before are nearer to the solution than that.
 constexpr double kInteriorFloor = 0x1p-26;
+// Floors: problems of stacks and walls at rest end between half of one and three. Who asks for less than four is given what Newton's
+// steps reach within them.
+constexpr double kOutOfReach = 4;
 
 constexpr int kRounds = 10, kSweepsPerRound = 400;
 
@@ -513,7 +516,8 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
         s_.r = s_.best;
         newton(kFirstNewtonSteps, options_.polish);
         speed_ = largest_velocity();
-        const double near = std::min(options_.enough, kInteriorFloor * speed_);
+        const double floor = kInteriorFloor * speed_;
+        const double near = options_.enough < kOutOfReach * floor ? kOutOfReach * floor : floor;
         const auto far = [&] { return options_.polish == 0 && !done() && stats_.residual > near; };
         if (far()) {
             interior();

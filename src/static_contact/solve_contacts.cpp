@@ -80,6 +80,23 @@ int sweeps_of_exact(const Island& island, const ContactTuning& tuning, const Con
     return static_cast<int>(std::min(kMostFactorisations * factorisation / sweep, 1e9));
 }
 
+// How long an island is swept that may be solved exactly, and to what.
+void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, const ContactScratch& s) {
+    const ContactTuning& tuning = options.tuning;
+    const std::int32_t bodies = island.end_body - island.first_body;
+    const bool few = contacts_of(island, s) <= kFewContacts;
+    // One of many bodies that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand of them.
+    const bool soon = island.rests || bodies <= tuning.bodies_factorised_soon;
+    island.exact_tolerance = kExactShare * island.tolerance;
+    if (soon && (few || is_slender(island)))
+        island.exact_tolerance = options.tolerance = std::max(kExactShare * island.tolerance, kOfSpeed * speed);
+    // Newton's steps alone end early where they lead nowhere: what the sweeps reached is the result then.
+    if (options.exact_few && bodies > tuning.bodies_factorised_soon) return;
+    const int before = few ? tuning.sweeps_before_exact : tuning.sweeps_of_many;
+    options.iterations =
+        std::min(options.iterations, soon ? before : std::max(before, sweeps_of_exact(island, tuning, s)));
+}
+
 // A warm start pushes where impulses of the past are too large, and momentum may carry too far; sweeps that end unfinished do not
 // take all of it back. Sweeps go down 1/2 l W l + l (u - target), which is zero without impulses: where what is prescribed rests, an
 // island has gained no more energy than the work of its targets. One that came out with more is solved again from zero.
@@ -90,17 +107,7 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     island.energy_before = kinetic_energy(island, bodies, s);
     const double speed = mean_speed(island, s);
     island.rests = options.rest_speed > 0 && speed <= options.rest_speed;
-    if (may_solve_exactly(island, options, s)) {
-        island.exact_tolerance = kExactShare * island.tolerance;
-        const bool few = contacts_of(island, s) <= kFewContacts;
-        // One of many bodies that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand of them.
-        const bool soon = island.rests || island.end_body - island.first_body <= tuning.bodies_factorised_soon;
-        const int before = few ? tuning.sweeps_before_exact : tuning.sweeps_of_many;
-        options.iterations =
-            std::min(options.iterations, soon ? before : std::max(before, sweeps_of_exact(island, tuning, s)));
-        if (soon && (few || is_slender(island)))
-            island.exact_tolerance = options.tolerance = std::max(kExactShare * island.tolerance, kOfSpeed * speed);
-    }
+    if (may_solve_exactly(island, options, s)) leave_to_exact(island, speed, options, s);
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.energy_pgs = kinetic_energy(island, bodies, s);
