@@ -85,6 +85,7 @@ constexpr double kInteriorFloor = 0x1p-26;
 constexpr double kOutOfReach = 4;
 
 constexpr int kRounds = 10, kSweepsPerRound = 400;
+constexpr double kRoundGains = 0.8; // of the residual, which a round leaves at most: between closing walls no law can be met
 
 Vec3 cut_to_cone(const Vec3& r, double friction) {
     if (!(r.x > 0)) return {};
@@ -118,6 +119,7 @@ class Solver {
     bool finite_input() const;
     double largest_velocity() const;
     double consider(double as_good = 0);
+    double not_worth_more() const;
     bool factorise();
 
     bool newton(int max_steps, double gain);
@@ -204,6 +206,13 @@ double Solver::consider(double as_good) {
         s_.best = s_.r;
     }
     return residual;
+}
+
+// m/s: a residual that methods 2 and 3 are not begun for.
+double Solver::not_worth_more() const {
+    if (options_.enough == 0) return 0;
+    const double floor = kInteriorFloor * speed_;
+    return options_.enough < kOutOfReach * floor ? kOutOfReach * floor : floor;
 }
 
 bool Solver::factorise() {
@@ -516,8 +525,7 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
         s_.r = s_.best;
         newton(kFirstNewtonSteps, options_.polish);
         speed_ = largest_velocity();
-        const double floor = kInteriorFloor * speed_;
-        const double near = options_.enough < kOutOfReach * floor ? kOutOfReach * floor : floor;
+        const double near = not_worth_more();
         const auto far = [&] { return options_.polish == 0 && !done() && stats_.residual > near; };
         if (far()) {
             interior();
@@ -525,9 +533,11 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
             newton(options_.max_iterations, 0); // loads of a heavy body on light ones end slowly, but they end
         }
         for (int round = 0; round < kRounds && far(); ++round) {
+            const double before = stats_.residual;
             s_.r = s_.best;
             sweep(kSweepsPerRound);
             newton(kNewtonSteps, 0);
+            if (stats_.residual > kRoundGains * before) break;
         }
     }
     stats_.solved = stats_.residual <= limit();
