@@ -100,7 +100,8 @@ void solve(Island& island, const ContactBodies& bodies, bool newton_alone, Conta
                             .max_iterations = kMostToTolerance,
                             .enough = island.tolerance,
                             .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations,
-                            .polish = island.solved || newton_alone ? kPolish : 0},
+                            .polish = island.solved || newton_alone ? kPolish : 0,
+                            .rests = island.rests},
                            e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
     island.let_off = false;

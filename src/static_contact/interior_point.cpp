@@ -80,8 +80,8 @@ constexpr int kStall = 20;           // iterations without progress after which 
 // and its velocity both are as the square root of their product, and the products end at the rounding, 2^-52. Many bodies at rest hold
 // such contacts, and with the impulses of the step before are nearer to the solution than that.
 constexpr double kInteriorFloor = 0x1p-26;
-// Floors: problems of stacks and walls at rest end between half of one and three. Who asks for less than four is given what Newton's
-// steps reach within them.
+// Floors: problems of stacks and walls at rest end between half of one and three. Who asks there for less than four is given what
+// Newton's steps reach within them.
 constexpr double kOutOfReach = 4;
 
 constexpr int kRounds = 10, kSweepsPerRound = 400;
@@ -210,9 +210,9 @@ double Solver::consider(double as_good) {
 
 // m/s: a residual that methods 2 and 3 are not begun for.
 double Solver::not_worth_more() const {
-    if (options_.enough == 0) return 0;
     const double floor = kInteriorFloor * speed_;
-    return options_.enough < kOutOfReach * floor ? kOutOfReach * floor : floor;
+    const bool out_of_reach = options_.rests && options_.enough < kOutOfReach * floor;
+    return out_of_reach ? kOutOfReach * floor : std::min(options_.enough, floor);
 }
 
 bool Solver::factorise() {
