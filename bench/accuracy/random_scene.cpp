@@ -10,9 +10,9 @@
 #include <flotilla/error.hpp>
 #include <flotilla/scene_check.hpp>
 
-#include "base/random.hpp"
 #include "base/rotation.hpp"
 #include "base/vec3.hpp"
+#include "draws.hpp"
 #include "mesh/primitives.hpp"
 #include "scene/library.hpp"
 
@@ -31,30 +31,6 @@ constexpr double kMinSpeed = 1e-2, kMaxSpeed = 1e4; // sizes of the body a secon
 constexpr double kMinWay = 0.05; // sizes a step, of most scenes that move: within a few dozen steps bodies meet
 constexpr double kMinSpin = 1e-2, kMaxSpin = 1e4; // rad/s
 constexpr double kMaxAspect = 1e4;
-
-/// Numbers drawn one after the other; each a function of (seed, index, how many were drawn before).
-class Draws {
-  public:
-    Draws(std::uint64_t seed, std::uint64_t index) : seed_(seed), index_(index) {}
-
-    [[nodiscard]] std::uint64_t bits() { return random_bits(seed_, index_, count_++); }
-    [[nodiscard]] double uniform(double low, double high) { return low + (high - low) * unit_interval(bits()); }
-    [[nodiscard]] double log_uniform(double low, double high) {
-        return std::clamp(std::exp(uniform(std::log(low), std::log(high))), low, high);
-    }
-    [[nodiscard]] int integer(int low, int high) { return low + static_cast<int>(uniform(0, high - low + 1)); }
-    [[nodiscard]] bool chance(double probability) { return uniform(0, 1) < probability; }
-    template <class T, std::size_t N>
-    [[nodiscard]] T one_of(const std::array<T, N>& values) {
-        return values[static_cast<std::size_t>(integer(0, static_cast<int>(N) - 1))];
-    }
-    [[nodiscard]] Quat rotation() { return library::random_rotation(bits(), 0); }
-    [[nodiscard]] Vec3 in_ball(double radius) { return library::random_in_ball(bits(), 0, radius); }
-    [[nodiscard]] Vec3 direction() { return rotate(rotation(), {0, 0, 1}); }
-
-  private:
-    std::uint64_t seed_, index_, count_ = 0;
-};
 
 // Shapes, all of about unit size. No two numbers are drawn in one expression: the order of evaluation is the compiler's.
 

@@ -235,6 +235,8 @@ class Builder {
     double height_ = 0;
 };
 
+} // namespace
+
 std::vector<Extreme> all_extremes() {
     std::vector<Extreme> out;
     add_numbers(out);
@@ -243,8 +245,6 @@ std::vector<Extreme> all_extremes() {
     add_kinds(out);
     return out;
 }
-
-} // namespace
 
 std::string Cell::name() const {
     std::string out = situation == Situation::pile ? "pile" : "clash";

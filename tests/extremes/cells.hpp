@@ -49,6 +49,9 @@ struct Extreme {
     std::function<void(Knobs&)> set;
 };
 
+/// Of all axes.
+[[nodiscard]] std::vector<Extreme> all_extremes();
+
 /// Bodies that fall onto each other and a floor, or that fly at each other where there is no gravity and nothing else.
 enum class Situation { pile, clash };
 

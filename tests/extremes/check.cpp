@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <optional>
 #include <vector>
 
 #include <flotilla/error.hpp>
@@ -64,8 +65,9 @@ class Account {
             rise = std::max(rise, joules / scale);
         }
         events_ = events_ || r.merges + r.rung_changes + r.held > 0;
+        const Vec3 pulled = momentum_ + mass_ * model.settings.time_step * gravity_;
         if (steps_ > 0 && alone_ && !events_ && largest_moving_ > 0)
-            drift = std::max(drift, length(r.momentum - momentum_) / largest_moving_);
+            drift = std::max(drift, length(r.momentum - pulled) / largest_moving_);
         before_ = owned;
         momentum_ = r.momentum;
         ++steps_;
@@ -87,9 +89,29 @@ Outcome broken(Outcome out, const std::string& what, int step) {
     return out;
 }
 
-Outcome run(const Cell& cell, int steps) {
+/// The same scene run again, on one thread and on three.
+class Repeats {
+  public:
+    explicit Repeats(const Model& model, const State& start) : timed_(model, start), three_(model, start, kThree) {}
+
+    /// Empty where both end the step with this hash.
+    std::string step(std::uint64_t hash, Outcome& out) {
+        const double start = processor_seconds();
+        const std::uint64_t again = timed_.step().state_hash;
+        const double seconds = processor_seconds() - start;
+        out.seconds += seconds;
+        out.slowest_step = std::max(out.slowest_step, seconds);
+        if (again != hash) return "another hash when run again";
+        return three_.step().state_hash == hash ? "" : "another hash on 3 threads";
+    }
+
+  private:
+    inline static const StepperOptions kThree{.team = {.threads = 3}};
+    Stepper timed_, three_;
+};
+
+Outcome run(const SceneDescription& description, const CheckOptions& options) {
     Outcome out;
-    const SceneDescription description = cell.scene();
     const Scene scene = build_scene(description);
     if (const auto overlaps = find_initial_overlaps(scene).movable; !overlaps.empty()) {
         const auto name = [&](std::int32_t i) { return scene.bodies[static_cast<std::size_t>(i)].name; };
@@ -97,21 +119,25 @@ Outcome run(const Cell& cell, int steps) {
     }
     scenario::AuditedRun audited(description);
     const Model model = make_model(scene);
-    Stepper three(model, initial_state(scene, model), {.team = {.threads = 3}});
-    Stepper timed(model, initial_state(scene, model));
+    std::optional<Repeats> repeats;
+    if (options.repeated) repeats.emplace(model, initial_state(scene, model));
     Account account(description, model);
     bool held = false;
-    for (int n = 1; n <= steps; ++n) {
-        const double start = processor_seconds();
-        const std::uint64_t hash = timed.step().state_hash;
-        const double seconds = processor_seconds() - start;
-        out.seconds += seconds;
-        out.slowest_step = std::max(out.slowest_step, seconds);
-        const StepReport report = audited.step();
+    const double began = processor_seconds();
+    for (int n = 1; n <= options.steps && processor_seconds() - began < options.seconds; ++n) {
+        StepReport report;
+        try {
+            report = audited.step();
+        } catch (const BlockedScripts&) { // the scene asks for an end of the run then
+            held = true;
+            break;
+        }
+        out.steps = n;
         if (audited.findings > 0) return broken(out, "not proved free of intersections", n);
         if (!finite(audited.stepper().state())) return broken(out, "not finite", n);
-        if (report.state_hash != hash) return broken(out, "another hash when run again", n);
-        if (three.step().state_hash != hash) return broken(out, "another hash on 3 threads", n);
+        if (repeats)
+            if (const std::string fault = repeats->step(report.state_hash, out); !fault.empty())
+                return broken(out, fault, n);
         account.add(report, audited.stepper().state(), model);
         out.rise = account.rise;
         out.drift = account.drift;
@@ -125,14 +151,16 @@ Outcome run(const Cell& cell, int steps) {
 
 } // namespace
 
-Outcome run_cell(const Cell& cell, int steps) {
+Outcome run_scene(const SceneDescription& scene, const CheckOptions& options) {
     try {
-        return run(cell, steps);
+        return run(scene, options);
     } catch (const InputError& error) {
         return {Verdict::refused, error.what()};
     } catch (const std::exception& error) {
         return {Verdict::broken, std::string("an exception: ") + error.what()};
     }
 }
+
+Outcome run_cell(const Cell& cell, int steps) { return run_scene(cell.scene(), {.steps = steps}); }
 
 } // namespace flotilla::extremes

@@ -1,74 +1,18 @@
 // SPDX-License-Identifier: MIT
 // The whole matrix of extremes: extremes_matrix [PAGE.md [STEPS [PART]]], the last a part of the names of cells. Each cell runs in a
 // process of its own, so that one that crashes or hangs is a cell of the page like any other. Exit code 1 where a promise was broken.
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <map>
-#include <sstream>
 
-#include "extremes/check.hpp"
+#include "extremes/apart.hpp"
 
 namespace flotilla::extremes {
 namespace {
 
 constexpr int kMostSeconds = 30; ///< of processor time, of three runs of a cell and their audit
-
-std::string one_line(std::string text) {
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    std::replace(text.begin(), text.end(), '|', '/');
-    return text;
-}
-
-void write_outcome(int pipe_end, const Outcome& o) {
-    std::ostringstream out;
-    out << static_cast<int>(o.verdict) << ' ' << o.seconds << ' ' << o.slowest_step << ' ' << o.rise << ' ' << o.drift
-        << ' ' << one_line(o.message);
-    const std::string text = out.str();
-    if (write(pipe_end, text.data(), text.size()) < 0) std::_Exit(2);
-}
-
-Outcome read_outcome(const std::string& text) {
-    std::istringstream in(text);
-    int verdict = 0;
-    Outcome o;
-    in >> verdict >> o.seconds >> o.slowest_step >> o.rise >> o.drift;
-    o.verdict = static_cast<Verdict>(verdict);
-    std::getline(in >> std::ws, o.message);
-    return o;
-}
-
-Outcome run_apart(const Cell& cell, int steps) {
-    std::array<int, 2> ends{};
-    if (pipe(ends.data()) != 0) std::abort();
-    const pid_t child = fork();
-    if (child == 0) {
-        const rlimit limit{kMostSeconds, kMostSeconds};
-        setrlimit(RLIMIT_CPU, &limit);
-        write_outcome(ends[1], run_cell(cell, steps));
-        std::_Exit(0);
-    }
-    close(ends[1]);
-    std::string text;
-    std::array<char, 4096> buffer;
-    for (ssize_t n = 0; (n = read(ends[0], buffer.data(), buffer.size())) > 0;)
-        text.append(buffer.data(), static_cast<std::size_t>(n));
-    close(ends[0]);
-    int status = 0;
-    waitpid(child, &status, 0);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return read_outcome(text);
-    const bool slow = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
-    Outcome o{Verdict::broken, slow ? "more than " + std::to_string(kMostSeconds) + " s" : "crashed"};
-    if (slow) o.seconds = o.slowest_step = kMostSeconds;
-    return o;
-}
 
 struct Row {
     Cell cell;
@@ -140,7 +84,7 @@ int run(const char* page, int steps, const std::string& part) {
     int broken = 0;
     for (Cell& cell : all_cells()) {
         if (cell.name().find(part) == std::string::npos) continue;
-        const Outcome outcome = run_apart(cell, steps);
+        const Outcome outcome = run_apart([&] { return run_cell(cell, steps); }, kMostSeconds);
         if (outcome.verdict == Verdict::broken) {
             ++broken;
             std::cout << cell.name() << ": " << outcome.message << std::endl;
