@@ -21,7 +21,7 @@ namespace flotilla {
 struct EnergyCorrections {
     std::int64_t islands = 0; ///< that had to give up energy
     double removed = 0;       ///< J
-    double lift = 0;          ///< J, written down at the end of the step
+    double lift = 0;          ///< J, of the bodies awake, written down at the end of the step
 };
 
 class EnergyAccount {

@@ -31,7 +31,7 @@ void move_if(std::vector<T>& from, std::vector<T>& to, Wanted&& wanted) {
 void Stepper::mark_asleep() {
     sleepers_.awake.clear();
     sleepers_.count = 0;
-    sleepers_.energy = 0;
+    sleepers_.energy = sleepers_.lift = 0;
     for (std::size_t i = 0; i < model_.size(); ++i) {
         Body& body = model_.bodies[i];
         body.asleep = body.dynamic() && asleep(state_, i);
@@ -41,6 +41,7 @@ void Stepper::mark_asleep() {
         }
         ++sleepers_.count;
         sleepers_.energy -= body.mass * dot(model_.gravity, state_.pose[i].com);
+        sleepers_.lift += state_.lift[i];
     }
     model_.list_active();
     ++lists_.still_version;

@@ -547,7 +547,7 @@ void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end,
     const EnergyCorrections made = energy_.settle(team_, model_, end, motion, state_.lift);
     report.energy_corrections = made.islands;
     report.energy_removed = made.removed;
-    report.lift = made.lift;
+    report.lift = made.lift + sleepers_.lift;
 }
 
 void Stepper::record_activity() {

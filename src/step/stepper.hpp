@@ -157,6 +157,7 @@ class Stepper {
         std::vector<std::int32_t> awake; ///< bodies that do not sleep
         std::int64_t count = 0;
         double energy = 0; ///< J, of gravity
+        double lift = 0;   ///< J, written down when they fell asleep
         std::uint64_t hash = 0;
     };
     Sleepers sleepers_;

@@ -45,6 +45,23 @@ TEST(Sleeping, ATowerFallsAsleepAndStandsStill) {
     EXPECT_EQ(world.step().energy, first.energy);
 }
 
+TEST(Sleeping, KeepsTheLiftThatWasWrittenDown) {
+    SceneDescription scene = tower(4);
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.bodies[i].velocity = {0, 0, -3};
+    World world(scene);
+    double awake = 0; // of the step before
+    for (int n = 0; n < 240; ++n) {
+        const StepReport report = world.step();
+        if (report.sleeping == 4 && awake > 0) {
+            EXPECT_EQ(world.step().lift, report.lift);
+            EXPECT_GT(report.lift, 0);
+            return;
+        }
+        awake = report.lift;
+    }
+    FAIL() << "fell asleep without lift";
+}
+
 TEST(Sleeping, ChangesRestByLessThanAMillimetre) {
     SceneDescription awake = tower(4);
     awake.settings.sleeping = false;
