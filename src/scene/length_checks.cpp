@@ -95,14 +95,23 @@ class LengthChecks {
         errors_.add(scene_.settings.rest_distance > 0 ? "/settings/rest_distance" : element_path("bodies", body), text);
     }
 
+    /// m, of a body's centre of mass in the first step, should nothing be in its way.
+    [[nodiscard]] double first_way(std::size_t body) const {
+        const double dt = scene_.settings.time_step;
+        return dt * (length(scene_.bodies[body].velocity) + dt * length(scene_.gravity));
+    }
+
     void check_places() {
         for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
             if (scene_.bodies[i].type != BodyType::dynamic) continue;
-            const double reach = max_component(abs(world_center(scene_, scene_.bodies[i]))) + shape(i).radius;
+            const double place = max_component(abs(world_center(scene_, scene_.bodies[i]))) + shape(i).radius;
+            const double reach = place + first_way(i);
             const double least = kPlacesPerRest * 0x1p-52 * reach;
             if (rest(i) < least)
                 return too_fine(i, least,
-                                "at coordinates of " + to_text(reach) + " m: bring the scene nearer to its origin");
+                                "at coordinates of " + to_text(reach) + " m" +
+                                    (reach > 2 * place ? ", where its first step may lead: make steps shorter"
+                                                       : ": bring the scene nearer to its origin"));
         }
     }
 

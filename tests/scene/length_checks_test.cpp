@@ -88,6 +88,16 @@ TEST(LengthChecks, RestDistanceIsResolvedWhereTheBodiesStand) {
     expect_refused(refusal(small), {"/bodies/0", "nearer to its origin"});
 }
 
+TEST(LengthChecks, RestDistanceIsResolvedWhereTheFirstStepLeads) {
+    SceneDescription speck; // falls 17 mm in a step, where doubles are 3e-18 m apart
+    add_cube(speck, 1e-16, {0, 0, 0});
+    expect_refused(refusal(speck), {"/bodies/0", "first step"});
+    speck.settings.time_step = 1e-6;
+    EXPECT_EQ(refusal(speck), "");
+    speck.bodies[0].velocity = {1e5, 0, 0};
+    expect_refused(refusal(speck), {"/bodies/0", "first step"});
+}
+
 TEST(LengthChecks, RestDistanceIsResolvedBesideTheLargestTriangles) {
     SceneDescription scene;
     add_cube(scene, 1e6, {0, 0, -5e5}, BodyType::fixed);
