@@ -24,6 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr int kMostSubsteps = 1000; // that the settings allow
+
 /// "frames-A-B.h5"
 std::optional<SegmentFile> parse_segment(const fs::path& path) {
     const std::string name = path.filename().string();
@@ -172,6 +174,9 @@ RunInfo parse_run_json(const fs::path& path, const std::string& text) {
         info.time_step = json.at("time_step").get<double>();
         info.substeps = json.value("substeps", 1);
         info.frame_every = json.at("frame_every").get<int>();
+        if (info.threads < 1 || info.substeps < 1 || info.substeps > kMostSubsteps || info.frame_every < 1 ||
+            !(info.time_step > 0) || !json.value("resumed", Json::array()).is_array())
+            throw IoError(path.string() + ": damaged: a value is out of range");
         const auto text_of = [&json](const char* key) { return json.at(key).get<std::string>(); };
         info.record = {text_of("status"),   text_of("version"), text_of("commit"),
                        text_of("compiler"), text_of("flags"),   json.at("machine").at("processor").get<std::string>(),

@@ -322,18 +322,13 @@ class TraceReader : public nlohmann::json_sax<Json> {
         const auto next = static_cast<std::int64_t>(record.regions.size());
         if (event_.region != next) refuse_event("is not region " + std::to_string(next));
         const std::int32_t tasks = argument(event_.tasks, kMostTasks, "tasks");
-        const auto first = static_cast<std::int64_t>(record.links.size());
         if (!record.regions.empty() && begin() < record.regions.back().begin) refuse_event("begins before the last");
-        record.regions.push_back({interned(), kind, tasks, begin(), end(), first, event_.step.value_or(0)});
-        if (kind != RegionKind::sweeps) {
-            first_task_.push_back(seen_.size());
-            seen_.resize(seen_.size() + static_cast<std::size_t>(tasks), 0);
-        } else {
-            first_task_.push_back(seen_.size());
+        record.regions.push_back({interned(), kind, tasks, begin(), end(), num_links_, event_.step.value_or(0)});
+        if (kind == RegionKind::sweeps)
             take_groups(static_cast<std::int32_t>(next));
-        }
-        if (kind == RegionKind::ordered)
-            record.links.resize(record.links.size() + static_cast<std::size_t>(tasks), {-1, -1});
+        else
+            num_tasks_ += tasks;
+        if (kind == RegionKind::ordered) num_links_ += tasks;
     }
 
     void take_groups(std::int32_t region) {
@@ -351,9 +346,6 @@ class TraceReader : public nlohmann::json_sax<Json> {
         const RegionRecord& region = record.regions[static_cast<std::size_t>(r)];
         if (region.kind == RegionKind::sweeps) refuse_event("is a task of sweeps");
         const std::int32_t task = argument(event_.task, region.tasks, "task");
-        std::uint8_t& seen = seen_[first_task_[static_cast<std::size_t>(r)] + static_cast<std::size_t>(task)];
-        if (seen != 0) refuse_event("task " + std::to_string(task) + " of region " + std::to_string(r) + " again");
-        seen = 1;
         const auto thread = static_cast<std::size_t>(argument(event_.thread, kMostThreads, "tid"));
         if (record.threads.size() <= thread) record.threads.resize(thread + 1);
         record.threads[thread].push_back({begin(), end(), r, task});
@@ -361,12 +353,14 @@ class TraceReader : public nlohmann::json_sax<Json> {
     }
 
     void take_links(const RegionRecord& region, std::int32_t task) {
-        Successors& links = trace_.record.links[static_cast<std::size_t>(region.first_link + task)];
+        if (event_.next.empty()) return;
+        Successors links{-1, -1};
         if (event_.next.size() > links.size()) refuse_event("more than two tasks wait for it");
         for (std::size_t k = 0; k < event_.next.size(); ++k) {
             links[k] = argument(event_.next[k], region.tasks, "next");
             if (links[k] <= task) refuse_event("a task that waits for it has a lower number");
         }
+        links_.emplace_back(region.first_link + task, links);
     }
 
     /// The value of a key of otherData.
@@ -423,7 +417,23 @@ class TraceReader : public nlohmann::json_sax<Json> {
         if (trace_.record.threads.size() > threads)
             throw InputError(path_.string() + ": has tasks of more threads than it says");
         trace_.record.threads.resize(threads);
-        const auto missing = std::count(seen_.begin(), seen_.end(), std::uint8_t{0});
+        check_tasks();
+        trace_.record.links.assign(static_cast<std::size_t>(num_links_), {-1, -1});
+        for (const auto& [place, links] : links_) trace_.record.links[static_cast<std::size_t>(place)] = links;
+    }
+
+    /// Every task of every region is there once. What regions say of their tasks' number is a number in a file: nothing of that size is
+    /// made before the tasks were counted.
+    void check_tasks() const {
+        std::vector<std::pair<std::int32_t, std::int32_t>> tasks;
+        for (const auto& thread : trace_.record.threads)
+            for (const TaskSpan& t : thread) tasks.emplace_back(t.region, t.task);
+        std::sort(tasks.begin(), tasks.end());
+        const auto twice = std::adjacent_find(tasks.begin(), tasks.end());
+        if (twice != tasks.end())
+            throw InputError(path_.string() + ": task " + std::to_string(twice->second) + " of region " +
+                             std::to_string(twice->first) + " again");
+        const std::int64_t missing = num_tasks_ - static_cast<std::int64_t>(tasks.size());
         if (missing > 0) throw InputError(path_.string() + ": " + std::to_string(missing) + " tasks are missing");
     }
 
@@ -437,8 +447,9 @@ class TraceReader : public nlohmann::json_sax<Json> {
     Event event_;
     std::int64_t events_ = 0;
     std::map<std::string, std::vector<Json>, std::less<>> other_;
-    std::vector<std::size_t> first_task_; ///< by region: its tasks in seen_
-    std::vector<std::uint8_t> seen_;
+    std::int64_t num_tasks_ = 0, num_links_ = 0; ///< that regions say
+    std::vector<std::pair<std::int64_t, Successors>>
+        links_; ///< of ordered tasks that others wait for, by their place in the record
 };
 
 } // namespace

@@ -180,6 +180,7 @@ TEST(TraceFile, RefusesDamage) {
     EXPECT_NE(changed("\"steps\":7", "\"stops\":7").find("no steps in otherData"), std::string::npos);
     EXPECT_NE(changed("\"region\":0", "\"region\":4").find("is not region 0"), std::string::npos);
     EXPECT_NE(changed("\"task\":3", "\"task\":4").find("again"), std::string::npos);
+    EXPECT_NE(changed("\"tasks\":10", "\"tasks\":2147483647").find("2147483637 tasks are missing"), std::string::npos);
     EXPECT_NE(changed("\"task\":3", "\"task\":-1").find("out of range"), std::string::npos);
     EXPECT_NE(changed("\"task\":3", "\"tusk\":3").find("has no task"), std::string::npos);
     EXPECT_NE(changed("\"tid\":0,\"args\":{\"region\":0,\"task\"", "\"tid\":5,\"args\":{\"region\":0,\"task\"")
