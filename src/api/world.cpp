@@ -110,7 +110,7 @@ struct World::Impl {
         : model(make_model(scene)),
           names(names_of(scene)),
           scene_hash(hash_of(scene, model)),
-          stepper(model, read_snapshot(snapshot, scene_hash), stepper_options(options)) {}
+          stepper(model, read_snapshot(snapshot, scene_hash, model), stepper_options(options)) {}
 
     void check(std::size_t body) const {
         if (body < model.size()) return;

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "state/snapshot.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include <flotilla/error.hpp>
 
 #include "base/hasher.hpp"
+#include "base/vec3.hpp"
+#include "scene/description_checks.hpp"
 
 namespace flotilla {
 namespace {
@@ -104,6 +109,51 @@ void visit(S& state, Visit&& part) {
         part(state.warm_final), part(state.waiting_half), part(state.waiting_final), part(state.searched);
 }
 
+bool sound(const Pose& pose) {
+    const Quat& q = pose.rotation;
+    const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    return is_finite(pose.com) && is_finite(pose.origin) && std::abs(length - 1) <= kRotationTolerance;
+}
+
+bool sound(const Motion& motion) { return is_finite(motion.velocity) && is_finite(motion.momentum); }
+
+/// Pairs of bodies that there are, in order.
+template <class T>
+bool sound_pairs(const std::vector<T>& list, std::size_t bodies) {
+    const auto in_order = [](const T& x, const T& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); };
+    return std::is_sorted(list.begin(), list.end(), in_order) && std::all_of(list.begin(), list.end(), [&](const T& x) {
+               return x.a >= 0 && x.a < x.b && static_cast<std::size_t>(x.b) < bodies;
+           });
+}
+
+bool sound_impulses(const std::vector<WarmImpulse>& list, std::size_t bodies) {
+    return sound_pairs(list, bodies) &&
+           std::all_of(list.begin(), list.end(), [](const WarmImpulse& w) { return is_finite(w.impulse); });
+}
+
+bool sound_sleep(const Sleep& sleep, const Body& body, std::size_t bodies) {
+    const bool awake = sleep.island == -1;
+    return sleep.quiet_steps >= 0 &&
+           (awake || (body.dynamic() && sleep.island >= 0 && static_cast<std::size_t>(sleep.island) < bodies));
+}
+
+bool sound(const State& s, const Model& model) {
+    const std::size_t n = model.size();
+    if (s.step < 0 || !(s.time >= 0) || !std::isfinite(s.time)) return false;
+    if (s.pose.size() != n || s.motion.size() != n || s.sleep.size() != n || s.script_delay.size() != n ||
+        s.lift.size() != n || (!s.searched.empty() && s.searched.size() != n))
+        return false;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!sound(s.pose[i]) || !sound(s.motion[i]) || !sound_sleep(s.sleep[i], model.bodies[i], n)) return false;
+        if (!std::isfinite(s.script_delay[i]) || !std::isfinite(s.lift[i])) return false;
+        if (!s.searched.empty() && !sound(s.searched[i].pose)) return false;
+    }
+    return sound_pairs(s.rest_distances, n) && sound_impulses(s.warm_half, n) && sound_impulses(s.warm_final, n) &&
+           sound_impulses(s.waiting_half, n) && sound_impulses(s.waiting_final, n) &&
+           std::all_of(s.rest_distances.begin(), s.rest_distances.end(),
+                       [](const RestDistance& r) { return r.distance >= 0 && std::isfinite(r.distance); });
+}
+
 } // namespace
 
 std::uint64_t scene_hash(const Model& model, const State& initial) {
@@ -129,7 +179,7 @@ std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene) {
     return out.take();
 }
 
-State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene) {
+State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene, const Model& model) {
     std::uint64_t magic = 0, version = 0, of_scene = 0;
     if (bytes.size() < 3 * sizeof magic) throw InputError("no snapshot");
     Reader in(bytes);
@@ -143,6 +193,7 @@ State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene) {
     in.read(hash);
     in.expect_end();
     if (hash != state_hash(state)) throw InputError("damaged snapshot: its content does not match its hash");
+    if (!sound(state, model)) throw InputError("damaged snapshot: its content is no state of the scene");
     return state;
 }
 

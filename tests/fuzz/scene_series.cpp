@@ -83,9 +83,8 @@ void add_sweeping_plate(Draws& draws, SceneDescription& scene) {
 
 SeriesScene survey_scene(Draws& draws, std::uint64_t seed, std::uint64_t index) {
     survey::RandomScene random = survey::make_random_scene(seed, index);
-    SeriesScene out{std::move(random.scene), "survey", random.kinds + ", " + random.place};
+    SeriesScene out{std::move(random.scene), random.kinds + ", " + random.place};
     draw_settings(draws, out.scene.settings);
-    if (draws.chance(0.3)) add_sweeping_plate(draws, out.scene), out.kind += ", scripted";
     return out;
 }
 
@@ -100,7 +99,7 @@ SeriesScene extremes_scene(Draws& draws) {
                                        [&](const extremes::Extreme& other) { return other.axis == e.axis; });
         if (!taken) cell.extremes.push_back(e);
     }
-    return {cell.scene(), "extremes", cell.name()};
+    return {cell.scene(), cell.name()};
 }
 
 SceneDescription ordinary(Draws& draws, std::uint64_t index) {
@@ -124,7 +123,7 @@ void add_moving(Draws& draws, SceneDescription& scene, TriangleMesh mesh, const 
 
 /// Shells in shells, a few or many times their gap a step fast.
 SeriesScene nested_scene(Draws& draws, std::uint64_t index) {
-    SeriesScene out{ordinary(draws, index), "nested", ""};
+    SeriesScene out{ordinary(draws, index), ""};
     const double gap = draws.log_uniform(1e-3, 0.3);
     const double speed = gap / out.scene.settings.time_step * draws.log_uniform(0.1, 300);
     const int shells = draws.integer(2, 6);
@@ -146,7 +145,7 @@ SeriesScene nested_scene(Draws& draws, std::uint64_t index) {
 
 /// Boxes in a grid on a floor: faces side by side in the same planes, edges and corners in line.
 SeriesScene coplanar_scene(Draws& draws, std::uint64_t index) {
-    SeriesScene out{ordinary(draws, index), "coplanar", ""};
+    SeriesScene out{ordinary(draws, index), ""};
     SceneDescription& scene = out.scene;
     const double gap = draws.log_uniform(1e-6, 0.1), speed = draws.chance(0.5) ? 0 : draws.log_uniform(0.1, 100);
     const int nx = draws.integer(1, 3), ny = draws.integer(1, 3), nz = draws.integer(1, 3);
@@ -169,15 +168,24 @@ SeriesScene coplanar_scene(Draws& draws, std::uint64_t index) {
 
 } // namespace
 
+std::string series_kind(std::uint64_t index) {
+    switch (index % 4) {
+    case 0: return "survey";
+    case 1: return "survey, scripted";
+    case 2: return "extremes";
+    default: return index % 8 == 3 ? "nested" : "coplanar";
+    }
+}
+
 SeriesScene series_scene(std::uint64_t seed, std::uint64_t index) {
     Draws draws(seed ^ kSeries, index);
-    switch (index % 4) {
-    case 0:
-    case 1: return survey_scene(draws, seed, index);
-    case 2: return extremes_scene(draws);
-    default: break;
-    }
-    return draws.chance(0.4) ? nested_scene(draws, index) : coplanar_scene(draws, index);
+    const std::string kind = series_kind(index);
+    if (kind == "extremes") return extremes_scene(draws);
+    if (kind == "nested") return nested_scene(draws, index);
+    if (kind == "coplanar") return coplanar_scene(draws, index);
+    SeriesScene out = survey_scene(draws, seed, index);
+    if (kind != "survey") add_sweeping_plate(draws, out.scene);
+    return out;
 }
 
 } // namespace flotilla::fuzz

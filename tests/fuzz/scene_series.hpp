@@ -12,9 +12,11 @@ namespace flotilla::fuzz {
 
 struct SeriesScene {
     SceneDescription scene;
-    std::string kind; ///< "survey", "survey, scripted", "extremes", "nested", "coplanar"
     std::string name; ///< what it is made of
 };
+
+/// "survey", "survey, scripted", "extremes", "nested" or "coplanar".
+[[nodiscard]] std::string series_kind(std::uint64_t index);
 
 /// Scene `index` of the series `seed`, a pure function of both. Throws InputError where no free place is found for a body.
 [[nodiscard]] SeriesScene series_scene(std::uint64_t seed, std::uint64_t index);

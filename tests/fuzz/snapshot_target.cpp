@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// Snapshots: bytes as they are, or those of a state with some parts changed and a hash that fits. A World takes them up and goes on, or
+// refuses them.
+#include <flotilla/world.hpp>
+
+#include <array>
+#include <vector>
+
+#include "fuzz/checks.hpp"
+#include "fuzz/input.hpp"
+#include "mesh/primitives.hpp"
+#include "state/build_model.hpp"
+#include "state/snapshot.hpp"
+#include "step/scene_parts.hpp"
+#include "step/stepper.hpp"
+
+namespace {
+
+using namespace flotilla;
+
+SceneDescription small_pile() {
+    SceneDescription scene;
+    const std::int32_t box = scenario::add_shape(scene, make_box(1, 1, 1), 1);
+    const std::int32_t plate = scenario::add_shape(scene, make_plate(4, 4));
+    scenario::add_body(scene, box, BodyType::dynamic, {0, 0, 0.501});
+    scenario::add_body(scene, box, BodyType::dynamic, {0.1, 0, 1.51}).velocity = {0, 0, -2};
+    scenario::add_body(scene, plate, BodyType::fixed, {});
+    BodyDescription& lid = scenario::add_body(scene, plate, BodyType::kinematic, {0, 0, 4});
+    lid.keyframes = {{0, {0, 0, 4}, {}}, {1, {0, 0, 3}, {}}};
+    return scene;
+}
+
+struct Start {
+    SceneDescription description = small_pile();
+    Model model = make_model(build_scene(description));
+    State state = initial_state(build_scene(description), model);
+    std::uint64_t scene = scene_hash(model, state);
+
+    Start() {
+        Stepper stepper(model, state, {});
+        for (int i = 0; i < 4; ++i) (void)stepper.step();
+        state = stepper.state();
+    }
+};
+
+template <class T>
+void change(fuzz::Input& input, std::vector<T>& values) {
+    if (input.below(4) == 0) return values.resize(input.below(9));
+    if (values.empty()) return;
+    auto* bytes = reinterpret_cast<unsigned char*>(values.data() + input.below(values.size()));
+    const std::size_t at = 4 * input.below(sizeof(T) / 4);
+    for (std::size_t i = 0; i < std::min<std::size_t>(8, sizeof(T) - at); ++i)
+        bytes[at + i] = input.take<std::uint8_t>();
+}
+
+void change(fuzz::Input& input, State& s) {
+    switch (input.below(12)) {
+    case 0: s.step = input.take<std::int64_t>(); break;
+    case 1: s.time = input.take<double>(); break;
+    case 2: change(input, s.pose); break;
+    case 3: change(input, s.motion); break;
+    case 4: change(input, s.sleep); break;
+    case 5: change(input, s.script_delay); break;
+    case 6: change(input, s.lift); break;
+    case 7: change(input, s.rest_distances); break;
+    case 8: change(input, s.warm_half); break;
+    case 9: change(input, s.warm_final); break;
+    case 10: change(input, s.waiting_half); break;
+    default: change(input, s.searched); break;
+    }
+}
+
+void go_on(World world, std::span<const std::byte> bytes) {
+    const std::vector<std::byte> again = world.snapshot();
+    fuzz::require(std::equal(again.begin(), again.end(), bytes.begin(), bytes.end()), "a World writes what it read");
+    try {
+        for (int i = 0; i < 2; ++i) (void)world.step();
+    } catch (const BrokenPromise&) { // bodies that were put into each other
+    }
+}
+
+} // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    static const Start start;
+    fuzz::Input input(data, size);
+    std::vector<std::byte> bytes;
+    if (input.below(2) == 0) {
+        const std::string raw = input.remaining();
+        bytes.resize(raw.size());
+        std::memcpy(bytes.data(), raw.data(), raw.size());
+    } else {
+        State state = start.state;
+        for (int i = 0; i < 8 && !input.empty(); ++i) change(input, state);
+        bytes = write_snapshot(state, start.scene);
+    }
+    fuzz::accepted("snapshot", [&] { go_on(World(start.description, bytes, "scene", {.threads = 1}), bytes); });
+    return 0;
+}
