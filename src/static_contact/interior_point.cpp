@@ -85,7 +85,8 @@ constexpr double kInteriorFloor = 0x1p-26;
 constexpr double kOutOfReach = 4;
 
 constexpr int kRounds = 10, kSweepsPerRound = 400;
-constexpr double kRoundGains = 0.8; // of the residual, which a round leaves at most: between closing walls no law can be met
+constexpr double kRoundGains =
+    0.8; // of the residual, which a round leaves at most: between closing walls no law can be met
 
 Vec3 cut_to_cone(const Vec3& r, double friction) {
     if (!(r.x > 0)) return {};

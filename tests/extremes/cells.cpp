@@ -247,12 +247,14 @@ std::vector<Extreme> all_extremes() {
 }
 
 std::string Cell::name() const {
+    if (own_scene) return extremes[0].axis + ", " + extremes[0].value;
     std::string out = situation == Situation::pile ? "pile" : "clash";
     for (const Extreme& e : extremes) out += ", " + e.axis + " " + e.value;
     return out;
 }
 
 SceneDescription Cell::scene() const {
+    if (own_scene) return own_scene();
     Knobs knobs;
     knobs.settings.sleeping = false;
     for (const Extreme& e : extremes) e.set(knobs);
@@ -264,9 +266,9 @@ std::vector<Cell> all_cells() {
     std::vector<Cell> cells;
     for (const Situation situation : {Situation::pile, Situation::clash})
         for (std::size_t i = 0; i < extremes.size(); ++i) {
-            cells.push_back({situation, {extremes[i]}});
+            cells.push_back({situation, {extremes[i]}, {}});
             for (std::size_t j = i + 1; j < extremes.size(); ++j)
-                if (extremes[j].axis != extremes[i].axis) cells.push_back({situation, {extremes[i], extremes[j]}});
+                if (extremes[j].axis != extremes[i].axis) cells.push_back({situation, {extremes[i], extremes[j]}, {}});
         }
     return cells;
 }

@@ -57,7 +57,8 @@ enum class Situation { pile, clash };
 
 struct Cell {
     Situation situation = Situation::pile;
-    std::vector<Extreme> extremes; ///< of different axes
+    std::vector<Extreme> extremes;               ///< of different axes
+    std::function<SceneDescription()> own_scene; ///< of one that is not made from knobs; its extreme sets nothing
 
     [[nodiscard]] std::string name() const;
     [[nodiscard]] SceneDescription scene() const;
@@ -65,5 +66,8 @@ struct Cell {
 
 /// Every value alone and every two of different axes, in both situations.
 [[nodiscard]] std::vector<Cell> all_cells();
+
+/// Scenes of their own that no two axes make: many bodies, large meshes, bodies in each other's hollows.
+[[nodiscard]] std::vector<Cell> large_cells();
 
 } // namespace flotilla::extremes

@@ -13,6 +13,7 @@ enum class Verdict {
     held,    ///< kept every promise, and reported bodies that the failsafe held or scripts that it delayed
     refused, ///< with a message
     broken,  ///< a promise
+    unended, ///< no promise was broken, but limits of sweeps that the scene sets itself allow more than its time
 };
 
 struct Outcome {
