@@ -122,9 +122,9 @@ SceneDescription nested_shells() {
     return scene;
 }
 
-SceneDescription convoy(int side) {
+SceneDescription convoy() {
     SceneDescription scene = still_scene({});
-    add_cubes(scene, side * side, side, side / 10, {1.2, 1.2, 1.2}, {}, {100, 30, 10});
+    add_cubes(scene, 100, 10, 10, {1.2, 1.2, 1.2}, {}, {100, 30, 10});
     return scene;
 }
 
@@ -159,7 +159,7 @@ std::vector<Cell> large_cells() {
                 [=] { return stack(boxes, ratio); });
     add("1,000 sheets 1 mm apart", [] { return sheets(1000); });
     add("1,000 cubes in a shrinking box", shrinking_box);
-    add("10,000 cubes of one speed", [] { return convoy(32); });
+    add("10,000 cubes of one speed", convoy);
     add("100,000 cubes on a floor", [] { return field(317); });
     add("1,310,720 triangles", fine_sphere);
     add("screw and nut", screw_and_nut);
