@@ -15,6 +15,17 @@ constexpr double kTolerance = 1e-4;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+/// The largest eigenvalue of a symmetric matrix in the plane across a unit vector, where it has two: from their sum and that of their
+/// squares.
+double largest_across(const Mat3& m, const Vec3& n) {
+    const Vec3 mn = m * n;
+    const double along = dot(n, mn);
+    const double sum = m.m[0] + m.m[4] + m.m[8] - along;
+    const double squares =
+        length_sq(row(m, 0)) + length_sq(row(m, 1)) + length_sq(row(m, 2)) - 2 * length_sq(mn) + along * along;
+    return 0.5 * (sum + std::sqrt(std::max(0.0, 2 * squares - sum * sum)));
+}
+
 class Island {
   public:
     Island(std::span<KeptHit> hits, std::span<const std::int32_t> places, HitBodies& bodies)
@@ -142,7 +153,7 @@ class Island {
             hit.point.relative_velocity = u - rigid(hit);
             const Mat3 m = collision_matrix(body(hit.a), body(hit.b), hit.point.arm_a, hit.point.arm_b);
             hit.mass_normal = dot(hit.point.normal, m * hit.point.normal);
-            hit.mass_tangent = m.m[0] + m.m[4] + m.m[8]; // its trace: no less than its largest eigenvalue
+            hit.mass_tangent = largest_across(m, hit.point.normal);
             hit.seen = -1;
         }
     }
@@ -180,8 +191,10 @@ class Island {
             KeptHit& hit = hits_[at(places_[backwards ? places_.size() - 1 - i : i])];
             if (!hit.met || !(hit.live || all) || !stale(hit)) continue;
             ++clock_;
-            if (update(hit)) any = true;
-            hit.seen = clock_;
+            const bool changed = update(hit);
+            any = any || changed;
+            // Its normal is solved at once, friction in steps: it is looked at until they end, whoever else does not move.
+            hit.seen = changed && hit.point.friction > 0 ? clock_ - 1 : clock_;
         }
         return any;
     }

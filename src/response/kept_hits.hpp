@@ -40,7 +40,7 @@ struct KeptHit {
     Vec3 start{}, next{}; ///< N s, what is solved for: of the round alone, or `impulse` where its pair begins anew
     bool live = false;    ///< takes part; one met before does from when it approaches faster than `least`
     double aim = 0;       ///< m/s
-    double mass_normal = 0, mass_tangent = 0; ///< 1/kg, along the normal, and no less than any other
+    double mass_normal = 0, mass_tangent = 0; ///< 1/kg, along the normal, and the largest across it
     std::int64_t seen = 0;                    ///< when the velocities were last looked at
 };
 
