@@ -38,7 +38,8 @@ struct RunOptions {
     /// Where the contact points of every step and their impulses are written as CSV (io/contacts_csv.hpp); empty: nowhere. There when the
     /// run ends, compressed where the name ends with .gz. A resumed run has the contacts from there on.
     std::filesystem::path contacts;
-    /// Called after every step; returning false ends the run early. Where there is a folder, the run can then be resumed.
+    /// Called after every step; returning false ends the run early. Where there is a folder, the run can then be resumed. What this or
+    /// another callback throws comes out of run_scene as it is, and leaves the folder like a run that was killed: whole, to be resumed.
     std::function<bool(const StepReport&)> after_step;
     /// Called with what was done, before run_scene throws ScriptError; may be empty.
     std::function<void(const RunTotals&)> blocked;

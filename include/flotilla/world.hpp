@@ -52,7 +52,8 @@ struct WorldOptions {
     /// Up to 1024, the calling thread among them; a negative number is refused. 0: FLOTILLA_NUM_THREADS, else what OpenMP would take
     /// (OMP_NUM_THREADS, else the cores that the process may use); less what steps of other Worlds use at the time; and one inside an
     /// active parallel region of OpenMP or a task of TBB, whose other threads have work of their own. A number is taken as it is, inside
-    /// a parallel region as far as OpenMP allows regions within regions (OMP_MAX_ACTIVE_LEVELS).
+    /// a parallel region as far as OpenMP allows regions within regions (OMP_MAX_ACTIVE_LEVELS), and as one where the process may not have
+    /// the memory for their stacks.
     int threads = 0;
     Executor executor = Executor::parallel;
 };
@@ -81,8 +82,10 @@ class World {
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
 
-    /// Advances by settings().time_step, in settings().substeps inner steps, each of them proved. Throws BrokenPromise rather than leave bodies that are not proved apart; with
-    /// `unsatisfiable_script: error` ScriptError, which leaves everything as it was before.
+    /// Advances by settings().time_step, in settings().substeps inner steps, each of them proved. Throws BrokenPromise rather than leave
+    /// bodies that are not proved apart; with `unsatisfiable_script: error` ScriptError, which leaves everything as it was before. After
+    /// any other exception (memory may be refused) the World is finished: it can be destroyed and assigned to, and step() and snapshot()
+    /// throw Error; a snapshot taken before goes on.
     StepReport step();
 
     [[nodiscard]] std::size_t size() const; ///< bodies

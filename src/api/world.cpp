@@ -125,6 +125,7 @@ struct World::Impl {
     std::uint64_t scene_hash;       ///< of the scene as it was described
     std::vector<MovedBody> moved;
     Stepper stepper;
+    bool whole = true; ///< no step ended half-way
 };
 
 Team& WorldAccess::team(World& world) { return world.impl_->stepper.team(); }
@@ -141,14 +142,20 @@ World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step() {
     const DefaultFloatingPoint environment;
+    if (!std::exchange(impl_->whole, false))
+        throw Error("step " + std::to_string(steps() + 1) +
+                    ": an earlier call failed half-way; the World cannot go on, a snapshot taken before can");
     try {
-        return impl_->stepper.step();
+        StepReport report = impl_->stepper.step();
+        impl_->whole = true;
+        return report;
     } catch (const CertificateError& e) {
         const BodyNames pair = impl_->pair(e.pair.a, e.pair.b);
         throw BrokenPromise("step " + std::to_string(steps() + 1) + ": bodies " + in_quotes(pair.name_a) + " and " +
                                 in_quotes(pair.name_b) + " could not be proved apart",
                             steps() + 1, pair);
     } catch (const BlockedScripts& e) {
+        impl_->whole = true; // everything is as it was before
         std::string message;
         std::vector<BodyNames> pairs;
         for (const DelayedScript& d : e.scripts) {
@@ -240,6 +247,9 @@ std::vector<ThreadReport> World::threads() const {
 std::uint64_t World::state_hash() const { return flotilla::state_hash(impl_->stepper.state()); }
 const std::vector<MovedBody>& World::moved_bodies() const { return impl_->moved; }
 std::uint64_t World::scene_hash() const { return impl_->scene_hash; }
-std::vector<std::byte> World::snapshot() const { return write_snapshot(impl_->stepper.state(), impl_->scene_hash); }
+std::vector<std::byte> World::snapshot() const {
+    if (!impl_->whole) throw Error("a step failed half-way: there is no whole state to take a snapshot of");
+    return write_snapshot(impl_->stepper.state(), impl_->scene_hash);
+}
 
 } // namespace flotilla
