@@ -4,6 +4,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <utility>
+#include <vector>
 
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -22,13 +28,11 @@ inline std::size_t most_coarse_threads() {
     return most;
 }
 
-/// An arena of so many threads, where the process may take them; `callers` of them are the caller, 1 or 0.
-class Arena {
+/// An arena whose workers may use all cores.
+class RoamingArena {
   public:
-    explicit Arena(std::size_t threads, unsigned callers = 1)
-        : arena_(static_cast<int>(std::min(threads, most_coarse_threads())), callers), roaming_(arena_) {}
-
-    tbb::task_arena* operator->() { return &arena_; }
+    RoamingArena(int threads, unsigned callers) : arena_(threads, callers), roaming_(arena_) {}
+    [[nodiscard]] tbb::task_arena& arena() { return arena_; }
 
   private:
     class Roaming : public tbb::task_scheduler_observer {
@@ -42,6 +46,61 @@ class Arena {
 
     tbb::task_arena arena_;
     Roaming roaming_;
+};
+
+/// Arenas that nobody uses, for whoever wants one of the same size next: with every arena that had work and goes, oneTBB (2021.8) loses
+/// 7 kB. So there are as many as were ever in use at once.
+class SpareArenas {
+  public:
+    using Size = std::pair<int, unsigned>; ///< threads, callers
+
+    static SpareArenas& all() {
+        static auto* const spares =
+            new SpareArenas; // never destroyed: its workers may outlive whatever ends with the program
+        return *spares;
+    }
+    std::unique_ptr<RoamingArena> take(const Size& size) {
+        {
+            const std::lock_guard guard(lock_);
+            auto& list = spares_[size];
+            if (!list.empty()) {
+                auto arena = std::move(list.back());
+                list.pop_back();
+                return arena;
+            }
+        }
+        return std::make_unique<RoamingArena>(size.first, size.second);
+    }
+    /// Where there is no memory to keep it, it goes.
+    void give_back(const Size& size, std::unique_ptr<RoamingArena> arena) noexcept {
+        const std::lock_guard guard(lock_);
+        try {
+            spares_[size].push_back(std::move(arena));
+        } catch (const std::bad_alloc&) {
+            arena.reset();
+        }
+    }
+
+  private:
+    std::mutex lock_;
+    std::map<Size, std::vector<std::unique_ptr<RoamingArena>>> spares_;
+};
+
+/// An arena of so many threads, where the process may take them; `callers` of them are the caller, 1 or 0.
+class Arena {
+  public:
+    explicit Arena(std::size_t threads, unsigned callers = 1)
+        : size_(static_cast<int>(std::min(threads, most_coarse_threads())), callers),
+          arena_(SpareArenas::all().take(size_)) {}
+    ~Arena() { SpareArenas::all().give_back(size_, std::move(arena_)); }
+    Arena(const Arena&) = delete;
+    Arena& operator=(const Arena&) = delete;
+
+    tbb::task_arena* operator->() { return &arena_->arena(); }
+
+  private:
+    SpareArenas::Size size_;
+    std::unique_ptr<RoamingArena> arena_;
 };
 
 } // namespace flotilla
