@@ -201,7 +201,7 @@ int run_run(const RunArguments& arguments) {
         std::cerr << "flotilla: " << source << ": " << text << '\n';
     if (!arguments.quiet && arguments.output.empty() && arguments.trace.empty() && arguments.contacts.empty())
         std::cerr << "flotilla: nothing of this run is kept; --output DIR keeps it\n";
-    StopRequest stop(parse_time_limit(arguments.time_limit), !arguments.output.empty());
+    std::optional<StopRequest> stop(std::in_place, parse_time_limit(arguments.time_limit), !arguments.output.empty());
     RunOptions run;
     run.output = arguments.output;
     run.overwrite = arguments.overwrite;
@@ -217,13 +217,15 @@ int run_run(const RunArguments& arguments) {
     run.trace = arguments.trace;
     run.contacts = arguments.contacts;
     run.trace_every = arguments.trace_every;
-    const Ended ended = simulate(scene, source, run, stop, arguments.quiet);
+    const Ended ended = simulate(scene, source, run, *stop, arguments.quiet);
+    const std::string reason = stop->reason();
+    stop.reset(); // all is written: a signal ends the process as usual
     const RunTotals& totals = ended.totals;
     if (!arguments.quiet) print_summary(totals);
     if (!arguments.quiet && !arguments.trace.empty())
         std::printf("trace of %ld steps: %s\n", static_cast<long>(totals.traced_steps), arguments.trace.c_str());
     if (!totals.complete && !ended.blocked) {
-        std::cerr << "flotilla: stopped after step " << totals.last.step << " of " << run.steps << " (" << stop.reason()
+        std::cerr << "flotilla: stopped after step " << totals.last.step << " of " << run.steps << " (" << reason
                   << "); --resume goes on\n";
         if (arguments.audit) std::cerr << "flotilla: not audited; flotilla verify proves what there is\n";
         return kResumable;

@@ -2,6 +2,7 @@
 #include "cli/stop_request.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <charconv>
 #include <csignal>
@@ -16,11 +17,13 @@ namespace {
 std::atomic<int> g_signal{0}; // a signal handler can reach nothing else
 static_assert(std::atomic<int>::is_always_lock_free);
 
+constexpr std::array kStops{SIGINT, SIGTERM, SIGHUP};
+constexpr std::array kNames{"SIGINT", "SIGTERM", "SIGHUP"};
+
 extern "C" void on_signal(int signal) {
     g_signal = signal;
-    // The next one has its usual effect.
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
+    for (const int other : kStops) // the next one has its usual effect
+        if (std::signal(other, SIG_DFL) == SIG_IGN) std::signal(other, SIG_IGN);
     constexpr char kText[] = "\nflotilla: stopping after this step; once more ends it at once\n";
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
 }
@@ -51,19 +54,21 @@ StopRequest::StopRequest(std::optional<std::chrono::seconds> limit, bool catch_s
     : limit_(limit), catch_signals_(catch_signals) {
     if (!catch_signals_) return;
     g_signal = 0;
-    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_signal);
+    for (const int signal : kStops)
+        if (std::signal(signal, on_signal) == SIG_IGN) std::signal(signal, SIG_IGN); // as nohup wants it
 }
 
 StopRequest::~StopRequest() {
     if (!catch_signals_) return;
-    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+    for (const int signal : kStops)
+        if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
 bool StopRequest::signalled() const { return g_signal != 0; }
 
 bool StopRequest::asked(double step_seconds) {
     if (g_signal != 0) {
-        reason_ = g_signal == SIGINT ? "SIGINT" : "SIGTERM";
+        reason_ = kNames[static_cast<std::size_t>(std::find(kStops.begin(), kStops.end(), g_signal) - kStops.begin())];
         return true;
     }
     if (!limit_) return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reasons to end a run before its last step: SIGINT, SIGTERM, and a limit of time.
+// Reasons to end a run before its last step: SIGINT, SIGTERM, SIGHUP, and a limit of time.
 #pragma once
 
 #include <chrono>
@@ -14,8 +14,8 @@ namespace flotilla::cli {
 /// One at a time in a process.
 class StopRequest {
   public:
-    /// The clock of `limit` starts now. With `catch_signals` the first SIGINT or SIGTERM asks to stop; a second one ends the process at
-    /// once.
+    /// The clock of `limit` starts now. With `catch_signals` the first signal asks to stop; a second one ends the process at once.
+    /// Signals that the process ignores stay so.
     StopRequest(std::optional<std::chrono::seconds> limit, bool catch_signals);
     ~StopRequest();
     StopRequest(const StopRequest&) = delete;

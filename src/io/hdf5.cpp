@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <mutex>
+#include <new>
 #include <numeric>
 #include <utility>
 
@@ -99,6 +100,17 @@ void require(bool ok, const std::string& what) {
     if (!ok) throw IoError("HDF5 could not write " + what + " (out of memory?)");
 }
 
+/// The library does not survive memory that is refused: it follows pointers that it did not get (H5AC_create, 1.10.8) or cannot close its
+/// files any more. So what a call may need is asked for here, all at once, and given back: refused, nothing has begun. `data`: bytes, of
+/// the image and of what is added to it.
+void ensure_memory(std::size_t data) {
+    constexpr std::size_t kLibrary = std::size_t{4} << 20; // an open file and its caches take 1.8 MB
+    constexpr std::size_t kCopies = 2;                     // a growing image is moved
+    void* const memory = std::malloc(kLibrary + kCopies * data);
+    if (memory == nullptr) throw std::bad_alloc();
+    std::free(memory);
+}
+
 /// The library takes two open images of one name for the same file.
 std::string unique_name() {
     static std::uint64_t counter = 0; // under the library's lock
@@ -170,15 +182,18 @@ bool remove_trailer(std::vector<std::byte>& file) {
 // that its images do not open.
 struct Hdf5Writer::Memory {
     void* data = nullptr;
+    std::size_t size = 0;
     ~Memory() { std::free(data); }
 
+    void* keep(void* memory, std::size_t bytes) {
+        if (memory != nullptr) data = memory, size = bytes;
+        return memory;
+    }
     static void* allocate(std::size_t size, H5FD_file_image_op_t, void* memory) {
-        return static_cast<Memory*>(memory)->data = std::malloc(size);
+        return static_cast<Memory*>(memory)->keep(std::malloc(size), size);
     }
     static void* reallocate(void* data, std::size_t size, H5FD_file_image_op_t, void* memory) {
-        void* grown = std::realloc(data, size);
-        if (grown != nullptr) static_cast<Memory*>(memory)->data = grown;
-        return grown;
+        return static_cast<Memory*>(memory)->keep(std::realloc(data, size), size);
     }
     static herr_t release(void*, H5FD_file_image_op_t, void*) { return 0; }
     static void* copy_user_data(void* memory) { return memory; }
@@ -186,6 +201,7 @@ struct Hdf5Writer::Memory {
 };
 
 Hdf5Writer::Hdf5Writer() : memory_(std::make_unique<Memory>()) {
+    ensure_memory(kImageIncrement);
     const Call call;
     const Id access = memory_file_access();
     H5FD_file_image_callbacks_t callbacks{
@@ -210,6 +226,7 @@ void Hdf5Writer::create_group(const std::string& name) {
 template <typename T>
 void Hdf5Writer::write(const std::string& name, std::span<const T> values, std::initializer_list<std::size_t> shape,
                        Checked checked) {
+    ensure_memory(memory_->size + values.size_bytes());
     const Call call;
     const std::vector<hsize_t> dims(shape.begin(), shape.end());
     const Id space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr), H5Sclose);
@@ -222,9 +239,10 @@ void Hdf5Writer::write(const std::string& name, std::span<const T> values, std::
 }
 
 void Hdf5Writer::write_strings(const std::string& name, const std::vector<std::string>& values) {
-    const Call call;
     std::size_t width = 1;
     for (const auto& value : values) width = std::max(width, value.size());
+    ensure_memory(memory_->size + 2 * width * values.size());
+    const Call call;
     const hsize_t size = values.size();
     const Id space(H5Screate_simple(1, &size, nullptr), H5Sclose);
     const Id type = string_type(width);
@@ -257,6 +275,7 @@ void Hdf5Writer::attribute(const std::string& object, const std::string& name, c
 }
 
 std::vector<std::byte> Hdf5Writer::finish() {
+    ensure_memory(memory_->size);
     const Call call;
     require(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0, "a file");
     const ssize_t size = H5Fget_file_image(file_, nullptr, 0);
@@ -269,6 +288,7 @@ std::vector<std::byte> Hdf5Writer::finish() {
 
 Hdf5Reader::Hdf5Reader(const std::filesystem::path& path) : path_(path), file_(-1) {
     auto image = read_file(path);
+    ensure_memory(image.size());
     const Call call;
     const Id access = memory_file_access();
     if (!remove_trailer(image)) throw IoError(path_.string() + ": truncated or damaged, or not written by flotilla");

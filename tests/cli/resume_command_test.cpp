@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // flotilla run --resume, signals, --time-limit, and what happens when files cannot be written or read.
-#include <sys/mount.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 
 #include "cli/killed_runs.hpp"
 #include "io/damage.hpp"
+#include "support/small_disk.hpp"
 
 namespace flotilla::test {
 namespace {
@@ -230,26 +230,6 @@ TEST_F(Resume, TwoRunsCannotWriteIntoOneFolder) {
     EXPECT_EQ(on.exit_code, 0) << on.err;
     EXPECT_NE(on.out.find(" 2 steps after the " + std::to_string(steps)), std::string::npos) << on.out;
 }
-
-/// A folder on a file system of its own; only the superuser can make one.
-class SmallDisk {
-  public:
-    SmallDisk(const fs::path& where, const std::string& size) : where_(where) {
-        fs::create_directory(where);
-        mounted_ = ::mount("tmpfs", where.c_str(), "tmpfs", 0, ("size=" + size).c_str()) == 0;
-    }
-    ~SmallDisk() {
-        if (mounted_) ::umount(where_.c_str());
-    }
-    SmallDisk(const SmallDisk&) = delete;
-    SmallDisk& operator=(const SmallDisk&) = delete;
-    [[nodiscard]] bool mounted() const { return mounted_; }
-    void make_read_only() const { ::mount("tmpfs", where_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr); }
-
-  private:
-    fs::path where_;
-    bool mounted_;
-};
 
 TEST_F(Resume, AFullDiskLosesNothingOlder) {
     const fs::path disk = folder_.path() / "disk";

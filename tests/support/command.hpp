@@ -22,16 +22,17 @@ struct CommandOutput {
     std::string out, err;
 };
 
-/// arguments: as typed after `flotilla`, for the shell; standard input is empty where they do not redirect it.
-inline CommandOutput run_flotilla(const std::string& arguments) {
+/// arguments: as typed after `flotilla`, for the shell; standard input is empty where they do not redirect it. `before`: what the shell
+/// does first, such as setting limits.
+inline CommandOutput run_flotilla(const std::string& arguments, const std::string& before = ":") {
     const TemporaryFolder folder;
     const auto read = [&](const char* name) {
         std::ifstream in(folder.path() / name, std::ios::binary);
         return std::string{std::istreambuf_iterator<char>(in), {}};
     };
     const std::string to = folder.path().string();
-    const std::string line =
-        "</dev/null " + std::string(FLOTILLA_COMMAND) + " " + arguments + " >" + to + "/out 2>" + to + "/err";
+    const std::string line = before + "; exec </dev/null " + std::string(FLOTILLA_COMMAND) + " " + arguments + " >" +
+                             to + "/out 2>" + to + "/err";
     const int status = std::system(line.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out"), read("err")};
 }
@@ -39,9 +40,9 @@ inline CommandOutput run_flotilla(const std::string& arguments) {
 /// A command that runs while the test goes on; its output goes to a file.
 class RunningFlotilla {
   public:
-    /// arguments: as typed after `flotilla`, for the shell.
-    explicit RunningFlotilla(const std::string& arguments) {
-        const std::string line = "exec " + std::string(FLOTILLA_COMMAND) + " " + arguments;
+    /// arguments: as typed after `flotilla`, for the shell. `before`: what the shell does first.
+    explicit RunningFlotilla(const std::string& arguments, const std::string& before = ":") {
+        const std::string line = before + "; exec " + std::string(FLOTILLA_COMMAND) + " " + arguments;
         const std::string log = (folder_.path() / "log").string();
         process_ = ::fork();
         if (process_ != 0) return;
