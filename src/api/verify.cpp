@@ -9,6 +9,7 @@
 #include <flotilla/scene_file.hpp>
 
 #include "audit/audit.hpp"
+#include "base/assumptions.hpp"
 #include "base/floating_point.hpp"
 #include "base/stopwatch.hpp"
 #include "base/text.hpp"
@@ -210,6 +211,7 @@ class Verifier {
 template <class Check>
 VerifyReport timed(Check&& check) {
     const DefaultFloatingPoint environment;
+    if (const std::string fault = arithmetic_fault(); !fault.empty()) throw Error("arithmetic: " + fault);
     VerifyReport report;
     double ms = 0;
     {

@@ -7,6 +7,7 @@
 #include <flotilla/error.hpp>
 
 #include "api/world_access.hpp"
+#include "base/assumptions.hpp"
 #include "base/floating_point.hpp"
 #include "base/text.hpp"
 #include "parallel/threads.hpp"
@@ -94,6 +95,7 @@ StepperOptions stepper_options(const WorldOptions& options) {
 template <class Work>
 auto in_own_environment(Work&& work) {
     const DefaultFloatingPoint environment;
+    if (const std::string fault = arithmetic_fault(); !fault.empty()) throw Error("arithmetic: " + fault);
     return work();
 }
 
