@@ -109,13 +109,23 @@ void visit(S& state, Visit&& part) {
         part(state.warm_final), part(state.waiting_half), part(state.waiting_final), part(state.searched);
 }
 
+/// m, m/s, rad/s and N s: far beyond where any run gets, and products of seven such numbers are doubles.
+constexpr double kMost = 1e30;
+
+bool within_reach(const Vec3& v) { return max_component(abs(v)) <= kMost && is_finite(v); }
+
 bool sound(const Pose& pose) {
     const Quat& q = pose.rotation;
     const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-    return is_finite(pose.com) && is_finite(pose.origin) && std::abs(length - 1) <= kRotationTolerance;
+    return within_reach(pose.com) && within_reach(pose.origin) && std::abs(length - 1) <= kRotationTolerance;
 }
 
-bool sound(const Motion& motion) { return is_finite(motion.velocity) && is_finite(motion.momentum); }
+bool sound_motion(const State& s, const Model& model, std::size_t i) {
+    const Motion& motion = s.motion[i];
+    if (!within_reach(motion.velocity) || !within_reach(motion.momentum)) return false;
+    return !model.bodies[i].movable() ||
+           within_reach(angular_velocity(model.shape_of(i), s.pose[i].rotation, motion.momentum));
+}
 
 /// Pairs of bodies that there are, in order.
 template <class T>
@@ -128,7 +138,7 @@ bool sound_pairs(const std::vector<T>& list, std::size_t bodies) {
 
 bool sound_impulses(const std::vector<WarmImpulse>& list, std::size_t bodies) {
     return sound_pairs(list, bodies) &&
-           std::all_of(list.begin(), list.end(), [](const WarmImpulse& w) { return is_finite(w.impulse); });
+           std::all_of(list.begin(), list.end(), [](const WarmImpulse& w) { return within_reach(w.impulse); });
 }
 
 bool sound_sleep(const Sleep& sleep, const Body& body, std::size_t bodies) {
@@ -137,15 +147,19 @@ bool sound_sleep(const Sleep& sleep, const Body& body, std::size_t bodies) {
            (awake || (body.dynamic() && sleep.island >= 0 && static_cast<std::size_t>(sleep.island) < bodies));
 }
 
+/// What the hash itself relies on.
+bool has_every_body(const State& s, std::size_t n) {
+    return s.pose.size() == n && s.motion.size() == n && s.sleep.size() == n && s.script_delay.size() == n &&
+           s.lift.size() == n && (s.searched.empty() || s.searched.size() == n);
+}
+
 bool sound(const State& s, const Model& model) {
     const std::size_t n = model.size();
-    if (s.step < 0 || !(s.time >= 0) || !std::isfinite(s.time)) return false;
-    if (s.pose.size() != n || s.motion.size() != n || s.sleep.size() != n || s.script_delay.size() != n ||
-        s.lift.size() != n || (!s.searched.empty() && s.searched.size() != n))
-        return false;
+    if (s.step < 0 || !(s.time >= 0) || !(s.time <= kMost)) return false;
     for (std::size_t i = 0; i < n; ++i) {
-        if (!sound(s.pose[i]) || !sound(s.motion[i]) || !sound_sleep(s.sleep[i], model.bodies[i], n)) return false;
-        if (!std::isfinite(s.script_delay[i]) || !std::isfinite(s.lift[i])) return false;
+        if (!sound(s.pose[i]) || !sound_motion(s, model, i) || !sound_sleep(s.sleep[i], model.bodies[i], n))
+            return false;
+        if (!(std::abs(s.script_delay[i]) <= kMost) || !(std::abs(s.lift[i]) <= kMost)) return false;
         if (!s.searched.empty() && !sound(s.searched[i].pose)) return false;
     }
     return sound_pairs(s.rest_distances, n) && sound_impulses(s.warm_half, n) && sound_impulses(s.warm_final, n) &&
@@ -192,6 +206,7 @@ State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene, const
     std::uint64_t hash = 0;
     in.read(hash);
     in.expect_end();
+    if (!has_every_body(state, model.size())) throw InputError("damaged snapshot: its arrays do not fit the scene");
     if (hash != state_hash(state)) throw InputError("damaged snapshot: its content does not match its hash");
     if (!sound(state, model)) throw InputError("damaged snapshot: its content is no state of the scene");
     return state;

@@ -19,7 +19,7 @@ namespace flotilla {
 [[nodiscard]] std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene);
 
 /// What write_snapshot wrote of a run of the model. Throws InputError where `bytes` is no snapshot, is damaged, or belongs to another
-/// scene. A hash can be made to fit: whatever is read has a place for every body, names only bodies that there are, and is finite.
+/// scene. A hash can be made to fit: whatever is read has a place for every body, names only bodies that there are, and is within reach of a run.
 [[nodiscard]] State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene, const Model& model);
 
 } // namespace flotilla

@@ -1,14 +1,27 @@
 // SPDX-License-Identifier: MIT
 // A World made from a snapshot goes on with the bits of the one that it was taken from (G3).
+#include <cmath>
 #include <cstring>
 
 #include <flotilla/error.hpp>
 
+#include "scene/scene.hpp"
+#include "state/build_model.hpp"
+#include "state/snapshot.hpp"
 #include "step/scenario.hpp"
 #include "step/thread_scenes.hpp"
 
 namespace flotilla::scenario {
 namespace {
+
+/// Two boxes.
+SceneDescription two_boxes() {
+    SceneDescription scene = empty_scene();
+    const auto box = add_shape(scene, make_box(1, 1, 1), 1);
+    add_body(scene, box, BodyType::dynamic, {});
+    add_body(scene, box, BodyType::dynamic, {3, 0, 0});
+    return scene;
+}
 
 class Snapshot : public testing::TestWithParam<ThreadScene> {};
 
@@ -82,6 +95,34 @@ TEST(SnapshotOf, SmallBodiesThatWakeGoOnWithTheSameBits) {
     }
     EXPECT_GT(slept, 0);
     EXPECT_GT(woken, 0);
+}
+
+TEST(SnapshotOf, WhatIsNoStateOfTheSceneIsRefusedThoughItsHashFits) {
+    const Scene scene = build_scene(two_boxes());
+    const Model model = make_model(scene);
+    const State good = initial_state(scene, model);
+    const auto message = [&](auto&& change) -> std::string {
+        State state = good;
+        change(state);
+        try {
+            (void)read_snapshot(write_snapshot(state, 7), 7, model);
+            return "none";
+        } catch (const InputError& error) {
+            return error.what();
+        }
+    };
+    const std::string sizes = "damaged snapshot: its arrays do not fit the scene";
+    const std::string content = "damaged snapshot: its content is no state of the scene";
+    EXPECT_EQ(message([](State&) {}), "none");
+    EXPECT_EQ(message([](State& s) { s.lift.push_back(0); }), sizes);
+    EXPECT_EQ(message([](State& s) { s.searched.resize(7); }), sizes);
+    EXPECT_EQ(message([](State& s) { s.pose[0].com.x = std::nan(""); }), content);
+    EXPECT_EQ(message([](State& s) { s.motion[1].momentum.z = HUGE_VAL; }), content);
+    EXPECT_EQ(message([](State& s) { s.motion[1].velocity.z = 1e200; }), content);
+    EXPECT_EQ(message([](State& s) { s.sleep[0].island = 2; }), content);
+    EXPECT_EQ(message([](State& s) { s.rest_distances = {{0, 2, 0.1}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.warm_half = {{1, 0, 3, {}}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.waiting_final = {{0, 1, 3, {0, 0, std::nan("")}}}; }), content);
 }
 
 TEST(SnapshotOf, AnotherSceneOrDamageIsRefused) {
