@@ -25,7 +25,7 @@ using extremes::Verdict;
 struct Arguments {
     std::uint64_t seed = 1, first = 0, scenes = 1000;
     std::int64_t only = -1;
-    int steps = 20, repeat_every = 8, seconds = 20;
+    int steps = 20, repeat_every = 8, seconds = 20, total_seconds = 0;
     std::string write;
 };
 
@@ -78,10 +78,14 @@ int write_table(std::map<std::string, Sum>& sums) {
 
 int run_all(const Arguments& arguments) {
     std::map<std::string, Sum> sums;
-    std::time_t told = std::time(nullptr);
+    const std::time_t began = std::time(nullptr);
+    std::time_t told = began;
     const std::uint64_t first = arguments.only >= 0 ? static_cast<std::uint64_t>(arguments.only) : arguments.first;
     const std::uint64_t count = arguments.only >= 0 ? 1 : arguments.scenes;
-    for (std::uint64_t index = first; index < first + count; ++index) {
+    const auto late = [&] {
+        return arguments.total_seconds > 0 && std::time(nullptr) > began + arguments.total_seconds;
+    };
+    for (std::uint64_t index = first; index < first + count && !late(); ++index) {
         const bool again = arguments.only >= 0 || (index / 8) % static_cast<std::uint64_t>(arguments.repeat_every) == 0;
         const Outcome outcome = run(arguments, index, again);
         sums[fuzz::series_kind(index)].add(outcome, again);
@@ -123,6 +127,7 @@ int main(int argc, char** argv) {
     app.add_option("--seconds", arguments.seconds,
                    "Processor time after which no step of a scene begins; four times it is a fault")
         ->check(CLI::PositiveNumber);
+    app.add_option("--total-seconds", arguments.total_seconds, "Time after which no scene begins (default: never)");
     CLI11_PARSE(app, argc, argv);
     return arguments.write.empty() ? run_all(arguments) : write_only(arguments);
 }

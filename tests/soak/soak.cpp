@@ -34,24 +34,23 @@ void turn(BodyDescription& body, const Vec3& axis, double seconds_a_turn, double
         body.keyframes.push_back({k * quarter, place, rotation_from_vector((k % 4) * 0.5 * kPi * axis)});
 }
 
-/// 24 solids in a tub of 2 m, and a paddle that goes round in it in 4 s.
+/// 24 solids in a bowl, where all slide back to the middle, and a paddle that goes round there in 4 s.
 SceneDescription stirred_pile(int steps) {
     SceneDescription scene;
     scene.settings.time_step = 1.0 / 60;
-    scene.settings.friction = 0.3;
+    constexpr double kFriction = 0.3, kRadius = 2; // m
     const std::array shapes{
         add_shape(scene, make_box(0.3, 0.25, 0.2), 12), add_shape(scene, scenario::make_octahedron(0.18), 6),
         add_shape(scene, make_ring(0.15, 0.04, 10, 5), 2), add_shape(scene, make_sphere(0.14, 1), 8)};
     for (int i = 0; i < 24; ++i) {
         const double turned = 0.5 * kPi * i + 0.4;
-        const Vec3 at{0.6 * std::cos(turned), 0.6 * std::sin(turned), 0.3 + 0.12 * i};
-        add_body(scene, shapes[static_cast<std::size_t>(i % 4)], BodyType::dynamic, at, 0.3);
+        const Vec3 at{0.8 * std::cos(turned), 0.8 * std::sin(turned), 0.6 + 0.12 * i};
+        add_body(scene, shapes[static_cast<std::size_t>(i % 4)], BodyType::dynamic, at, kFriction);
     }
-    const auto tub = add_shape(scene, make_tube(1, 4, 16)), floor = add_shape(scene, make_plate(4, 4)),
-               paddle = add_shape(scene, make_box(1.7, 0.06, 0.3));
-    add_body(scene, tub, BodyType::fixed, {0, 0, 2.01}, 0.3);
-    add_body(scene, floor, BodyType::fixed, {}, 0.3);
-    turn(add_body(scene, paddle, BodyType::kinematic, {0, 0, 0.18}, 0.3), {0, 0, 1}, 4,
+    const auto bowl = add_shape(scene, library::bowl_mesh(kRadius, 0.48 * kPi, 6, 24)),
+               paddle = add_shape(scene, make_box(0.9, 0.06, 0.5));
+    add_body(scene, bowl, BodyType::fixed, {}, kFriction);
+    turn(add_body(scene, paddle, BodyType::kinematic, {0, 0, 0.35}, kFriction), {0, 0, 1}, 4,
          steps * scene.settings.time_step);
     return scene;
 }
