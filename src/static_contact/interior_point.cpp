@@ -85,8 +85,9 @@ constexpr double kInteriorFloor = 0x1p-26;
 constexpr double kOutOfReach = 4;
 
 constexpr int kRounds = 10, kSweepsPerRound = 400;
-constexpr double kRoundGains =
-    0.8; // of the residual, which a round leaves at most: between closing walls no law can be met
+// Between closing walls no impulses meet the law: a residual above this share of the largest velocity, of which a round leaves more than
+// that other, is not worth another one.
+constexpr double kHopeless = 0.1, kRoundGains = 0.8;
 
 Vec3 cut_to_cone(const Vec3& r, double friction) {
     if (!(r.x > 0)) return {};
@@ -538,7 +539,7 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
             s_.r = s_.best;
             sweep(kSweepsPerRound);
             newton(kNewtonSteps, 0);
-            if (stats_.residual > kRoundGains * before) break;
+            if (stats_.residual > std::max(kHopeless * speed_, kRoundGains * before)) break;
         }
     }
     stats_.solved = stats_.residual <= limit();
