@@ -8,8 +8,8 @@
 
 #include "base/rotation.hpp"
 #include "islands/sleeping.hpp"
-#include "mesh/topology.hpp"
 #include "mesh/mesh_file.hpp"
+#include "mesh/topology.hpp"
 
 namespace flotilla::extremes {
 namespace {
@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using scenario::add_body;
 using scenario::add_shape;
 
-constexpr int kColumns = 3;                                      // each way
-constexpr double kSpacing = 1.2, kHalf = 2.2, kHeight = 12;      // m, of columns and layers; of the box
+constexpr int kColumns = 3;                                          // each way
+constexpr double kSpacing = 1.2, kHalf = 2.2, kHeight = 12;          // m, of columns and layers; of the box
 constexpr double kFriction = 0.3, kRestitution = 0.2, kDensity = 20; // of bodies; kg/m^2
 
 void add_walls(SceneDescription& scene) {
@@ -36,7 +36,8 @@ void add_walls(SceneDescription& scene) {
 
 bool finite(const State& state) {
     const auto good = [](const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
-    return std::all_of(state.pose.begin(), state.pose.end(), [&](const Pose& p) { return good(p.com) && good(p.origin); }) &&
+    return std::all_of(state.pose.begin(), state.pose.end(),
+                       [&](const Pose& p) { return good(p.com) && good(p.origin); }) &&
            std::all_of(state.motion.begin(), state.motion.end(),
                        [&](const Motion& m) { return good(m.velocity) && good(m.momentum); });
 }

@@ -18,15 +18,15 @@ namespace flotilla::extremes {
 
 struct HeapOutcome {
     scenario::RunTotals totals;
-    std::size_t findings = 0;      ///< of the audit
-    bool finite = true;            ///< all states
-    bool within_bounds = true;     ///< those of the ladder (G4), in all steps
-    double growth = 0;             ///< J, largest of energy less lift in a step
-    double first_energy = 0;       ///< J, after the first step
+    std::size_t findings = 0;         ///< of the audit
+    bool finite = true;               ///< all states
+    bool within_bounds = true;        ///< those of the ladder (G4), in all steps
+    double growth = 0;                ///< J, largest of energy less lift in a step
+    double first_energy = 0;          ///< J, after the first step
     double mean_ms = 0, worst_ms = 0; ///< of steps
-    double kinetic_energy = 0;     ///< J, at the end
-    std::int64_t most_held = 0;    ///< in a step
-    std::int64_t asleep = 0;       ///< bodies, at the end
+    double kinetic_energy = 0;        ///< J, at the end
+    std::int64_t most_held = 0;       ///< in a step
+    std::int64_t asleep = 0;          ///< bodies, at the end
 };
 [[nodiscard]] HeapOutcome run_heap(const SceneDescription& scene, int steps);
 

@@ -20,20 +20,22 @@ int main(int argc, char** argv) {
     if (page == nullptr) return 5;
     int broken = 0;
     const auto print = [&](std::FILE* to, int seed, const extremes::HeapOutcome& o) {
-        std::fprintf(to, "| %d | %zu | %s | %s | %.1e | %lld | %lld | %lld | %lld | %.1f | %.0f | %.3g | %lld |\n", seed,
-                     o.findings, o.finite ? "yes" : "NO", o.within_bounds ? "yes" : "NO", o.growth / o.first_energy,
-                     static_cast<long long>(o.totals.held), static_cast<long long>(o.most_held),
-                     static_cast<long long>(o.totals.merges), static_cast<long long>(o.totals.rung_changes), o.mean_ms,
-                     o.worst_ms, o.kinetic_energy, static_cast<long long>(o.asleep));
+        std::fprintf(to, "| %d | %zu | %s | %s | %.1e | %lld | %lld | %lld | %lld | %.1f | %.0f | %.3g | %lld |\n",
+                     seed, o.findings, o.finite ? "yes" : "NO", o.within_bounds ? "yes" : "NO",
+                     o.growth / o.first_energy, static_cast<long long>(o.totals.held),
+                     static_cast<long long>(o.most_held), static_cast<long long>(o.totals.merges),
+                     static_cast<long long>(o.totals.rung_changes), o.mean_ms, o.worst_ms, o.kinetic_energy,
+                     static_cast<long long>(o.asleep));
         std::fflush(to);
     };
-    std::fprintf(page,
-                 "# Heaps of external meshes\n\n50 bodies of %zu meshes (1 m each, 0.3 friction, 0.2 restitution) thrown into a "
-                 "box, preset balanced, %d steps of 1/24 s, every step audited. Growth: largest of energy less lift in a step, "
-                 "of the energy after the first. Held: bodies, all steps together, and at most in one.\n\n"
-                 "| seed | findings | finite | G4 | growth | held | in a step | merges | rungs | mean ms | worst ms | kinetic J "
-                 "at end | asleep |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-                 meshes.size(), steps);
+    std::fprintf(
+        page,
+        "# Heaps of external meshes\n\n50 bodies of %zu meshes (1 m each, 0.3 friction, 0.2 restitution) thrown into a "
+        "box, preset balanced, %d steps of 1/24 s, every step audited. Growth: largest of energy less lift in a step, "
+        "of the energy after the first. Held: bodies, all steps together, and at most in one.\n\n"
+        "| seed | findings | finite | G4 | growth | held | in a step | merges | rungs | mean ms | worst ms | kinetic J "
+        "at end | asleep |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        meshes.size(), steps);
     for (int seed = 1; seed <= seeds; ++seed) {
         const auto scene = extremes::foreign_heap(meshes, 50, static_cast<std::uint64_t>(seed));
         const extremes::HeapOutcome o = extremes::run_heap(scene, steps);
