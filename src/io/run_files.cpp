@@ -174,7 +174,7 @@ RunInfo parse_run_json(const fs::path& path, const std::string& text) {
         info.time_step = json.at("time_step").get<double>();
         info.substeps = json.value("substeps", 1);
         info.frame_every = json.at("frame_every").get<int>();
-        if (info.threads < 0 || info.substeps < 1 || info.substeps > kMostSubsteps || info.frame_every < 1 ||
+        if (info.threads < 1 || info.substeps < 1 || info.substeps > kMostSubsteps || info.frame_every < 1 ||
             !(info.time_step > 0) || !json.value("resumed", Json::array()).is_array())
             throw IoError(path.string() + ": damaged: a value is out of range");
         const auto text_of = [&json](const char* key) { return json.at(key).get<std::string>(); };

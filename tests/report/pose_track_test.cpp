@@ -27,7 +27,9 @@ class Tumbling {
         for (std::size_t i = 0; i < bodies; ++i)
             scene_.bodies.push_back(
                 {"body " + std::to_string(i), i % 3 == 1 ? 1 : 0, i % 3 == 1 ? BodyType::fixed : BodyType::dynamic});
-        io::RunWriter writer(folder_.path(), {}, scene_, io::OpenRun::create);
+        io::RunInfo info;
+        info.time_step = 0.1;
+        io::RunWriter writer(folder_.path(), info, scene_, io::OpenRun::create);
         for (std::int64_t k = 0; k < frames; ++k) write(writer, k);
         writer.close("complete");
     }
