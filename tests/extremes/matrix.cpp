@@ -61,7 +61,7 @@ constexpr const char* kPreface =
     "allows 100,000 sweeps of 100,000 hits a pair, and was stopped after 30 s. Times are of the slowest step on one "
     "thread.\n\n";
 
-void write_page(std::ostream& out, const std::vector<Row>& rows, int steps) {
+void write_page(std::ostream& out, const std::vector<Row>& rows, int steps, const std::string& part) {
     AxisSum all;
     std::map<std::string, AxisSum> axes;
     for (const Row& row : rows) {
@@ -69,8 +69,10 @@ void write_page(std::ostream& out, const std::vector<Row>& rows, int steps) {
         for (const Extreme& e : row.cell.extremes) axes[e.axis].add(row);
     }
     out.precision(3);
-    out << "# The matrix of extremes\n\nWritten by `extremes_matrix` (`ctest -L extremes`). " << rows.size()
-        << " scenes of " << steps << kPreface
+    out << "# The matrix of extremes\n\nWritten by `extremes_matrix"
+        << (part.empty() ? "" : " PAGE " + std::to_string(steps) + " " + part)
+        << "` (`ctest -L extremes`: all parts, pile, clash and large). " << rows.size() << " scenes of " << steps
+        << kPreface
         << "| axis | pass | held | refused | unended | broken | worst rise | worst drift | slowest step, ms | in |\n"
         << "|---|---|---|---|---|---|---|---|---|---|\n";
     write_sums(out, "all", all);
@@ -111,7 +113,7 @@ int run(const char* page, int steps, const std::string& part) {
     std::cout << rows.size() << " cells, " << broken << " broken\n";
     if (page != nullptr) {
         std::ofstream out(page);
-        write_page(out, rows, steps);
+        write_page(out, rows, steps, part);
     }
     return broken == 0 ? 0 : 1;
 }
