@@ -422,8 +422,8 @@ class TraceReader : public nlohmann::json_sax<Json> {
         for (const auto& [place, links] : links_) trace_.record.links[static_cast<std::size_t>(place)] = links;
     }
 
-    /// Every task of every region is there once. What regions say of their tasks' number is a number in a file: nothing of that size is
-    /// made before the tasks were counted.
+    /// Every task of every region is there once. What regions say of their tasks' number is a number in a file:
+    /// nothing of that size is made before the tasks were counted.
     void check_tasks() const {
         std::vector<std::pair<std::int32_t, std::int32_t>> tasks;
         for (const auto& thread : trace_.record.threads)

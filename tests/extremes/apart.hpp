@@ -8,8 +8,8 @@
 
 namespace flotilla::extremes {
 
-/// What `run` returns; broken where its process crashes, hangs, or takes more than so many seconds of processor time. The calling process
-/// must have no threads: those of oneTBB would be missing in the new one.
+/// What `run` returns; broken where its process crashes, hangs, or takes more than so many seconds of processor time.
+/// The calling process must have no threads: those of oneTBB would be missing in the new one.
 [[nodiscard]] Outcome run_apart(const std::function<Outcome()>& run, int most_seconds);
 
 } // namespace flotilla::extremes

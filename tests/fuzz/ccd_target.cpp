@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Files of queries with known answers, CSV where they begin as such, else BIN; and continuous collision detection of what they hold: it
-// ends, every instruction set gives the same bits, and where it says "no hit" no sample of the motion says otherwise.
+// Files of queries with known answers, CSV where they begin as such, else BIN; and continuous collision detection of
+// what they hold: it ends, every instruction set gives the same bits, and where it says "no hit" no sample of the
+// motion says otherwise.
 #include <algorithm>
 #include <array>
 #include <bit>

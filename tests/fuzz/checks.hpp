@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the fuzz targets ask of what was read. A target is a function of bytes: input that a reader refuses with a documented exception is
-// in order, and everything else must hold.
+// What the fuzz targets ask of what was read. A target is a function of bytes: input that a reader refuses with a
+// documented exception is in order, and everything else must hold.
 #pragma once
 
 #include <cstddef>
@@ -59,7 +59,8 @@ bool same_meshes(const TriangleMesh& a, const TriangleMesh& b);
 /// What write_scene writes of `scene`.
 std::string written(const SceneDescription& scene);
 
-/// A few steps of a scene that was accepted, where it is small; limits of loops are cut for it. Every promise must hold.
+/// A few steps of a scene that was accepted, where it is small; limits of loops are cut for it. Every promise must
+/// hold.
 void check_steps(SceneDescription scene, int steps);
 
 /// A mesh that a reader accepted: whole, the same after a way through a scene file, and fit for a step of two of it.

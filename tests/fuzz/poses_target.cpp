@@ -14,7 +14,8 @@ namespace {
 using namespace flotilla;
 
 constexpr std::string_view kScene = R"({"flotilla_scene": 1,
-  "shapes": [{"name": "t", "vertices": [[0,0,0],[1,0,0],[0,1,0],[0.2,0.2,0.5]], "triangles": [[0,1,2],[0,1,3]], "mass": 1}],
+  "shapes": [{"name": "t", "vertices": [[0,0,0],[1,0,0],[0,1,0],[0.2,0.2,0.5]],
+              "triangles": [[0,1,2],[0,1,3]], "mass": 1}],
   "bodies": [{"name": "a", "shape": "t"}, {"name": "b \"2\", c", "shape": "t", "position": [3,0,0]}]})";
 const std::vector<std::string> kNames{"a", "b \"2\", c"};
 

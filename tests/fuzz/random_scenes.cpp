@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// flotilla_random_scenes: many random scenes, each run for some steps under the audit in a process of its own; after every step every
-// promise is asked for (extremes/check.hpp), in a share of them the hashes of another run and of three threads too. Scenes that break one
-// are named on stdout, and a table at the end; progress goes to stderr.
+// flotilla_random_scenes: many random scenes, each run for some steps under the audit in a process of its own; after
+// every step every promise is asked for (extremes/check.hpp), in a share of them the hashes of another run and of
+// three threads too. Scenes that break one are named on stdout, and a table at the end; progress goes to stderr.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Feeds files to a fuzz target: replay PATH..., a file or a folder of files each. What any of them breaks ends the process.
+// Feeds files to a fuzz target: replay PATH..., a file or a folder of files each. What any of them breaks ends the
+// process.
 #include <algorithm>
 #include <cstdio>
 #include <exception>

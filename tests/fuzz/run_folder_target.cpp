@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Run folders. By the first byte: a folder of a few frames of any values, which must read back to the same bits; or a good one with a file
-// replaced by bytes as they are. Whatever reads a folder is called: all of it ends, with a report or a refusal.
+// Run folders. By the first byte: a folder of a few frames of any values, which must read back to the same bits; or a
+// good one with a file replaced by bytes as they are. Whatever reads a folder is called: all of it ends, with a
+// report or a refusal.
 #include <array>
 #include <cstring>
 #include <fstream>

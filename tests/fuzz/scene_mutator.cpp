@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Mutates scene files as trees of JSON: bytes alone rarely get past a parser that refuses every unknown key. A seventh of the mutants are
-// of bytes all the same.
+// Mutates scene files as trees of JSON: bytes alone rarely get past a parser that refuses every unknown key. A
+// seventh of the mutants are of bytes all the same.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Snapshots: bytes as they are, a whole one with some words changed, or that of a state with some parts changed and a hash that fits. A
-// World takes them up and goes on, or refuses them.
+// Snapshots: bytes as they are, a whole one with some words changed, or that of a state with some parts changed and a
+// hash that fits. A World takes them up and goes on, or refuses them.
 #include <flotilla/world.hpp>
 
 #include <array>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Long runs on one thread, every step of them under the audit: a pile that a scripted paddle stirs, and boats in a drum that turns. Fails
-// where a promise breaks or memory grows. flotilla_soak [PAGE.md] writes what it measured there, and to stdout as it goes.
+// Long runs on one thread, every step of them under the audit: a pile that a scripted paddle stirs, and boats in a
+// drum that turns. Fails where a promise breaks or memory grows. flotilla_soak [PAGE.md] writes what it measured
+// there, and to stdout as it goes.
 #include <unistd.h>
 
 #include <algorithm>
@@ -26,7 +27,8 @@ using scenario::add_body;
 using scenario::add_shape;
 using scenario::kPi;
 
-/// A body that turns about an axis through its origin for as long as the run lasts, a quarter of a turn from keyframe to keyframe.
+/// A body that turns about an axis through its origin for as long as the run lasts, a quarter of a turn from keyframe
+/// to keyframe.
 void turn(BodyDescription& body, const Vec3& axis, double seconds_a_turn, double seconds) {
     const Vec3 place = body.position;
     const double quarter = seconds_a_turn / 4;
@@ -109,7 +111,8 @@ std::string row(const StepReport& r, const Stretch& s, double resident) {
     return out.str();
 }
 
-/// Contacts come and go, and lists grow to the most there were; a leak of a kilobyte a step is a tenth of the memory of such a run.
+/// Contacts come and go, and lists grow to the most there were; a leak of a kilobyte a step is a tenth of the memory
+/// of such a run.
 constexpr double kGrowth = 1.25;
 
 /// Empty, or what broke. Rows of the table go to `table`.
