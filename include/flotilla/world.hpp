@@ -84,7 +84,7 @@ class World {
 
     /// Advances by settings().time_step, in settings().substeps inner steps, each of them proved. Throws BrokenPromise rather than leave
     /// bodies that are not proved apart; with `unsatisfiable_script: error` ScriptError, which leaves everything as it was before. After
-    /// any other exception (memory may be refused) the World is finished: it can be destroyed and assigned to, and step() and snapshot()
+    /// any exception but ScriptError (memory may be refused) the World is finished: it can be destroyed and assigned to, and step() and snapshot()
     /// throw Error; a snapshot taken before goes on.
     StepReport step();
 

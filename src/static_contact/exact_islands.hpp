@@ -15,8 +15,8 @@ inline constexpr double kExactShare = 0x1p-20;
 inline constexpr double kOfSpeed = 0x1p-36;
 
 /// Contacts up to which an island is solved so after a few sweeps: it takes a few milliseconds at most, as the sweeps would. Larger ones
-/// are where more sweeps leave them above their tolerance, but for slender ones at rest, and for those of a few bodies, whose
-/// factorisation costs no more than a sweep or two however many contacts they have.
+/// are where more sweeps leave them above their tolerance, but for slender ones at rest and for those of a few bodies: a ball on 1,400
+/// contacts takes the time of the sweeps, balanced, and is solved where those were not in four of five steps.
 inline constexpr std::int32_t kFewContacts = 256;
 
 /// Problems that have a solution take ten to forty factorisations; the others end with what was found.

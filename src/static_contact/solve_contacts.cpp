@@ -89,7 +89,7 @@ void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, 
     const bool soon = island.rests || bodies <= tuning.bodies_factorised_soon;
     island.exact_tolerance = kExactShare * island.tolerance;
     if (soon && (few || is_slender(island)))
-        island.exact_tolerance = options.tolerance = std::max(kExactShare * island.tolerance, kOfSpeed * speed);
+        island.exact_tolerance = options.tolerance = std::max(island.exact_tolerance, kOfSpeed * speed);
     // Newton's steps alone end early where they lead nowhere: what the sweeps reached is the result then.
     if (options.exact_few && bodies > tuning.bodies_factorised_soon) return;
     const int before = few ? tuning.sweeps_before_exact : tuning.sweeps_of_many;

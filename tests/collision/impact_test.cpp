@@ -2,31 +2,21 @@
 // Single impacts against their closed forms, in both ways of stage 1: a corner of an octahedron meets a face.
 #include <gtest/gtest.h>
 
-#include "collision/collisions.hpp"
-#include "support/stage_world.hpp"
+#include "collision/stage.hpp"
 
 namespace flotilla {
 namespace {
 
 using scenario::add_body;
 using scenario::add_shape;
+using test::collide;
 using test::StageWorld;
 
 constexpr double kGap = 0.02, kRadius = 0.5; // m, before the impact; of the octahedron
 constexpr double kSolved = 2e-4 * 10;        // m/s: several points of a pair are solved to 1e-4 of the approach
 
-class Impact : public testing::TestWithParam<Collisions> {
+class Impact : public test::BothWays {
   protected:
-    [[nodiscard]] static SceneDescription scene() {
-        SceneDescription out = test::weightless_scene();
-        out.settings.collisions = GetParam();
-        return out;
-    }
-    static StageCounters collide(StageWorld& world) {
-        StepData data = world.data();
-        HitLists lists;
-        return handle_collisions(data, {}, lists);
-    }
     static void expect_near(const Vec3& x, const Vec3& y, double tolerance) {
         EXPECT_LE(length(x - y), tolerance)
             << x.x << ' ' << x.y << ' ' << x.z << " for " << y.x << ' ' << y.y << ' ' << y.z;
@@ -34,9 +24,7 @@ class Impact : public testing::TestWithParam<Collisions> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Ways, Impact, testing::Values(Collisions::sequential, Collisions::accumulated),
-                         [](const auto& way) {
-                             return way.param == Collisions::sequential ? "sequential" : "accumulated";
-                         });
+                         test::name_of_way);
 
 // u1 = v1 - (1 + e) m2 / (m1 + m2) (v1 - v2), and the same for the other.
 TEST_P(Impact, CentralOneSharesTheSpeedByMassAndRestitution) {

@@ -2,35 +2,20 @@
 // Stage 1 as a whole: blows that go on from body to body, its limit, what it keeps, and the order of its operations.
 #include <gtest/gtest.h>
 
-#include "collision/collisions.hpp"
-#include "support/stage_world.hpp"
+#include "collision/stage.hpp"
 
 namespace flotilla {
 namespace {
 
 using scenario::add_body;
 using scenario::add_shape;
+using test::collide;
 using test::StageWorld;
 
-class CollisionStage : public testing::TestWithParam<Collisions> {
-  protected:
-    [[nodiscard]] static SceneDescription scene() {
-        SceneDescription out = test::weightless_scene();
-        out.settings.collisions = GetParam();
-        return out;
-    }
-};
-
-StageCounters collide(StageWorld& world) {
-    StepData data = world.data();
-    HitLists lists;
-    return handle_collisions(data, {}, lists);
-}
+class CollisionStage : public test::BothWays {};
 
 INSTANTIATE_TEST_SUITE_P(Ways, CollisionStage, testing::Values(Collisions::sequential, Collisions::accumulated),
-                         [](const auto& way) {
-                             return way.param == Collisions::sequential ? "sequential" : "accumulated";
-                         });
+                         test::name_of_way);
 
 /// Octahedra and boxes in turn along x, a corner `gap` before a face each time, with the given velocities.
 SceneDescription row(SceneDescription s, const std::vector<double>& velocities, double restitution,

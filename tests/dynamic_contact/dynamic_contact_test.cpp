@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "dynamic_contact/dynamic_contact.hpp"
-#include "step/certificate.hpp"
 #include "support/stage_world.hpp"
 
 namespace flotilla {
@@ -11,21 +10,12 @@ namespace {
 
 using scenario::add_body;
 using scenario::add_shape;
+using test::proved_apart;
 using test::StageWorld;
 
 DynamicContactStats run(StageWorld& world) {
     StepData data = world.data();
     return handle_dynamic_contact(data);
-}
-
-bool proved_apart(StageWorld& world) {
-    StepData data = world.data();
-    try {
-        certify(data);
-    } catch (const CertificateError&) {
-        return false;
-    }
-    return true;
 }
 
 /// Octahedra and boxes in turn along x with the given masses and velocities, `gap` apart.

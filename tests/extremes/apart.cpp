@@ -72,6 +72,7 @@ Outcome run_apart(const std::function<Outcome()>& run, int most_seconds) {
     const bool slow = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
     const bool hangs = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
     Outcome o{Verdict::broken, slow ? "more than " + std::to_string(most_seconds) + " s" : hangs ? "hangs" : "crashed"};
+    o.late = slow;
     if (slow) o.seconds = o.slowest_step = most_seconds;
     return o;
 }

@@ -13,7 +13,7 @@ enum class Verdict {
     held,    ///< kept every promise, and reported bodies that the failsafe held or scripts that it delayed
     refused, ///< with a message
     broken,  ///< a promise
-    unended, ///< no promise was broken, but limits of sweeps that the scene sets itself allow more than its time
+    unended, ///< stopped by its time, which limits of sweeps that the scene sets itself allow it to exceed
 };
 
 struct Outcome {
@@ -23,6 +23,7 @@ struct Outcome {
     double seconds = 0;      ///< of processor time, of one run on one thread, without the audit
     double slowest_step = 0; ///< the same
     double rise = 0;         ///< of energy in a step, as a share of the energy of motion, or of what lift may be in all
+    bool late = false;       ///< ended by its time, and nothing else is known of it
     double drift = 0;        ///< of linear momentum where nothing acts from outside, as a share of all |m v|
 };
 

@@ -90,9 +90,7 @@ Outcome outcome_of(const Cell& cell, int steps) {
     }
     Outcome o = run_apart([&] { return run_cell(cell, steps); }, kMostSeconds);
     const auto is_own_limit = [](const Extreme& e) { return e.axis == "iterations" && e.value == "100000"; };
-    if (o.verdict == Verdict::broken && o.slowest_step >= kMostSeconds &&
-        std::ranges::any_of(cell.extremes, is_own_limit))
-        o.verdict = Verdict::unended;
+    if (o.late && std::ranges::any_of(cell.extremes, is_own_limit)) o.verdict = Verdict::unended;
     return o;
 }
 

@@ -6,7 +6,6 @@
 
 #include "failsafe/failsafe.hpp"
 #include "geometry/exact/triangle_triangle.hpp"
-#include "step/certificate.hpp"
 #include "support/stage_world.hpp"
 
 namespace flotilla::test {
@@ -14,16 +13,6 @@ namespace flotilla::test {
 inline FailsafeStats run_failsafe_of(StageWorld& world) {
     StepData data = world.data();
     return run_failsafe(data);
-}
-
-inline bool proved_apart(StageWorld& world) {
-    StepData data = world.data();
-    try {
-        certify(data);
-    } catch (const CertificateError&) {
-        return false;
-    }
-    return true;
 }
 
 /// Pairs of triangles of different bodies, one of them movable, that meet at the end poses. Exact.

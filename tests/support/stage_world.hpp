@@ -11,6 +11,7 @@
 #include "pair/step_data.hpp"
 #include "scene/scene.hpp"
 #include "state/build_model.hpp"
+#include "step/certificate.hpp"
 #include "step/scene_parts.hpp"
 #include "step/scripts.hpp"
 
@@ -103,6 +104,16 @@ class StageWorld {
     PairTable pairs_;
     KeptPairs broadphase_;
 };
+
+inline bool proved_apart(StageWorld& world) {
+    StepData data = world.data();
+    try {
+        certify(data);
+    } catch (const CertificateError&) {
+        return false;
+    }
+    return true;
+}
 
 /// Without gravity and friction; a step of 1/100 s.
 inline SceneDescription weightless_scene() {

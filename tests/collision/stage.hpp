@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Stage 1 alone, in both of its ways.
+#pragma once
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "collision/collisions.hpp"
+#include "support/stage_world.hpp"
+
+namespace flotilla::test {
+
+inline StageCounters collide(StageWorld& world) {
+    StepData data = world.data();
+    HitLists lists;
+    return handle_collisions(data, {}, lists);
+}
+
+/// Tests of each way.
+class BothWays : public testing::TestWithParam<Collisions> {
+  protected:
+    [[nodiscard]] static SceneDescription scene() {
+        SceneDescription out = weightless_scene();
+        out.settings.collisions = GetParam();
+        return out;
+    }
+};
+
+inline std::string name_of_way(const testing::TestParamInfo<Collisions>& way) {
+    return way.param == Collisions::sequential ? "sequential" : "accumulated";
+}
+
+} // namespace flotilla::test
