@@ -2,6 +2,7 @@
 // A scene in memory: what a scene file says, after validation. SI units throughout.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,6 +53,12 @@ struct BodyDescription {
     double friction = 0.1;
     double restitution = 0.1;
     std::vector<Keyframe> keyframes; ///< kinematic bodies, times strictly increasing
+    /// Dynamic bodies: world axes x, y, z along which the centre of mass never moves, and about which the body never turns. Whatever pushes
+    /// that way is carried by the world. The velocities at the start have no part there.
+    std::array<bool, 3> locked_translation{};
+    std::array<bool, 3> locked_rotation{};
+    Vec3 force;  ///< N, constant, at the centre of mass of a dynamic body, world axes
+    Vec3 torque; ///< N m, likewise
 };
 
 struct SceneDescription {

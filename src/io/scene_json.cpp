@@ -27,6 +27,7 @@ using io::JsonPlace;
 using io::kBodyKeys;
 using io::kind_of;
 using io::kKeyframeKeys;
+using io::kLockedAxes;
 using io::kSceneKeys;
 using io::kShapeKeys;
 using std::string_view_literals::operator""sv;
@@ -68,6 +69,7 @@ class SceneReader {
     void read_body(const Json& value, const JsonPlace& at, const SceneDescription& scene, BodyDescription& body);
     void read_body_shape(const Json& value, const JsonPlace& at, BodyDescription& body);
     void read_body_type(const Json& value, const JsonPlace& at, BodyDescription& body);
+    void read_locked(const Json& value, const JsonPlace& at, BodyDescription& body);
     void name_shapes(const SceneDescription& scene);
 
     std::filesystem::path folder_;
@@ -312,6 +314,23 @@ void SceneReader::read_body_type(const Json& value, const JsonPlace& at, BodyDes
         body.type = static_cast<BodyType>(found - kTypes.begin());
 }
 
+void SceneReader::read_locked(const Json& value, const JsonPlace& at, BodyDescription& body) {
+    std::vector<std::string> names;
+    if (!get(names, value, at, "locked")) return;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const JsonPlace list = at.member("locked"), place = list.element(i);
+        const auto found = std::find(kLockedAxes.begin(), kLockedAxes.end(), names[i]);
+        if (found == kLockedAxes.end()) {
+            problem(place, unknown_name("axis", names[i], kLockedAxes) + " (x, y, z, rx, ry, rz)");
+            continue;
+        }
+        const auto axis = static_cast<std::size_t>(found - kLockedAxes.begin());
+        bool& locked = axis < 3 ? body.locked_translation[axis] : body.locked_rotation[axis - 3];
+        if (locked) problem(place, "names " + in_quotes(names[i]) + " again");
+        locked = true;
+    }
+}
+
 void SceneReader::read_body(const Json& value, const JsonPlace& at, const SceneDescription& scene,
                             BodyDescription& body) {
     body.friction = scene.settings.friction;
@@ -327,6 +346,9 @@ void SceneReader::read_body(const Json& value, const JsonPlace& at, const SceneD
     get(body.friction, value, at, "friction");
     get(body.restitution, value, at, "restitution");
     get(body.keyframes, value, at, "keyframes");
+    read_locked(value, at, body);
+    get(body.force, value, at, "force");
+    get(body.torque, value, at, "torque");
 }
 
 void SceneReader::read(const Json& document, const SceneFileOptions& options, SceneDescription& scene) {

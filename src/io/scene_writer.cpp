@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "io/json_document.hpp"
+#include "io/scene_keys.hpp"
 #include "scene/settings_table.hpp"
 
 namespace flotilla {
@@ -95,6 +96,14 @@ void write_keyframes(std::ostream& out, const std::vector<Keyframe>& keyframes) 
     out << ']';
 }
 
+void write_locked(std::ostream& out, const BodyDescription& body) {
+    std::string list;
+    for (std::size_t axis = 0; axis < io::kLockedAxes.size(); ++axis)
+        if (axis < 3 ? body.locked_translation[axis] : body.locked_rotation[axis - 3])
+            list += (list.empty() ? "" : ", ") + json_string(std::string(io::kLockedAxes[axis]));
+    if (!list.empty()) out << ", \"locked\": [" << list << ']';
+}
+
 void write_body(std::ostream& out, const BodyDescription& body, const SceneDescription& scene) {
     out << "    {\"name\": " << json_string(body.name)
         << ", \"shape\": " << json_string(scene.shapes[static_cast<std::size_t>(body.shape)].name);
@@ -107,6 +116,9 @@ void write_body(std::ostream& out, const BodyDescription& body, const SceneDescr
     if (body.friction != scene.settings.friction) out << ", \"friction\": " << json(body.friction);
     if (body.restitution != scene.settings.restitution) out << ", \"restitution\": " << json(body.restitution);
     if (!body.keyframes.empty()) write_keyframes(out, body.keyframes);
+    write_locked(out, body);
+    if (body.force != Vec3{}) out << ", \"force\": " << json(body.force);
+    if (body.torque != Vec3{}) out << ", \"torque\": " << json(body.torque);
     out << '}';
 }
 

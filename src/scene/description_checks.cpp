@@ -180,6 +180,30 @@ void check_motion(const BodyDescription& body, const Checker& check) {
     if (body.angular_velocity != Vec3{}) check.problem("angular_velocity", std::string(reason));
 }
 
+/// A velocity along a locked axis contradicts the lock: whoever wrote both means something else by one of them.
+void check_locked(std::string_view key, const Vec3& velocity, const std::array<bool, 3>& locked, const char* axes,
+                  const Checker& check) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (locked[static_cast<std::size_t>(axis)] && component(velocity, axis) != 0)
+            check.problem(key, "must be zero along " + std::string(1, "xyz"[axis]) + ", as " + axes + "xyz"[axis] +
+                                   "\" is locked, got " + to_text(component(velocity, axis)));
+}
+
+void check_locks_and_loads(const BodyDescription& body, const Checker& check) {
+    check.magnitude("force", body.force, kMaxForce, "N");
+    check.magnitude("torque", body.torque, kMaxForce, "N m");
+    if (body.type == BodyType::dynamic) {
+        check_locked("velocity", body.velocity, body.locked_translation, "\"", check);
+        check_locked("angular_velocity", body.angular_velocity, body.locked_rotation, "\"r", check);
+        return;
+    }
+    const auto any = [](const std::array<bool, 3>& axes) { return axes[0] || axes[1] || axes[2]; };
+    if (any(body.locked_translation) || any(body.locked_rotation))
+        check.problem("locked", "only a dynamic body has locked axes");
+    if (body.force != Vec3{}) check.problem("force", "only a dynamic body has a force");
+    if (body.torque != Vec3{}) check.problem("torque", "only a dynamic body has a torque");
+}
+
 void check_body_shape(const BodyDescription& body, const SceneDescription& scene, const Checker& check,
                       ErrorList& errors) {
     if (check.broken("shape")) return;
@@ -203,6 +227,7 @@ void check_body(BodyDescription& body, const SceneDescription& scene, const std:
     check.range("friction", body.friction, 0, kMaxFriction, "");
     check.range("restitution", body.restitution, 0, 1, "");
     if (check.broken("type")) return;
+    check_locks_and_loads(body, check);
     if (body.type == BodyType::kinematic) {
         check_keyframes(body, path, errors);
         take_first_pose(body, check);

@@ -19,6 +19,7 @@ inline constexpr double kMinScale = 1e-9, kMaxScale = 1e9;
 /// kg, kg/m^2 or kg/m^3 of a shape. The product of the extremes with kMaxCoordinate^5 stays far inside double's range.
 inline constexpr double kMinMassValue = 1e-12, kMaxMassValue = 1e15;
 inline constexpr double kMaxFriction = 1e3;
+inline constexpr double kMaxForce = 1e15;           ///< N and N m
 inline constexpr double kMaxTime = 1e9;             ///< s, of keyframes
 inline constexpr double kRotationTolerance = 1e-6;  ///< how far |q| may be from 1
 inline constexpr std::size_t kMaxNameLength = 1000; ///< bytes

@@ -158,9 +158,21 @@ std::optional<MassProperties> shape_mass_properties(const ShapeDescription& shap
     return mass_properties_of(shape, {shape.vertices, shape.triangles});
 }
 
+/// What descriptions may say and the solver does not do.
+void refuse_locks_and_loads(const SceneDescription& description, ErrorList& errors) {
+    constexpr std::array<bool, 3> kNone{};
+    for (std::size_t i = 0; i < description.bodies.size(); ++i) {
+        const BodyDescription& body = description.bodies[i];
+        if (body.locked_translation != kNone || body.locked_rotation != kNone || body.force != Vec3{} ||
+            body.torque != Vec3{})
+            errors.add(element_path("bodies", i), "locked axes, forces and torques are not simulated yet");
+    }
+}
+
 Scene build_scene(SceneDescription description, const std::string& source) {
     ErrorList errors(source);
     check_description(description, errors);
+    refuse_locks_and_loads(description, errors);
     errors.throw_if_any();
 
     Scene scene;

@@ -91,6 +91,53 @@ TEST(SceneJson, RoundTripsToTheSameBits) {
     EXPECT_EQ(second.shapes[1].inertia, first.shapes[1].inertia);
 }
 
+std::string with_body(const std::string& fields) {
+    return R"({"flotilla_scene": 1, "shapes": [{"name": "s", "mass": 1, "vertices": [[0,0,0],[1,0,0],[0,1,0]],
+      "triangles": [[0,1,2]]}], "bodies": [{"name": "b", "shape": "s", )" +
+           fields + "}]}";
+}
+
+TEST(SceneJson, LockedAxesForceAndTorqueRoundTrip) {
+    const std::string text = with_body(R"("locked": ["rz", "x", "rx"], "force": [1, 0.1, -3], "torque": [0, 1e-9, 2])");
+    const SceneDescription first = parse_scene(text, "test", ".");
+    const BodyDescription& body = first.bodies[0];
+    EXPECT_EQ(body.locked_translation, (std::array{true, false, false}));
+    EXPECT_EQ(body.locked_rotation, (std::array{true, false, true}));
+    EXPECT_EQ(body.force, (Vec3{1, 0.1, -3}));
+    EXPECT_EQ(body.torque, (Vec3{0, 1e-9, 2}));
+    const SceneDescription second = parse_scene(written(first), "test", ".");
+    EXPECT_EQ(second.bodies[0].locked_translation, body.locked_translation);
+    EXPECT_EQ(second.bodies[0].locked_rotation, body.locked_rotation);
+    EXPECT_EQ(second.bodies[0].force, body.force);
+    EXPECT_EQ(second.bodies[0].torque, body.torque);
+    EXPECT_EQ(written(parse_scene(with_body(R"("type": "dynamic")"), "test", ".")).find("locked"), std::string::npos);
+}
+
+std::string refusal(const std::string& fields) {
+    try {
+        (void)parse_scene(with_body(fields), "test", ".");
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+TEST(SceneJson, LocksAndLoadsThatContradictOrMeanNothingAreRefused) {
+    const auto says = [](const std::string& fields, const std::string& reason) {
+        EXPECT_NE(refusal(fields).find(reason), std::string::npos) << fields << ": " << refusal(fields);
+    };
+    says(R"("locked": ["x", "w"])", "/bodies/0/locked/1");
+    says(R"("locked": ["ry", "ry"])", "names \"ry\" again");
+    says(R"("locked": "x")", "/bodies/0/locked");
+    says(R"("locked": ["y"], "velocity": [1, 0.5, 0])", "must be zero along y, as \"y\" is locked, got 0.5");
+    says(R"("locked": ["rz"], "angular_velocity": [1, 0, -2])", "must be zero along z, as \"rz\" is locked, got -2");
+    says(R"("type": "static", "locked": ["x"])", "only a dynamic body has locked axes");
+    says(R"("type": "static", "force": [0, 0, 1])", "only a dynamic body has a force");
+    says(R"("type": "static", "torque": [0, 0, 1])", "only a dynamic body has a torque");
+    says(R"("force": [1e16, 0, 0])", "exceeds the limit");
+    EXPECT_EQ(refusal(R"("locked": ["y"], "velocity": [1, 0, 0])"), "accepted");
+}
+
 TEST(SceneJson, RotationsNearlyUnitAreNormalisedOnce) {
     const std::string text =
         R"({"flotilla_scene": 1, "shapes": [{"name": "s", "mass": 1, "vertices": [[0,0,0],[1,0,0],[0,1,0]],
