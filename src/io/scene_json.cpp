@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reading of scene files. A value of the wrong type is reported and replaced by its default, so that reading goes on and all
-// problems of a file are seen at once; what the values mean is checked afterwards, in scene/description_checks.
+// Reading of scene files; what the values mean is checked afterwards, in scene/description_checks.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -12,7 +11,7 @@
 #include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "io/file.hpp"
-#include "io/json_document.hpp"
+#include "io/json_reader.hpp"
 #include "io/scene_keys.hpp"
 #include "mesh/mesh_file.hpp"
 #include "scene/description_checks.hpp"
@@ -32,28 +31,19 @@ using io::kSceneKeys;
 using io::kShapeKeys;
 using std::string_view_literals::operator""sv;
 
-class SceneReader {
+class SceneReader : io::JsonReader {
   public:
-    SceneReader(std::filesystem::path folder, ErrorList& errors) : folder_(std::move(folder)), errors_(errors) {}
+    SceneReader(std::filesystem::path folder, ErrorList& errors) : JsonReader(errors), folder_(std::move(folder)) {}
 
     void read(const Json& document, const SceneFileOptions& options, SceneDescription& scene);
 
   private:
-    void problem(const JsonPlace& at, std::string reason) { errors_.add(at.text(), std::move(reason)); }
-    [[nodiscard]] bool is_object(const Json& value, const JsonPlace& at, std::span<const std::string_view> keys);
-    [[nodiscard]] bool is_array(const Json& value, const JsonPlace& at, std::string_view what);
-    /// The member, or null where there is none (a problem if `required`).
-    [[nodiscard]] const Json* member(const Json& object, const JsonPlace& at, std::string_view key,
-                                     bool required = false);
+    /// Whether it is an object; its keys must be among `keys`.
+    [[nodiscard]] bool has_keys(const Json& value, const JsonPlace& at, std::span<const std::string_view> keys);
 
-    bool to(double& out, const Json& value, const JsonPlace& at);
-    bool to(std::string& out, const Json& value, const JsonPlace& at);
-    bool to(Vec3& out, const Json& value, const JsonPlace& at);
+    using JsonReader::to;
     bool to(Quat& out, const Json& value, const JsonPlace& at);
-    bool to(Triangle& out, const Json& value, const JsonPlace& at);
     bool to(Keyframe& out, const Json& value, const JsonPlace& at);
-    template <std::size_t N>
-    bool numbers(std::array<double, N>& out, const Json& value, const JsonPlace& at, std::string_view what);
     template <class Value>
     bool to(std::vector<Value>& out, const Json& value, const JsonPlace& at);
     template <class Value>
@@ -73,71 +63,16 @@ class SceneReader {
     void name_shapes(const SceneDescription& scene);
 
     std::filesystem::path folder_;
-    ErrorList& errors_;
     std::map<std::string, TriangleMesh> meshes_; ///< read so far, by path as written
     std::map<std::string_view, std::int32_t> shape_index_;
     std::vector<std::string_view> shape_names_;
 };
 
-bool SceneReader::is_object(const Json& value, const JsonPlace& at, std::span<const std::string_view> keys) {
-    if (!value.is_object()) {
-        problem(at, "must be an object, got " + kind_of(value));
-        return false;
-    }
+bool SceneReader::has_keys(const Json& value, const JsonPlace& at, std::span<const std::string_view> keys) {
+    if (!is_object(value, at)) return false;
     for (const auto& item : value.items())
         if (std::find(keys.begin(), keys.end(), item.key()) == keys.end())
             problem(at.member(item.key()), unknown_name("key", item.key(), keys));
-    return true;
-}
-
-bool SceneReader::is_array(const Json& value, const JsonPlace& at, std::string_view what) {
-    if (value.is_array()) return true;
-    problem(at, "must be " + std::string(what) + ", got " + kind_of(value));
-    return false;
-}
-
-const Json* SceneReader::member(const Json& object, const JsonPlace& at, std::string_view key, bool required) {
-    const auto found = object.find(key);
-    if (found != object.end()) return &*found;
-    if (required) problem(at.member(key), "is missing");
-    return nullptr;
-}
-
-bool SceneReader::to(double& out, const Json& value, const JsonPlace& at) {
-    if (value.is_number()) {
-        out = value.get<double>();
-        return true;
-    }
-    problem(at, "must be a number, got " + kind_of(value));
-    return false;
-}
-
-bool SceneReader::to(std::string& out, const Json& value, const JsonPlace& at) {
-    if (value.is_string()) {
-        out = value.get_ref<const std::string&>();
-        return true;
-    }
-    problem(at, "must be a string, got " + kind_of(value));
-    return false;
-}
-
-template <std::size_t N>
-bool SceneReader::numbers(std::array<double, N>& out, const Json& value, const JsonPlace& at, std::string_view what) {
-    if (!value.is_array() || value.size() != N) {
-        problem(at, "must be " + std::string(what) + ", got " + kind_of(value));
-        return false;
-    }
-    std::array<double, N> read{};
-    bool good = true;
-    for (std::size_t i = 0; i < N; ++i) good &= to(read[i], value[i], at.element(i));
-    if (good) out = read;
-    return good;
-}
-
-bool SceneReader::to(Vec3& out, const Json& value, const JsonPlace& at) {
-    std::array<double, 3> v{};
-    if (!numbers(v, value, at, "an array of 3 numbers")) return false;
-    out = {v[0], v[1], v[2]};
     return true;
 }
 
@@ -148,23 +83,8 @@ bool SceneReader::to(Quat& out, const Json& value, const JsonPlace& at) {
     return true;
 }
 
-bool SceneReader::to(Triangle& out, const Json& value, const JsonPlace& at) {
-    const auto is_index = [](const Json& v) {
-        return v.is_number_integer() && (v.is_number_unsigned() ? v.get<std::uint64_t>() <= 0x7fffffffU : false);
-    };
-    if (!value.is_array() || value.size() != 3 || !is_index(value[0]) || !is_index(value[1]) || !is_index(value[2])) {
-        problem(at,
-                "must be an array of 3 vertex numbers counted from 0, got " +
-                    (value.is_array() && value.size() == 3 ? value.dump(-1, ' ', false, Json::error_handler_t::replace)
-                                                           : kind_of(value)));
-        return false;
-    }
-    for (std::size_t i = 0; i < 3; ++i) out[i] = value[i].get<std::int32_t>();
-    return true;
-}
-
 bool SceneReader::to(Keyframe& out, const Json& value, const JsonPlace& at) {
-    if (!is_object(value, at, kKeyframeKeys)) return false;
+    if (!has_keys(value, at, kKeyframeKeys)) return false;
     get(out.time, value, at, "time", true);
     get(out.position, value, at, "position", true);
     get(out.rotation, value, at, "rotation");
@@ -193,7 +113,7 @@ void SceneReader::read_version(const Json& document, const JsonPlace& at) {
 }
 
 void SceneReader::read_settings(const Json& value, const JsonPlace& at, Settings& settings) {
-    if (!is_object(value, at, setting_keys())) return;
+    if (!has_keys(value, at, setting_keys())) return;
     for (const auto& item : value.items()) {
         const SettingRow* row = find_setting(item.key());
         if (row == nullptr) continue;
@@ -278,7 +198,7 @@ void SceneReader::read_inertia(const Json& value, const JsonPlace& at, ShapeDesc
 }
 
 void SceneReader::read_shape(const Json& value, const JsonPlace& at, ShapeDescription& shape) {
-    if (!is_object(value, at, kShapeKeys)) return;
+    if (!has_keys(value, at, kShapeKeys)) return;
     get(shape.name, value, at, "name", true);
     read_surface(value, at, shape);
     read_mass(value, at, shape);
@@ -335,7 +255,7 @@ void SceneReader::read_body(const Json& value, const JsonPlace& at, const SceneD
                             BodyDescription& body) {
     body.friction = scene.settings.friction;
     body.restitution = scene.settings.restitution;
-    if (!is_object(value, at, kBodyKeys)) return;
+    if (!has_keys(value, at, kBodyKeys)) return;
     get(body.name, value, at, "name", true);
     read_body_shape(value, at, body);
     read_body_type(value, at, body);
@@ -353,7 +273,7 @@ void SceneReader::read_body(const Json& value, const JsonPlace& at, const SceneD
 
 void SceneReader::read(const Json& document, const SceneFileOptions& options, SceneDescription& scene) {
     const JsonPlace top;
-    if (!is_object(document, top, kSceneKeys)) return;
+    if (!has_keys(document, top, kSceneKeys)) return;
     read_version(document, top);
     get(scene.gravity, document, top, "gravity");
     if (const Json* settings = member(document, top, "settings"))
