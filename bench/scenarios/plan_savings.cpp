@@ -33,7 +33,7 @@ void give_own_shapes(Model& model) {
         shapes.push_back(model.shape_of(i));
         model.bodies[i].shape = static_cast<std::int32_t>(i);
     }
-    model.shapes = std::move(shapes);
+    model.shapes.assign(std::make_move_iterator(shapes.begin()), std::make_move_iterator(shapes.end()));
 }
 
 constexpr Row kRows[] = {

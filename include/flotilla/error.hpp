@@ -77,6 +77,12 @@ class ScriptError : public Error {
     std::vector<BodyNames> pairs_;
 };
 
+/// An observer ended the step (World::set_observer()). The World stands where the step began.
+class StepCancelled : public Error {
+  public:
+    using Error::Error;
+};
+
 /// The end of a step could not be proved free of intersections: a fault of the library. Thrown instead of leaving such
 /// a state. The command exits with 3.
 class BrokenPromise : public Error {

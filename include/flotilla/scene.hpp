@@ -57,8 +57,15 @@ struct BodyDescription {
     /// that way is carried by the world. The velocities at the start have no part there.
     std::array<bool, 3> locked_translation{};
     std::array<bool, 3> locked_rotation{};
-    Vec3 force;  ///< N, constant, at the centre of mass of a dynamic body, world axes
-    Vec3 torque; ///< N m, likewise
+    Vec3 force;        ///< N, constant, at the centre of mass of a dynamic body, world axes
+    Vec3 torque;       ///< N m, likewise
+    std::string group; ///< for SceneDescription::ignored_groups; empty: none
+};
+
+/// Two names: of groups, the same one maybe, or of bodies.
+struct NamedPair {
+    std::string a, b;
+    friend bool operator==(const NamedPair&, const NamedPair&) = default;
 };
 
 struct SceneDescription {
@@ -66,6 +73,9 @@ struct SceneDescription {
     Settings settings;
     std::vector<ShapeDescription> shapes;
     std::vector<BodyDescription> bodies;
+    /// What may pass through each other, and intersect at the start: bodies of two groups, or of one where both names are the same; and
+    /// pairs of bodies. Nothing is promised of them.
+    std::vector<NamedPair> ignored_groups, ignored_bodies;
 };
 
 } // namespace flotilla

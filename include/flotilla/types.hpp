@@ -26,6 +26,21 @@ struct Mat3 {
     friend constexpr bool operator==(const Mat3&, const Mat3&) = default;
 };
 
+/// Where a body is. World vertices are computed from `origin`, the place of the mesh's own origin; `com` is the centre of mass. Neither
+/// is rebuilt from the other.
+struct Pose {
+    Vec3 com;      ///< m
+    Quat rotation; ///< unit; mesh axes to world
+    Vec3 origin;   ///< m
+    friend constexpr bool operator==(const Pose&, const Pose&) = default;
+};
+
+struct Motion {
+    Vec3 velocity; ///< of the centre of mass, m/s
+    Vec3
+        momentum; ///< angular, about the centre of mass, kg m^2/s; of static and kinematic bodies the angular velocity, rad/s
+};
+
 /// Vertex indices of a triangle.
 using Triangle = std::array<std::int32_t, 3>;
 

@@ -7,12 +7,16 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <flotilla/edit.hpp>
 #include <flotilla/error.hpp>
+#include <flotilla/query.hpp>
 #include <flotilla/report.hpp>
 #include <flotilla/scene.hpp>
 
@@ -88,7 +92,86 @@ class World {
     /// throw Error; a snapshot taken before goes on.
     StepReport step();
 
-    [[nodiscard]] std::size_t size() const; ///< bodies
+    // Changes between steps. What cannot be done is refused by InputError or OverlapError, and then nothing has changed; bodies that an edit
+    // concerns wake, with those that they touch. Every edit counts in state_hash(), and a snapshot holds them all.
+
+    /// Every other function of this section is a short form of this one.
+    /// Returns the body of an AddBody or of the edit, the shape's number as `index` of an AddShape, and nobody of others.
+    BodyId apply(const Edit& edit);
+    /// The number that add_body() knows the shape by.
+    std::int32_t add_shape(ShapeDescription shape);
+    /// Costs about as much as testing the body against those whose boxes meet its own. A body without a name gets one.
+    BodyId add_body(BodyDescription body);
+    void remove_body(BodyId body);
+    void set_pose(BodyId body, const Vec3& position, const Quat& rotation);
+    void set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity);
+    void set_type(BodyId body, BodyType type);
+    void set_script(BodyId body, std::vector<Keyframe> keyframes);
+    void set_material(BodyId body, double friction, double restitution);
+    /// N and N m, at the centre of mass, until it is set again.
+    void set_force(BodyId body, const Vec3& force, const Vec3& torque);
+    /// N at a point (m, world), for the next step; adds to what was applied before.
+    void apply_force(BodyId body, const Vec3& force, const Vec3& point);
+    void apply_torque(BodyId body, const Vec3& torque); ///< N m, likewise
+    /// N s at a point (m, world): the velocities change at once.
+    void apply_impulse(BodyId body, const Vec3& impulse, const Vec3& point);
+    void set_gravity(const Vec3& gravity);
+    void set_group(BodyId body, const std::string& group);
+    void ignore_groups(const std::string& a, const std::string& b, bool ignored = true);
+    void ignore_pair(BodyId a, BodyId b, bool ignored = true);
+    void wake(BodyId body);
+
+    /// Called at the start of every step, when it may change the World as above; what it throws leaves step() with nothing done but
+    /// its edits. Empty: none.
+    void set_force_callback(std::function<void(World&)> callback);
+    /// Called after stages 1, 3, 5 and 7 of a step, or of each inner one, on the thread that calls step(). Where it returns false, or throws, everything is as it was before
+    /// the step, and step() throws StepCancelled, or what it threw. Costs a copy of the state in every step. Empty: none.
+    void set_observer(std::function<bool(Phase)> observer);
+    /// Takes one line for what is worth a look: warnings of the scene and of steps, and edits that were refused. Empty: nobody.
+    void set_log(std::function<void(const std::string&)> log);
+    /// Keeps the edits from now on, in order, with the step after which each was made.
+    void record_edits(bool record);
+    [[nodiscard]] const std::vector<Edit>& recorded_edits() const;
+
+    /// The present body at a place, or with a name; InputError where there is none.
+    [[nodiscard]] BodyId id(std::size_t index) const;
+    /// How many bodies a place held before, those of removed bodies; InputError where there is no such place.
+    [[nodiscard]] std::uint32_t generation(std::size_t index) const;
+    [[nodiscard]] BodyId find(const std::string& name) const;
+    [[nodiscard]] bool contains(BodyId body) const; ///< it was not removed
+    [[nodiscard]] const std::string& name(BodyId body) const;
+    /// As it is now but for pose and velocities, which body() has.
+    [[nodiscard]] const BodyDescription& description(BodyId body) const;
+    /// The embedder's own, 0 at first. In snapshots of an edited World, in no hash.
+    void set_user_data(BodyId body, std::uint64_t data);
+    [[nodiscard]] std::uint64_t user_data(BodyId body) const;
+    [[nodiscard]] Vec3 gravity() const;  ///< m/s^2
+    [[nodiscard]] double energy() const; ///< J, kinetic and potential, of the dynamic bodies as they are now
+
+    /// Of all places, those of removed bodies too. No copies: valid until the next step or edit.
+    [[nodiscard]] std::span<const Pose> poses() const;
+    [[nodiscard]] std::span<const Motion> motions() const;
+    /// The same as contacts(), valid until the next step or edit.
+    [[nodiscard]] std::span<const ContactState> contact_view() const;
+
+    /// The first body on the ray, of those within `reach` (m). The direction need not be a unit vector, but not zero.
+    [[nodiscard]] std::optional<RayHit> ray(const Vec3& origin, const Vec3& direction, double reach) const;
+    [[nodiscard]] ClosestPoints closest(BodyId a, BodyId b) const;
+    /// Bodies that a shape at a pose would intersect, by place: those that add_body() would refuse it for.
+    [[nodiscard]] std::vector<BodyId> overlapping(std::int32_t shape, const Vec3& position, const Quat& rotation) const;
+    /// Bodies with a point of their surface in the box, boundary included; exact.
+    [[nodiscard]] std::vector<BodyId> bodies_in(const Vec3& lower, const Vec3& upper) const;
+    [[nodiscard]] BodyContacts contacts_of(BodyId body) const;
+    [[nodiscard]] MemoryUse memory() const;
+
+    /// Another World in the same state, with the same bits from here on. Callbacks, log and recorded edits are not copied.
+    [[nodiscard]] World clone(const WorldOptions& options = {}) const;
+    /// Goes back, or on, to a snapshot of this scene, edited or not. Throws InputError as the constructor does, and then nothing changed.
+    void restore(std::span<const std::byte> snapshot);
+
+    /// Places of bodies; of a World whose bodies were never removed: bodies.
+    [[nodiscard]] std::size_t size() const;
+    [[nodiscard]] std::size_t num_bodies() const; ///< present
     [[nodiscard]] std::int64_t steps() const;
     [[nodiscard]] double time() const; ///< s
     [[nodiscard]] const Settings& settings() const;
@@ -111,9 +194,11 @@ class World {
     [[nodiscard]] std::vector<std::byte> snapshot() const;
     [[nodiscard]] std::vector<ThreadReport> threads() const;
 
+    struct Impl; ///< the library's own
+
   private:
-    friend struct WorldAccess; ///< the library's own
-    struct Impl;
+    friend struct WorldAccess;
+    explicit World(std::unique_ptr<Impl> impl);
     std::unique_ptr<Impl> impl_;
 };
 

@@ -2,11 +2,14 @@
 #include <flotilla/world.hpp>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include <flotilla/error.hpp>
 
 #include "api/world_access.hpp"
+#include "api/world_impl.hpp"
 #include "base/assumptions.hpp"
 #include "base/floating_point.hpp"
 #include "base/text.hpp"
@@ -56,26 +59,7 @@ std::vector<MovedBody> separate(const Scene& described, Scene& scene, const std:
     return moved;
 }
 
-/// A scene whose movable bodies do not intersect at the start. Exact, because continuous detection cannot see an overlap that is there
-/// already.
-struct CheckedStart {
-    CheckedStart(const SceneDescription& description, const std::string& source)
-        : described(build_scene(description, source)), scene(described) {
-        if (scene.settings.initial_overlap == InitialOverlap::separate) moved = separate(described, scene, source);
-        const InitialOverlaps overlaps = find_initial_overlaps(scene);
-        if (!overlaps.movable.empty()) refuse(scene, source, overlaps.movable);
-    }
-    Scene described, scene;
-    std::vector<MovedBody> moved;
-};
-
 std::uint64_t hash_of(const Scene& scene, const Model& model) { return scene_hash(model, initial_state(scene, model)); }
-
-std::vector<std::string> names_of(const Scene& scene) {
-    std::vector<std::string> names;
-    for (const auto& body : scene.bodies) names.push_back(body.name);
-    return names;
-}
 
 constexpr int kMostThreads = 1024;
 
@@ -92,6 +76,27 @@ StepperOptions stepper_options(const WorldOptions& options) {
     return out;
 }
 
+/// What edits change of a scene, as it begins. The shapes are those of `description`, without their meshes.
+EditedBodies edited_bodies(const SceneDescription& description, const Scene& scene) {
+    EditedBodies out;
+    out.gravity = scene.gravity;
+    for (const ShapeDescription& shape : description.shapes) {
+        out.shapes.emplace_back();
+        out.shapes.back().name = shape.name;
+        out.shapes.back().mass_kind = shape.mass_kind;
+        out.shapes.back().mass_value = shape.mass_value;
+    }
+    out.scene_shapes = out.shapes.size();
+    out.bodies = scene.bodies;
+    for (std::size_t i = 0; i < out.bodies.size(); ++i) out.bodies[i].shape = description.bodies[i].shape;
+    out.present.assign(out.bodies.size(), 1);
+    out.generation.assign(out.bodies.size(), 0);
+    out.user_data.assign(out.bodies.size(), 0);
+    out.ignored_groups = description.ignored_groups;
+    out.ignored_bodies = description.ignored_bodies;
+    return out;
+}
+
 template <class Work>
 auto in_own_environment(Work&& work) {
     const DefaultFloatingPoint environment;
@@ -101,115 +106,208 @@ auto in_own_environment(Work&& work) {
 
 } // namespace
 
-struct World::Impl {
-    Impl(const CheckedStart& start, const WorldOptions& options)
-        : model(make_model(start.scene)),
-          names(names_of(start.scene)),
-          scene_hash(hash_of(start.described, model)),
-          moved(start.moved),
-          stepper(model, initial_state(start.scene, model), stepper_options(options)) {}
-    Impl(const Scene& scene, std::span<const std::byte> snapshot, const WorldOptions& options)
-        : model(make_model(scene)),
-          names(names_of(scene)),
-          scene_hash(hash_of(scene, model)),
-          stepper(model, read_snapshot(snapshot, scene_hash, model), stepper_options(options)) {}
-
-    void check(std::size_t body) const {
-        if (body < model.size()) return;
-        throw InputError("body " + std::to_string(body) + " does not exist: there are " + std::to_string(model.size()));
+/// A scene whose movable bodies do not intersect at the start. Exact, because continuous detection cannot see an overlap that is there
+/// already.
+struct CheckedStart {
+    CheckedStart(const SceneDescription& given, const std::string& source)
+        : description(given), described(build_scene(given, source)), scene(described) {
+        if (scene.settings.initial_overlap == InitialOverlap::separate) moved = separate(described, scene, source);
+        const InitialOverlaps overlaps = find_initial_overlaps(scene);
+        if (!overlaps.movable.empty()) refuse(scene, source, overlaps.movable);
     }
-    [[nodiscard]] BodyNames pair(std::int32_t a, std::int32_t b) const {
-        return {a, b, names[static_cast<std::size_t>(a)], names[static_cast<std::size_t>(b)]};
-    }
-
-    Model model;
-    std::vector<std::string> names; ///< of the bodies
-    std::uint64_t scene_hash;       ///< of the scene as it was described
+    const SceneDescription& description;
+    Scene described, scene;
     std::vector<MovedBody> moved;
-    Stepper stepper;
-    bool whole = true; ///< no step ended half-way
 };
 
-Team& WorldAccess::team(World& world) { return world.impl_->stepper.team(); }
+World::Impl::Impl(const CheckedStart& checked, const WorldOptions& given)
+    : settings(checked.scene.settings),
+      shape_of(checked.scene.shape_of),
+      start(edited_bodies(checked.description, checked.scene)),
+      now(start),
+      moved(checked.moved),
+      options(given) {
+    const Model model = make_model(checked.scene);
+    scene_hash = hash_of(checked.described, model);
+    stepper = std::make_unique<Stepper>(model, initial_state(checked.scene, model), stepper_options(given));
+    name_places();
+}
+
+World::Impl::Impl(const SceneDescription& description, const Scene& scene, std::span<const std::byte> snapshot,
+                  const WorldOptions& given)
+    : settings(scene.settings), shape_of(scene.shape_of), start(edited_bodies(description, scene)), options(given) {
+    const Model model = make_model(scene);
+    scene_hash = hash_of(scene, model);
+    go_to(model, snapshot);
+}
+
+World::Impl::Impl(const Impl& other, const WorldOptions& given)
+    : settings(other.settings),
+      shape_of(other.shape_of),
+      start(other.start),
+      now(other.now),
+      scene_hash(other.scene_hash),
+      moved(other.moved),
+      options(given) {
+    Model model = other.stepper->model();
+    model.settings = settings;
+    stepper = std::make_unique<Stepper>(model, other.stepper->state(), stepper_options(given));
+    stepper->set_edits_hash(now.hash);
+    name_places();
+}
+
+/// Takes the state of a snapshot of the scene, which `model` is before all edits.
+void World::Impl::go_to(Model model, std::span<const std::byte> snapshot) {
+    SplitSnapshot split = split_snapshot(snapshot, start);
+    std::vector<std::int32_t> shapes(shape_of.begin(),
+                                     shape_of.begin() + static_cast<std::ptrdiff_t>(start.scene_shapes));
+    if (split.edited) take_edits(split.bodies, shapes, model);
+    State state = read_snapshot(split.state, scene_hash, model);
+    auto restarted = std::make_unique<Stepper>(model, std::move(state), stepper_options(options));
+    now = split.edited ? std::move(split.bodies) : start;
+    restarted->set_edits_hash(now.hash);
+    stepper = std::move(restarted);
+    shape_of = std::move(shapes);
+    name_places();
+}
+
+void World::Impl::name_places() {
+    place_of.clear();
+    for (std::size_t i = 0; i < now.bodies.size(); ++i)
+        if (now.present[i] != 0) place_of.emplace(now.bodies[i].name, static_cast<std::int32_t>(i));
+    contacts_of_step = -1;
+}
+
+void World::Impl::check(std::size_t body) const {
+    if (body < now.bodies.size()) return;
+    throw InputError("body " + std::to_string(body) + " does not exist: there are " +
+                     std::to_string(now.bodies.size()));
+}
+
+BodyNames World::Impl::pair(std::int32_t a, std::int32_t b) const {
+    return {a, b, now.bodies[static_cast<std::size_t>(a)].name, now.bodies[static_cast<std::size_t>(b)].name};
+}
+
+void World::Impl::refresh() const {
+    const DefaultFloatingPoint environment;
+    stepper->refresh();
+}
+
+std::uint64_t World::Impl::state_hash() const {
+    refresh();
+    return with_edits(flotilla::state_hash(stepper->state()), now.hash);
+}
+
+Team& WorldAccess::team(World& world) { return world.impl_->stepper->team(); }
 
 World::World(const SceneDescription& scene, const std::string& source, const WorldOptions& options)
     : impl_(in_own_environment([&] { return std::make_unique<Impl>(CheckedStart(scene, source), options); })) {}
 World::World(const SceneDescription& scene, std::span<const std::byte> snapshot, const std::string& source,
              const WorldOptions& options)
-    : impl_(in_own_environment([&] { return std::make_unique<Impl>(build_scene(scene, source), snapshot, options); })) {
-}
+    : impl_(in_own_environment(
+          [&] { return std::make_unique<Impl>(scene, build_scene(scene, source), snapshot, options); })) {}
+World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step() {
+    if (impl_->force_callback && impl_->whole) impl_->force_callback(*this);
     const DefaultFloatingPoint environment;
-    if (!std::exchange(impl_->whole, false))
+    Impl& w = *impl_;
+    if (!std::exchange(w.whole, false))
         throw Error("step " + std::to_string(steps() + 1) +
                     ": an earlier call failed half-way; the World cannot go on, a snapshot taken before can");
     try {
-        StepReport report = impl_->stepper.step();
-        impl_->whole = true;
+        StepReport report = w.stepper->step(w.observer);
+        w.clear_pushes();
+        w.whole = true;
+        w.contacts_of_step = -1;
+        if (report.warnings != 0) w.say_warnings(report);
         return report;
     } catch (const CertificateError& e) {
-        const BodyNames pair = impl_->pair(e.pair.a, e.pair.b);
+        const BodyNames pair = w.pair(e.pair.a, e.pair.b);
         throw BrokenPromise("step " + std::to_string(steps() + 1) + ": bodies " + in_quotes(pair.name_a) + " and " +
                                 in_quotes(pair.name_b) + " could not be proved apart",
                             steps() + 1, pair);
     } catch (const BlockedScripts& e) {
-        impl_->whole = true; // everything is as it was before
+        w.whole = true; // everything is as it was before
         std::string message;
         std::vector<BodyNames> pairs;
         for (const DelayedScript& d : e.scripts) {
-            pairs.push_back(impl_->pair(d.body, d.victim));
+            pairs.push_back(w.pair(d.body, d.victim));
             message += (message.empty() ? "step " : "\nstep ") + std::to_string(steps() + 1) + ": the script of body " +
                        in_quotes(pairs.back().name_a) + " cannot go on: it would crush body " +
                        in_quotes(pairs.back().name_b);
         }
         throw ScriptError(message, steps() + 1, std::move(pairs));
+    } catch (const CancelledStep& e) {
+        w.whole = true;
+        if (e.thrown) std::rethrow_exception(e.thrown);
+        throw StepCancelled("step " + std::to_string(steps() + 1) + ": cancelled by its observer after " +
+                            std::string(kPhaseNames[static_cast<std::size_t>(e.phase)]));
     }
 }
 
-std::size_t World::size() const { return impl_->model.size(); }
-std::int64_t World::steps() const { return impl_->stepper.steps(); }
-double World::time() const { return impl_->stepper.time(); }
-const Settings& World::settings() const { return impl_->model.settings; }
+/// Each once in a run of steps that have it.
+void World::Impl::say_warnings(const StepReport& report) {
+    constexpr std::array<std::pair<StepWarning, std::string_view>, 6> kTexts{
+        {{kCollisionLimit, "stage 1 ended at collision_iterations"},
+         {kDynamicLimit, "dynamic contact ended at dynamic_iterations: the failsafe had to finish"},
+         {kStaticLimit, "a contact solve ended above its tolerance"},
+         {kScriptDelayed, "a scripted body was held, as bodies were in its way"},
+         {kReboundLost, "a body that the failsafe held lost a rebound"},
+         {kStaticLetOff, "a contact solve of a resting jam ended up to ten times above its tolerance"}}};
+    for (const auto& [bit, text] : kTexts)
+        if ((report.warnings & bit) != 0) say("step " + std::to_string(report.step) + ": " + std::string(text));
+}
+
+std::size_t World::size() const { return impl_->now.bodies.size(); }
+std::int64_t World::steps() const { return impl_->stepper->steps(); }
+double World::time() const { return impl_->stepper->time(); }
+const Settings& World::settings() const { return impl_->settings; }
 
 BodyState World::body(std::size_t index) const {
     impl_->check(index);
     const DefaultFloatingPoint environment;
-    const State& state = impl_->stepper.state();
+    const State& state = impl_->stepper->state();
     const Pose& pose = state.pose[index];
     const Motion& motion = state.motion[index];
-    const Vec3 omega = impl_->model.bodies[index].movable()
-                           ? angular_velocity(impl_->model.shape_of(index), pose.rotation, motion.momentum)
+    const Vec3 omega = impl_->stepper->model().bodies[index].movable()
+                           ? angular_velocity(impl_->stepper->model().shape_of(index), pose.rotation, motion.momentum)
                            : motion.momentum;
     return {pose.origin, pose.rotation, pose.com, motion.velocity, omega};
 }
 
 Vec3 World::turn(std::size_t index) const {
     impl_->check(index);
-    return impl_->stepper.turns()[index];
+    impl_->refresh();
+    return impl_->stepper->turns()[index];
 }
 
 std::vector<WayPoint> World::way(std::size_t index) const {
     impl_->check(index);
+    impl_->refresh();
     std::vector<WayPoint> points;
     const auto add = [&](const Pose& pose, const Vec3& turn) { points.push_back({pose.origin, pose.rotation, turn}); };
-    for (const InnerState& inner : impl_->stepper.inner_states()) add(inner.pose[index], inner.turn[index]);
-    add(impl_->stepper.state().pose[index], impl_->stepper.turns()[index]);
+    for (const InnerState& inner : impl_->stepper->inner_states()) add(inner.pose[index], inner.turn[index]);
+    add(impl_->stepper->state().pose[index], impl_->stepper->turns()[index]);
     return points;
 }
 
-std::vector<ContactState> World::contacts() const {
-    std::vector<ContactState> out;
-    const std::vector<Contact>& awake = impl_->stepper.contacts().contacts;
-    const std::vector<Contact>& asleep = impl_->stepper.sleeping_contacts();
-    const State& state = impl_->stepper.state();
+const std::vector<ContactState>& World::Impl::contacts() {
+    refresh();
+    if (contacts_of_step == stepper->steps()) return contact_list;
+    const DefaultFloatingPoint environment;
+    std::vector<ContactState>& out = contact_list;
+    out.clear();
+    const std::vector<Contact>& awake = stepper->contacts().contacts;
+    const std::vector<Contact>& asleep = stepper->sleeping_contacts();
+    const State& state = stepper->state();
     const auto bodies = [](const auto& x) { return std::pair(x.a, x.b); };
     std::span<const WarmImpulse> solved = state.warm_final,
                                  waiting = state.waiting_final; // all lists are sorted by bodies
-    const double substeps = impl_->stepper.substeps();
+    const double substeps = stepper->substeps();
     const auto add = [&](const Contact& c, bool sleeps) {
         std::span<const WarmImpulse>& list = sleeps ? waiting : solved;
         const auto first =
@@ -226,32 +324,55 @@ std::vector<ContactState> World::contacts() const {
         add(c, false);
     }
     for (; sleeper != asleep.end(); ++sleeper) add(*sleeper, true);
+    contacts_of_step = stepper->steps();
     return out;
 }
 
+std::vector<ContactState> World::contacts() const { return impl_->contacts(); }
+
 std::vector<BodyActivity> World::activity() const {
-    std::vector<BodyActivity> out = impl_->stepper.activity();
-    for (const auto* contacts : {&impl_->stepper.contacts().contacts, &impl_->stepper.sleeping_contacts()})
+    impl_->refresh();
+    std::vector<BodyActivity> out = impl_->stepper->activity();
+    for (const auto* contacts : {&impl_->stepper->contacts().contacts, &impl_->stepper->sleeping_contacts()})
         for (const Contact& c : *contacts)
             for (const std::int32_t body : {c.a, c.b}) ++out[static_cast<std::size_t>(body)].contacts;
     for (std::size_t i = 0; i < out.size(); ++i)
-        if (asleep(impl_->stepper.state(), i)) out[i].cluster = ClusterState::asleep;
+        if (asleep(impl_->stepper->state(), i)) out[i].cluster = ClusterState::asleep;
     return out;
 }
 
 std::vector<ThreadReport> World::threads() const {
     std::vector<ThreadReport> out;
-    for (const ThreadTimes& t : impl_->stepper.team().times())
+    for (const ThreadTimes& t : impl_->stepper->team().times())
         out.push_back({t.busy_ms, t.waiting_ms, t.tasks, t.stolen});
     return out;
 }
 
-std::uint64_t World::state_hash() const { return flotilla::state_hash(impl_->stepper.state()); }
+std::uint64_t World::state_hash() const { return impl_->state_hash(); }
 const std::vector<MovedBody>& World::moved_bodies() const { return impl_->moved; }
 std::uint64_t World::scene_hash() const { return impl_->scene_hash; }
+
 std::vector<std::byte> World::snapshot() const {
     if (!impl_->whole) throw Error("a step failed half-way: there is no whole state to take a snapshot of");
-    return write_snapshot(impl_->stepper.state(), impl_->scene_hash);
+    impl_->refresh(); // distances of bodies that were placed belong to the state
+    std::vector<std::byte> state = write_snapshot(impl_->stepper->state(), impl_->scene_hash);
+    return impl_->now.hash == 0 ? state : join_snapshot(impl_->now, state);
+}
+
+World World::clone(const WorldOptions& options) const {
+    const DefaultFloatingPoint environment;
+    if (!impl_->whole) throw Error("a step failed half-way: there is no whole state to copy");
+    impl_->refresh();
+    return World(std::make_unique<Impl>(*impl_, options));
+}
+
+void World::restore(std::span<const std::byte> snapshot) {
+    const DefaultFloatingPoint environment;
+    Model model = impl_->stepper->model();
+    model.settings = impl_->settings;
+    impl_->undo_edits(model);
+    impl_->go_to(std::move(model), snapshot);
+    impl_->whole = true;
 }
 
 } // namespace flotilla

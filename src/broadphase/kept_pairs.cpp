@@ -2,6 +2,7 @@
 #include "broadphase/kept_pairs.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "broadphase/swept_boxes.hpp"
 #include "parallel/compact.hpp"
@@ -29,12 +30,16 @@ SweptBody widened(const SweptBody& body) {
     return {inflated(body.box, body.reach + margin), 0, body.movable, body.waking_reach};
 }
 
+bool ignored(const PairSearch& search, const CandidatePair& pair) {
+    return search.filters != nullptr && search.filters->ignores(pair.a, pair.b);
+}
+
 } // namespace
 
 const std::vector<CandidatePair>& KeptPairs::find(Team& team, const PairSearch& search) {
     if (!search.savings.kept_pairs) {
         wide_ = nullptr;
-        return grids_.find(team, search);
+        return without_ignored(search, grids_.find(team, search));
     }
     cover(team, search, search.active);
     return near_ones(team, search);
@@ -42,9 +47,18 @@ const std::vector<CandidatePair>& KeptPairs::find(Team& team, const PairSearch& 
 
 const std::vector<CandidatePair>& KeptPairs::update(Team& team, const PairSearch& search,
                                                     std::span<const std::int32_t> changed) {
-    if (!search.savings.kept_pairs) return grids_.update(team, search, changed);
+    if (!search.savings.kept_pairs) return without_ignored(search, grids_.update(team, search, changed));
     cover(team, search, changed);
     return near_ones(team, search);
+}
+
+const std::vector<CandidatePair>& KeptPairs::without_ignored(const PairSearch& search,
+                                                             const std::vector<CandidatePair>& pairs) {
+    if (search.filters == nullptr) return pairs;
+    pairs_.clear();
+    std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(pairs_),
+                 [&](const CandidatePair& p) { return !ignored(search, p); });
+    return pairs_;
 }
 
 std::size_t KeptPairs::lone_bodies(std::span<const std::int32_t> active) const {
@@ -99,7 +113,7 @@ const std::vector<CandidatePair>& KeptPairs::near_ones(Team& team, const PairSea
     near_.resize(wide.size());
     const auto look = [&](std::size_t i) {
         const SweptBody &a = search.bodies[at(wide[i].a)], &b = search.bodies[at(wide[i].b)];
-        near_[i] = may_pair(a, b, search.wakes) ? 1 : 0;
+        near_[i] = may_pair(a, b, search.wakes) && !ignored(search, wide[i]) ? 1 : 0;
         return near_[i] != 0;
     };
     const auto kept = [&](std::size_t i) { return near_[i] != 0; };

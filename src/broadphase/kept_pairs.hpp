@@ -26,6 +26,9 @@ class KeptPairs : public PairFinder {
     void list_strays(Team& team, const PairSearch& search, std::span<const std::int32_t> bodies);
     void widen_all(Team& team, const PairSearch& search);
     const std::vector<CandidatePair>& near_ones(Team& team, const PairSearch& search);
+    /// Those that the search's filter does not leave out.
+    const std::vector<CandidatePair>& without_ignored(const PairSearch& search,
+                                                      const std::vector<CandidatePair>& pairs);
 
     Broadphase grids_;
     std::vector<SweptBody> boxes_; ///< with their margin

@@ -130,7 +130,7 @@ void Broadphase::sort_in_still(Team& team, const PairSearch& search) {
             continue;
         }
         const SweptBody& b = search.bodies[i];
-        items_.push_back({static_cast<std::int32_t>(i), inflated(b.box, b.waking_reach), true});
+        if (b.present) items_.push_back({static_cast<std::int32_t>(i), inflated(b.box, b.waking_reach), true});
     }
     build_grid(team, search, still_);
     still_version_ = search.still_version;

@@ -89,6 +89,8 @@ class CandidateList {
 
     static constexpr std::size_t kMostListed = std::size_t{1} << 20; ///< 16 MB while it is made, 8 MB kept
 
+    [[nodiscard]] std::size_t memory() const { return features_.capacity() * sizeof(FeatureIds); } ///< bytes
+
   private:
     static constexpr int kSlots = 16;
 

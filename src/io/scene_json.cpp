@@ -24,6 +24,7 @@ namespace {
 using io::Json;
 using io::JsonPlace;
 using io::kBodyKeys;
+using io::kIgnoreKeys;
 using io::kind_of;
 using io::kKeyframeKeys;
 using io::kLockedAxes;
@@ -44,6 +45,7 @@ class SceneReader : io::JsonReader {
     using JsonReader::to;
     bool to(Quat& out, const Json& value, const JsonPlace& at);
     bool to(Keyframe& out, const Json& value, const JsonPlace& at);
+    bool to(NamedPair& out, const Json& value, const JsonPlace& at);
     template <class Value>
     bool to(std::vector<Value>& out, const Json& value, const JsonPlace& at);
     template <class Value>
@@ -60,6 +62,7 @@ class SceneReader : io::JsonReader {
     void read_body_shape(const Json& value, const JsonPlace& at, BodyDescription& body);
     void read_body_type(const Json& value, const JsonPlace& at, BodyDescription& body);
     void read_locked(const Json& value, const JsonPlace& at, BodyDescription& body);
+    void read_ignored(const Json& value, const JsonPlace& at, SceneDescription& scene);
     void name_shapes(const SceneDescription& scene);
 
     std::filesystem::path folder_;
@@ -81,6 +84,14 @@ bool SceneReader::to(Quat& out, const Json& value, const JsonPlace& at) {
     if (!numbers(q, value, at, "an array of 4 numbers [w, x, y, z]")) return false;
     out = {q[0], q[1], q[2], q[3]};
     return true;
+}
+
+bool SceneReader::to(NamedPair& out, const Json& value, const JsonPlace& at) {
+    if (!value.is_array() || value.size() != 2) {
+        problem(at, "must be an array of 2 names, got " + kind_of(value));
+        return false;
+    }
+    return to(out.a, value[0], at.element(0)) && to(out.b, value[1], at.element(1));
 }
 
 bool SceneReader::to(Keyframe& out, const Json& value, const JsonPlace& at) {
@@ -269,6 +280,13 @@ void SceneReader::read_body(const Json& value, const JsonPlace& at, const SceneD
     read_locked(value, at, body);
     get(body.force, value, at, "force");
     get(body.torque, value, at, "torque");
+    get(body.group, value, at, "group");
+}
+
+void SceneReader::read_ignored(const Json& value, const JsonPlace& at, SceneDescription& scene) {
+    if (!has_keys(value, at, kIgnoreKeys)) return;
+    get(scene.ignored_groups, value, at, "groups");
+    get(scene.ignored_bodies, value, at, "bodies");
 }
 
 void SceneReader::read(const Json& document, const SceneFileOptions& options, SceneDescription& scene) {
@@ -294,6 +312,7 @@ void SceneReader::read(const Json& document, const SceneFileOptions& options, Sc
         for (std::size_t i = 0; i < bodies->size(); ++i)
             read_body((*bodies)[i], bodies_at.element(i), scene, scene.bodies[i]);
     }
+    if (const Json* ignored = member(document, top, "ignore")) read_ignored(*ignored, top.member("ignore"), scene);
 }
 
 } // namespace

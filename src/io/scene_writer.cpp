@@ -40,6 +40,8 @@ std::string json(const Triangle& t) {
     return text += ']';
 }
 
+std::string json(const NamedPair& pair) { return '[' + json_string(pair.a) + ", " + json_string(pair.b) + ']'; }
+
 template <class Items>
 void write_list(std::ostream& out, const Items& items) {
     out << '[';
@@ -116,9 +118,19 @@ void write_body(std::ostream& out, const BodyDescription& body, const SceneDescr
     if (body.friction != scene.settings.friction) out << ", \"friction\": " << json(body.friction);
     if (body.restitution != scene.settings.restitution) out << ", \"restitution\": " << json(body.restitution);
     if (!body.keyframes.empty()) write_keyframes(out, body.keyframes);
+    if (!body.group.empty()) out << ", \"group\": " << json_string(body.group);
     write_locked(out, body);
     if (body.force != Vec3{}) out << ", \"force\": " << json(body.force);
     if (body.torque != Vec3{}) out << ", \"torque\": " << json(body.torque);
+    out << '}';
+}
+
+void write_ignored(std::ostream& out, const SceneDescription& scene) {
+    if (scene.ignored_groups.empty() && scene.ignored_bodies.empty()) return;
+    out << ",\n  \"ignore\": {\"groups\": ";
+    write_list(out, scene.ignored_groups);
+    out << ", \"bodies\": ";
+    write_list(out, scene.ignored_bodies);
     out << '}';
 }
 
@@ -133,7 +145,9 @@ void write_scene(std::ostream& out, const SceneDescription& scene) {
     out << "\n  ],\n  \"bodies\": [";
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
         write_body(out << (i > 0 ? ",\n" : "\n"), scene.bodies[i], scene);
-    out << "\n  ]\n}\n";
+    out << "\n  ]";
+    write_ignored(out, scene);
+    out << "\n}\n";
 }
 
 } // namespace flotilla

@@ -113,4 +113,11 @@ void PairTable::index(std::size_t slots) {
         if (PairRecord& r = records_[i]; r.a >= 0) slots_[slot(r.a, r.b)] = {r.a, r.b, &r};
 }
 
+std::size_t PairTable::memory() const {
+    std::size_t bytes = slots_.size() * sizeof(Slot) + records_.size() * sizeof(PairRecord);
+    for (std::size_t i = 0; i < records_.size(); ++i)
+        if (records_[i].candidates != nullptr) bytes += sizeof(PairCandidates) + records_[i].candidates->list.memory();
+    return bytes;
+}
+
 } // namespace flotilla

@@ -73,6 +73,8 @@ class PairTable {
     /// The records of some pairs, some hundreds at most: all of them asked for, then looked up, so that the waits for memory overlap.
     /// `out` has their number of places.
     void find(std::span<const CandidatePair> pairs, std::span<PairRecord*> out) const;
+    /// Bytes, of records, their index and the candidate lists.
+    [[nodiscard]] std::size_t memory() const;
     /// Keeps a record for this step.
     void use(PairRecord& record) const { record.step = step_; }
 

@@ -196,6 +196,7 @@ bool prove_by_bounds(const StepData& data, PairRecord& r, bool with_proximity) {
 }
 
 PairHit search(const StepData& data, Worker& worker, PairRecord& r, CcdMethod method) {
+    if (data.model.ignores(r.a, r.b)) return {}; // members of clusters meet in no list
     // Two bodies bitwise at x^n stand where the last step left them, apart (way d).
     if (data.trajectories.still(at(r.a)) && data.trajectories.still(at(r.b))) return {};
     const BodyMotion a = data.trajectories.motion(at(r.a)), b = data.trajectories.motion(at(r.b));
@@ -242,14 +243,19 @@ void place_still(StepData& data) {
         const Body& body = data.model.bodies[i];
         if (body.movable() || body.scripted()) return;
         const double waking = body.dynamic() ? largest_reach(data, i, ListReach::proximity) : 0.0;
-        l.swept[i] = {data.trajectories.at_start(i).swept(), 0, false, waking};
+        l.swept[i] = {data.trajectories.at_start(i).swept(), 0, false, waking, body.present};
         l.bounds[i] = {};
     });
     l.still_placed = l.still_version;
 }
 
 PairSearch search_of(const StepData& data, bool wakes = false) {
-    return {data.lists.swept, data.model.active, data.lists.still_version, wakes, data.savings};
+    return {data.lists.swept,
+            data.model.active,
+            data.lists.still_version,
+            wakes,
+            data.savings,
+            data.model.filter.empty() ? nullptr : &data.model};
 }
 
 /// Candidate pairs of bodies with the given boxes.

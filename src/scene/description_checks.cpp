@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <unordered_map>
 
 #include <flotilla/error.hpp>
@@ -218,6 +219,33 @@ void check_body_shape(const BodyDescription& body, const SceneDescription& scene
                                    " has no mass: a dynamic body needs surface_density, density or mass");
 }
 
+/// Pairs of names that there are.
+void check_ignored(const std::vector<NamedPair>& pairs, const std::set<std::string_view>& names, const char* what,
+                   const std::string& path, ErrorList& errors) {
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        for (const std::string* name : {&pairs[i].a, &pairs[i].b})
+            if (!names.contains(*name) && !errors.any_at(path + "/" + std::to_string(i)))
+                errors.add(path + "/" + std::to_string(i),
+                           std::string("no body has the ") + what + " " + in_quotes(*name));
+}
+
+void check_ignored(const SceneDescription& scene, ErrorList& errors) {
+    std::set<std::string_view> groups, names;
+    for (const BodyDescription& body : scene.bodies) groups.insert(body.group), names.insert(body.name);
+    groups.erase("");
+    check_ignored(scene.ignored_groups, groups, "group", "/ignore/groups", errors);
+    check_ignored(scene.ignored_bodies, names, "name", "/ignore/bodies", errors);
+    for (std::size_t i = 0; i < scene.ignored_bodies.size(); ++i)
+        if (const auto& [a, b] = scene.ignored_bodies[i]; a == b)
+            errors.add("/ignore/bodies/" + std::to_string(i), "a body cannot meet itself: " + in_quotes(a));
+}
+
+} // namespace
+
+void check_name(const std::string& name, const std::string& path, ErrorList& errors) {
+    Checker(path, errors).name(name);
+}
+
 void check_body(BodyDescription& body, const SceneDescription& scene, const std::string& path, ErrorList& errors) {
     const Checker check(path, errors);
     check_body_shape(body, scene, check, errors);
@@ -235,8 +263,6 @@ void check_body(BodyDescription& body, const SceneDescription& scene, const std:
         check.problem("keyframes", "only a kinematic body has keyframes");
     }
 }
-
-} // namespace
 
 std::string element_path(const char* list, std::size_t index) {
     return std::string("/") + list + "/" + std::to_string(index);
@@ -256,6 +282,7 @@ void check_description(SceneDescription& scene, ErrorList& errors) {
         const std::string path = element_path("bodies", i);
         if (!errors.any_at(path)) check_body(scene.bodies[i], scene, path, errors);
     }
+    check_ignored(scene, errors);
 }
 
 } // namespace flotilla

@@ -29,6 +29,11 @@ inline constexpr std::size_t kMaxNameLength = 1000; ///< bytes
 /// first keyframe.
 void check_description(SceneDescription& scene, ErrorList& errors);
 
+/// Of one body; of its shape `scene` tells the name and whether it has a mass.
+void check_body(BodyDescription& body, const SceneDescription& scene, const std::string& path, ErrorList& errors);
+/// Adds to `errors` what no name may be: empty, long, with control characters.
+void check_name(const std::string& name, const std::string& path, ErrorList& errors);
+
 /// "/shapes/3", "/bodies/7".
 [[nodiscard]] std::string element_path(const char* list, std::size_t index);
 

@@ -13,8 +13,6 @@ namespace flotilla {
 
 namespace {
 
-constexpr double kFloorPerError = 16;
-
 using Corners = std::array<Vec3, 3>;
 
 // A body where it starts. Boxes of the hierarchy are made when the first neighbour asks for them.
@@ -52,30 +50,19 @@ std::vector<Placed> place_all(const Scene& scene) {
 
 Box box_of(const Corners& t) { return box_of(t[0], t[1], t[2]); }
 
-// No gap between the triangles is smaller than what is certified against, times the same factor.
-double floor_distance(const Box& a, const Box& b) {
-    const Box both = merged(a, b);
-    return kFloorPerError * ccd_error(max_component(extent(both)));
-}
-
-bool overlap(const Corners& a, const Corners& b) {
-    if (exact::triangles_intersect(a, b)) return true;
-    const double floor = floor_distance(box_of(a), box_of(b));
-    if (!boxes_overlap(box_of(a), box_of(b), floor)) return false;
-    return !(closest_triangle_triangle(a, b).distance_sq > floor * floor);
-}
+constexpr double kFloorPerError = 16;
 
 Vec3 meeting_place(const Box& a, const Box& b) { return 0.5 * max(a.lower, b.lower) + 0.5 * min(a.upper, b.upper); }
 
 BodyOverlap overlap_of(Placed& a, Placed& b) {
     BodyOverlap found;
     // Any pair of triangles lies within the two bodies, so this bounds the distances that count.
-    const double inflation = floor_distance(a.box, b.box);
+    const double inflation = least_certified_distance(a.box, b.box);
     for_each_overlapping_leaf_pair(a.shape->bvh, a.hierarchy(), b.shape->bvh, b.hierarchy(), inflation,
                                    [&](std::span<const std::int32_t> of_a, std::span<const std::int32_t> of_b) {
                                        for (const std::int32_t i : of_a)
                                            for (const std::int32_t j : of_b)
-                                               if (overlap(a.corners(i), b.corners(j)))
+                                               if (triangles_overlap(a.corners(i), b.corners(j)))
                                                    found.triangles.push_back({i, j});
                                    });
     std::sort(found.triangles.begin(), found.triangles.end());
@@ -123,6 +110,18 @@ void for_each_box_pair(const std::vector<Placed>& placed, Visit&& visit) {
 
 } // namespace
 
+double least_certified_distance(const Box& a, const Box& b) {
+    const Box both = merged(a, b);
+    return kFloorPerError * ccd_error(max_component(extent(both)));
+}
+
+bool triangles_overlap(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+    if (exact::triangles_intersect(a, b)) return true;
+    const double floor = least_certified_distance(box_of(a), box_of(b));
+    if (!boxes_overlap(box_of(a), box_of(b), floor)) return false;
+    return !(closest_triangle_triangle(a, b).distance_sq > floor * floor);
+}
+
 std::vector<Vec3> initial_vertices(const Scene& scene, std::size_t body) {
     const BodyDescription& b = scene.bodies[body];
     const std::vector<Vec3>& local = scene.shapes[static_cast<std::size_t>(b.shape)].mesh.vertices;
@@ -135,6 +134,7 @@ InitialOverlaps find_initial_overlaps(const Scene& scene) {
     std::vector<Placed> placed = place_all(scene);
     InitialOverlaps overlaps;
     for_each_box_pair(placed, [&](std::size_t a, std::size_t b) {
+        if (scene.filtered.ignores(a, b)) return;
         BodyOverlap found = overlap_of(placed[a], placed[b]);
         if (found.triangles.empty()) return;
         found.a = static_cast<std::int32_t>(a);

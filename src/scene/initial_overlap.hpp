@@ -26,6 +26,11 @@ struct InitialOverlaps {
 /// continuous collision detection, below which no motion could be certified.
 [[nodiscard]] InitialOverlaps find_initial_overlaps(const Scene& scene);
 
+/// m, that no gap of two triangles within these boxes is below: that is certified against, times the same factor everywhere.
+[[nodiscard]] double least_certified_distance(const Box& a, const Box& b);
+/// Whether two triangles intersect, touch, or are nearer than that.
+[[nodiscard]] bool triangles_overlap(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
+
 /// The vertices of a body in the world, as the first step sees them.
 [[nodiscard]] std::vector<Vec3> initial_vertices(const Scene& scene, std::size_t body);
 

@@ -19,15 +19,6 @@ constexpr double kPlacesPerRest = 16;
 /// bodies rest at twice as much.
 constexpr double kErrorsPerRest = 32;
 
-double longest_edge(const TriangleMesh& mesh) {
-    double longest_sq = 0;
-    for (const Triangle& t : mesh.triangles)
-        for (std::size_t k = 0; k < 3; ++k)
-            longest_sq = std::max(longest_sq, length_sq(mesh.vertices[static_cast<std::size_t>(t[k])] -
-                                                        mesh.vertices[static_cast<std::size_t>(t[(k + 1) % 3])]));
-    return std::sqrt(longest_sq);
-}
-
 class LengthChecks {
   public:
     LengthChecks(const Scene& scene, ErrorList& errors) : scene_(scene), errors_(errors) {
@@ -116,10 +107,8 @@ class LengthChecks {
     }
 
     void check_triangles() {
-        std::vector<double> edges(scene_.shapes.size());
-        for (std::size_t k = 0; k < edges.size(); ++k) edges[k] = longest_edge(scene_.shapes[k].mesh);
         std::optional<std::size_t> largest;
-        const auto edge = [&](std::size_t body) { return edges[static_cast<std::size_t>(scene_.bodies[body].shape)]; };
+        const auto edge = [&](std::size_t body) { return shape(body).longest_edge; };
         for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
             if (!largest || edge(i) > edge(*largest)) largest = i;
         const double least = kErrorsPerRest * ccd_error(edge(*largest));

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <functional>
+#include <map>
 #include <unordered_map>
 
 #include "base/error_list.hpp"
@@ -65,6 +66,15 @@ double least_extent(const TriangleMesh& mesh, const Quat& axes) {
     return std::min({e.x, e.y, e.z});
 }
 
+double longest_edge(const TriangleMesh& mesh) {
+    double longest_sq = 0;
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k)
+            longest_sq = std::max(longest_sq, length_sq(mesh.vertices[static_cast<std::size_t>(t[k])] -
+                                                        mesh.vertices[static_cast<std::size_t>(t[(k + 1) % 3])]));
+    return std::sqrt(longest_sq);
+}
+
 /// The size of a body, or ten times its thickness if that is less: the size / 330 at which a bar of aspect 1,000 would rest is three
 /// times as far as it is thick. It would stand on forces far beside its long axis, about which it hardly has inertia, and a heap of
 /// such bars has dozens of contacts for each where few can be told apart. Not less than a hundredth of the size, or doubles would not
@@ -96,6 +106,7 @@ Shape build_shape(ShapeDescription&& description) {
                    : description.center_of_mass ? *description.center_of_mass
                                                 : shape.sphere.center;
     shape.radius = bounding_radius(shape.mesh, shape.center);
+    shape.longest_edge = longest_edge(shape.mesh);
     return shape;
 }
 
@@ -154,6 +165,35 @@ Vec3 world_center(const Scene& scene, const BodyDescription& body) {
     return body.position + rotate(body.rotation, scene.shapes[static_cast<std::size_t>(body.shape)].center);
 }
 
+bool PairFilter::ignores(std::int32_t a, std::int32_t group_a, std::int32_t b, std::int32_t group_b) const {
+    const auto has = [](const auto& list, std::int32_t x, std::int32_t y) {
+        return std::binary_search(list.begin(), list.end(), std::pair(std::min(x, y), std::max(x, y)));
+    };
+    return (group_a >= 0 && group_b >= 0 && has(groups, group_a, group_b)) || has(bodies, a, b);
+}
+
+FilteredBodies make_filter(std::span<const BodyDescription> bodies, std::span<const NamedPair> ignored_groups,
+                           std::span<const NamedPair> ignored_bodies) {
+    std::map<std::string_view, std::int32_t> groups, names;
+    for (const BodyDescription& body : bodies)
+        if (!body.group.empty()) groups.try_emplace(body.group, static_cast<std::int32_t>(groups.size()));
+    FilteredBodies out;
+    for (const BodyDescription& body : bodies) out.group.push_back(body.group.empty() ? -1 : groups.at(body.group));
+    if (!ignored_bodies.empty())
+        for (std::size_t i = 0; i < bodies.size(); ++i) names.emplace(bodies[i].name, static_cast<std::int32_t>(i));
+    const auto list = [](std::span<const NamedPair> from, const auto& number, auto& to) {
+        for (const NamedPair& pair : from) {
+            const auto a = number.find(pair.a), b = number.find(pair.b);
+            if (a != number.end() && b != number.end()) to.push_back(std::minmax(a->second, b->second));
+        }
+        std::sort(to.begin(), to.end());
+        to.erase(std::unique(to.begin(), to.end()), to.end());
+    };
+    list(ignored_groups, groups, out.filter.groups);
+    list(ignored_bodies, names, out.filter.bodies);
+    return out;
+}
+
 std::optional<MassProperties> shape_mass_properties(const ShapeDescription& shape) {
     return mass_properties_of(shape, {shape.vertices, shape.triangles});
 }
@@ -179,9 +219,10 @@ Scene build_scene(SceneDescription description, const std::string& source) {
     scene.gravity = description.gravity;
     scene.settings = description.settings;
     warn_of_unused_shapes(description, scene.warnings);
-    const std::vector<std::int32_t> shape_index = build_shapes(description.shapes, scene);
+    scene.shape_of = build_shapes(description.shapes, scene);
     scene.bodies = std::move(description.bodies);
-    for (BodyDescription& body : scene.bodies) body.shape = shape_index[static_cast<std::size_t>(body.shape)];
+    for (BodyDescription& body : scene.bodies) body.shape = scene.shape_of[static_cast<std::size_t>(body.shape)];
+    scene.filtered = make_filter(scene.bodies, description.ignored_groups, description.ignored_bodies);
     check_lengths(scene, errors);
     errors.throw_if_any();
     warn_of_far_bodies(scene, scene.warnings);

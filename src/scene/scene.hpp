@@ -3,7 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <flotilla/scene.hpp>
@@ -30,7 +32,31 @@ struct Shape {
     double extent = 0;                  ///< m, which the lengths of its pairs go by: the size, less for thin solids
     Vec3 center;                        ///< of mass, or of `sphere` where there is no mass: what a body turns about
     double radius = 0;                  ///< m, of the sphere around `center`: |angle| * radius bounds what a turn moves
+    double longest_edge = 0;            ///< m, of a triangle
 };
+
+/// Pairs of bodies that may pass through each other. Each list is sorted, the first of a pair is not above the second.
+struct PairFilter {
+    std::vector<std::pair<std::int32_t, std::int32_t>> groups, bodies;
+
+    [[nodiscard]] bool empty() const { return groups.empty() && bodies.empty(); }
+    /// Of two bodies and their groups, -1 where they have none.
+    [[nodiscard]] bool ignores(std::int32_t a, std::int32_t group_a, std::int32_t b, std::int32_t group_b) const;
+};
+
+/// A filter with the groups of the bodies, by number.
+struct FilteredBodies {
+    PairFilter filter;
+    std::vector<std::int32_t> group; ///< by body; -1: none
+    [[nodiscard]] bool ignores(std::size_t a, std::size_t b) const {
+        return !filter.empty() &&
+               filter.ignores(static_cast<std::int32_t>(a), group[a], static_cast<std::int32_t>(b), group[b]);
+    }
+};
+/// By the names of groups and bodies; pairs with a name that no body has are left out.
+[[nodiscard]] FilteredBodies make_filter(std::span<const BodyDescription> bodies,
+                                         std::span<const NamedPair> ignored_groups,
+                                         std::span<const NamedPair> ignored_bodies);
 
 struct Scene {
     Vec3 gravity;
@@ -38,6 +64,8 @@ struct Scene {
     std::vector<Shape> shapes;
     std::vector<BodyDescription>
         bodies; ///< rotations of unit length; a kinematic body has the pose of its first keyframe
+    std::vector<std::int32_t> shape_of; ///< by shape of the description: in `shapes`
+    FilteredBodies filtered;
     std::vector<std::string> warnings; ///< what is legal but probably not meant, one line each
 };
 

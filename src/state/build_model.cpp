@@ -13,6 +13,8 @@ Mat3 inverse_of(const MassProperties& m) {
     return r * (diagonal({1 / d.x, 1 / d.y, 1 / d.z}) * transpose(r));
 }
 
+} // namespace
+
 RigidShape make_shape(const Shape& shape) {
     RigidShape out;
     out.mesh = shape.mesh;
@@ -21,6 +23,9 @@ RigidShape make_shape(const Shape& shape) {
     out.box = bounding_box(shape.mesh);
     out.outline = support_points(shape.mesh.vertices);
     out.center_of_mass = shape.center;
+    out.size = 2 * shape.sphere.radius;
+    out.extent = shape.extent;
+    out.longest_edge = shape.longest_edge;
     out.radius = shape.radius;
     if (shape.mass) {
         out.mass = shape.mass->mass;
@@ -30,33 +35,49 @@ RigidShape make_shape(const Shape& shape) {
     return out;
 }
 
-Body make_body(const Scene& scene, const BodyDescription& description) {
-    const Shape& shape = scene.shapes[static_cast<std::size_t>(description.shape)];
+Body make_body(const Model& model, const BodyDescription& description) {
+    const RigidShape& shape = model.shapes[static_cast<std::size_t>(description.shape)];
     Body body;
     body.shape = description.shape;
     body.type = description.type;
     if (body.movable()) {
-        body.mass = shape.mass->mass;
+        body.mass = shape.mass;
         body.inverse_mass = 1 / body.mass;
     }
     body.friction = description.friction;
     body.restitution = description.restitution;
-    body.size = 2 * shape.sphere.radius;
+    body.size = shape.size;
     body.extent = shape.extent;
     body.keyframes = description.keyframes;
     return body;
 }
 
-} // namespace
+Body absent_body(const Model& model, std::int32_t shape) {
+    Body body;
+    body.shape = shape;
+    body.type = BodyType::fixed;
+    body.present = false;
+    body.size = model.shapes[static_cast<std::size_t>(shape)].size;
+    body.extent = model.shapes[static_cast<std::size_t>(shape)].extent;
+    return body;
+}
 
 Model make_model(const Scene& scene) {
     Model model;
     model.gravity = scene.gravity;
     model.settings = scene.settings;
     for (const Shape& shape : scene.shapes) model.shapes.push_back(make_shape(shape));
-    for (const BodyDescription& body : scene.bodies) model.bodies.push_back(make_body(scene, body));
+    for (const BodyDescription& body : scene.bodies) model.bodies.push_back(make_body(model, body));
+    model.filter = scene.filtered.filter;
+    for (std::size_t i = 0; i < model.size(); ++i) model.bodies[i].group = scene.filtered.group[i];
     model.list_active();
     return model;
+}
+
+Motion make_motion(const Model& model, std::size_t body, const Quat& rotation, const Vec3& velocity,
+                   const Vec3& angular_velocity) {
+    if (!model.bodies[body].dynamic()) return {};
+    return {velocity, turned(model.shape_of(body).inertia, rotation) * angular_velocity};
 }
 
 State initial_state(const Scene& scene, const Model& model) {
@@ -66,10 +87,7 @@ State initial_state(const Scene& scene, const Model& model) {
         const BodyDescription& body = scene.bodies[i];
         const RigidShape& shape = model.shape_of(i);
         state.pose.push_back(pose_at_origin(shape, body.position, body.rotation));
-        if (model.bodies[i].movable())
-            state.motion.push_back({body.velocity, turned(shape.inertia, body.rotation) * body.angular_velocity});
-        else
-            state.motion.push_back({});
+        state.motion.push_back(make_motion(model, i, body.rotation, body.velocity, body.angular_velocity));
         state.script_delay.push_back(0);
         state.lift.push_back(0);
     }

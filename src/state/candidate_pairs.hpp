@@ -8,6 +8,7 @@
 
 #include "geometry/box.hpp"
 #include "parallel/team.hpp"
+#include "state/model.hpp"
 #include "state/savings.hpp"
 
 namespace flotilla {
@@ -23,6 +24,7 @@ struct SweptBody {
     double reach = 0;        ///< m, inflation of the box: its part of the distance of interest; 0 where it stands still
     bool movable = false;    ///< two bodies of infinite mass never pair
     double waking_reach = 0; ///< m, of a sleeping body, which stands still otherwise
+    bool present = true;     ///< else it has no box, and no pairs
 };
 
 /// What a pair finder is asked. Bodies that are not active stand still: they pair with active ones only, and it is enough to sort them in
@@ -33,6 +35,7 @@ struct PairSearch {
     std::uint64_t still_version = 0;      ///< another one where others stand still than before, or elsewhere
     bool wakes = false;                   ///< sleeping bodies count as movable, with their waking reach
     Savings savings{};
+    const Model* filters = nullptr; ///< whose filter leaves pairs out; null: none are
 };
 
 class PairFinder {

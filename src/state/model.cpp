@@ -74,7 +74,8 @@ Vec3 angular_velocity(const RigidShape& shape, const Quat& rotation, const Vec3&
 void Model::list_active() {
     active.clear();
     for (std::size_t i = 0; i < bodies.size(); ++i)
-        if (bodies[i].movable() || bodies[i].scripted()) active.push_back(static_cast<std::int32_t>(i));
+        if (bodies[i].present && (bodies[i].movable() || bodies[i].scripted()))
+            active.push_back(static_cast<std::int32_t>(i));
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include <flotilla/settings.hpp>
 
 #include "base/rotation.hpp"
+#include "scene/scene.hpp"
 #include "state/rigid_shape.hpp"
 
 namespace flotilla {
@@ -23,7 +25,10 @@ struct Body {
     double size = 0;   ///< m, diameter of the bounding sphere
     double extent = 0; ///< m, which the lengths of its pairs go by (Shape::extent)
     std::vector<Keyframe> keyframes;
-    bool asleep = false; ///< stands still in the step under way, like a body of infinite mass
+    Vec3 force, torque;      ///< N and N m, of the body's own
+    std::int32_t group = -1; ///< of PairFilter; -1: of none
+    bool present = true;     ///< a body that was removed leaves a place that stands still and meets nobody
+    bool asleep = false;     ///< stands still in the step under way, like a body of infinite mass
 
     [[nodiscard]] bool dynamic() const { return type == BodyType::dynamic; }
     [[nodiscard]] bool movable() const { return dynamic() && !asleep; }
@@ -31,10 +36,11 @@ struct Body {
 };
 
 struct Model {
-    std::vector<RigidShape> shapes;
+    std::deque<RigidShape> shapes; ///< stay where they are as others come
     std::vector<Body> bodies;
     Vec3 gravity; ///< m/s^2
     Settings settings;
+    PairFilter filter;
     /// Bodies that may move in the step under way, movable or scripted ones, ascending. The others stand still.
     std::vector<std::int32_t> active;
 
@@ -42,31 +48,20 @@ struct Model {
     void list_active();
 
     [[nodiscard]] std::size_t size() const { return bodies.size(); }
+    /// Whether the filter lets two bodies pass through each other.
+    [[nodiscard]] bool ignores(std::int32_t a, std::int32_t b) const {
+        return !filter.empty() && filter.ignores(a, bodies[static_cast<std::size_t>(a)].group, b,
+                                                 bodies[static_cast<std::size_t>(b)].group);
+    }
     [[nodiscard]] const RigidShape& shape_of(std::size_t body) const {
         return shapes[static_cast<std::size_t>(bodies[body].shape)];
     }
-};
-
-/// Where a body is. `origin` belongs to the mesh's own origin and is what world vertices are computed from and what files hold;
-/// `com` is the centre of mass that moves by equation 3. Both are state: neither is rebuilt from the other.
-struct Pose {
-    Vec3 com;      ///< m
-    Quat rotation; ///< unit; mesh axes to world
-    Vec3 origin;   ///< m
-
-    friend bool operator==(const Pose&, const Pose&) = default;
 };
 
 /// The pose with a given centre of mass and rotation.
 [[nodiscard]] Pose make_pose(const RigidShape& shape, const Vec3& com, const Quat& rotation);
 /// The pose of a body whose mesh origin stands at `origin`.
 [[nodiscard]] Pose pose_at_origin(const RigidShape& shape, const Vec3& origin, const Quat& rotation);
-
-struct Motion {
-    Vec3 velocity; ///< of the centre of mass, m/s
-    Vec3
-        momentum; ///< angular, about the centre of mass, kg m^2/s; angular velocity for static and scripted bodies (rad/s)
-};
 
 /// A pair that started closer than its rest distance keeps its start distance, and its separation goes by that.
 struct RestDistance {

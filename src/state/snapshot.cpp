@@ -2,14 +2,12 @@
 #include "state/snapshot.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
-#include <type_traits>
 #include <utility>
 
 #include <flotilla/error.hpp>
 
+#include "base/byte_stream.hpp"
 #include "base/hasher.hpp"
 #include "base/vec3.hpp"
 #include "scene/description_checks.hpp"
@@ -17,7 +15,6 @@
 namespace flotilla {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
 // Arrays are copied as they lie in memory, so none may have padding: those bytes would be anything.
 static_assert(sizeof(Pose) == 10 * sizeof(double) && sizeof(Motion) == 6 * sizeof(double));
 static_assert(sizeof(Sleep) == 8 && sizeof(RestDistance) == 16 && sizeof(WarmImpulse) == 40);
@@ -25,59 +22,6 @@ static_assert(sizeof(Searched) == sizeof(Pose) + 8);
 
 constexpr std::uint64_t kMagic = 0x50414e534c464c46; // "FLFLSNAP"
 constexpr std::uint64_t kVersion = 3;
-
-class Writer {
-  public:
-    template <typename T>
-    void add(const T& value) {
-        add_bytes(&value, sizeof value);
-    }
-    template <typename T>
-    void add(const std::vector<T>& values) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        add(static_cast<std::uint64_t>(values.size()));
-        add_bytes(values.data(), values.size() * sizeof(T));
-    }
-    [[nodiscard]] std::vector<std::byte> take() { return std::move(bytes_); }
-
-  private:
-    void add_bytes(const void* data, std::size_t size) {
-        const auto* first = static_cast<const std::byte*>(data);
-        bytes_.insert(bytes_.end(), first, first + size);
-    }
-    std::vector<std::byte> bytes_;
-};
-
-class Reader {
-  public:
-    explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
-
-    template <typename T>
-    void read(T& value) {
-        take(&value, sizeof value);
-    }
-    template <typename T>
-    void read(std::vector<T>& values) {
-        std::uint64_t size = 0;
-        read(size);
-        if (size > bytes_.size() / sizeof(T)) fail();
-        values.resize(static_cast<std::size_t>(size));
-        take(values.data(), values.size() * sizeof(T));
-    }
-    void expect_end() const {
-        if (!bytes_.empty()) fail();
-    }
-
-  private:
-    void take(void* to, std::size_t size) {
-        if (size > bytes_.size()) fail();
-        if (size > 0) std::memcpy(to, bytes_.data(), size);
-        bytes_ = bytes_.subspan(size);
-    }
-    [[noreturn]] static void fail() { throw InputError("damaged snapshot: its arrays do not fit its size"); }
-
-    std::span<const std::byte> bytes_;
-};
 
 void add(Hasher& h, const Mat3& m) {
     for (const double x : m.m) h.add(x);
@@ -99,6 +43,15 @@ void add(Hasher& h, const Body& body) {
     h.add(body.friction);
     h.add(body.restitution);
     for (const Keyframe& k : body.keyframes) h.add(k.time), h.add(k.position), h.add(k.rotation);
+}
+
+/// What may pass through what.
+void add(Hasher& h, const Model& model) {
+    for (const auto* list : {&model.filter.groups, &model.filter.bodies}) {
+        h.add(static_cast<std::uint64_t>(list->size()));
+        for (const auto& [a, b] : *list) h.add(static_cast<std::uint64_t>(a)), h.add(static_cast<std::uint64_t>(b));
+    }
+    for (const Body& body : model.bodies) h.add(static_cast<std::uint64_t>(body.group));
 }
 
 /// The parts of a state in the order of their bytes.
@@ -181,12 +134,13 @@ std::uint64_t scene_hash(const Model& model, const State& initial) {
     h.add(model.gravity);
     for (const RigidShape& shape : model.shapes) add(h, shape);
     for (const Body& body : model.bodies) add(h, body);
+    if (!model.filter.empty()) add(h, model);
     h.add(state_hash(initial));
     return h.value();
 }
 
 std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene) {
-    Writer out;
+    ByteWriter out;
     out.add(kMagic), out.add(kVersion), out.add(scene);
     visit(state, [&out](const auto& part) { out.add(part); });
     out.add(state_hash(state));
@@ -196,7 +150,7 @@ std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene) {
 State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene, const Model& model) {
     std::uint64_t magic = 0, version = 0, of_scene = 0;
     if (bytes.size() < 3 * sizeof magic) throw InputError("no snapshot");
-    Reader in(bytes);
+    ByteReader in(bytes, [] { throw InputError("damaged snapshot: its arrays do not fit its size"); });
     in.read(magic), in.read(version), in.read(of_scene);
     if (magic != kMagic) throw InputError("no snapshot");
     if (version != kVersion) throw InputError("snapshot of another version of flotilla");
@@ -205,7 +159,7 @@ State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene, const
     visit(state, [&in](auto& part) { in.read(part); });
     std::uint64_t hash = 0;
     in.read(hash);
-    in.expect_end();
+    if (!in.rest().empty()) throw InputError("damaged snapshot: its arrays do not fit its size");
     if (!has_every_body(state, model.size())) throw InputError("damaged snapshot: its arrays do not fit the scene");
     if (hash != state_hash(state)) throw InputError("damaged snapshot: its content does not match its hash");
     if (!sound(state, model)) throw InputError("damaged snapshot: its content is no state of the scene");

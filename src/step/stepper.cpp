@@ -86,16 +86,24 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
       options_(options),
       team_(options.team),
       state_(std::move(state)),
-      scripts_(model_),
-      has_scripts_(scripts_.any() || !options.savings.scripts) {
+      scripts_(model_) {
     for (int k = 0; k < team_.size(); ++k) workers_.push_back(std::make_unique<Worker>());
     state_.sleep.resize(model_.size());
-    turns_.assign(model_.size(), {});
-    disturbed_.assign(model_.size(), 0);
-    activity_.resize(model_.size());
-    looks_ahead_ = may_look_ahead(model_) || !options.savings.look_ahead;
-    contacts_.keeps_near = looks_ahead_;
+    moved_.assign(model_.size(), state_.step == 0 ? 1 : 0);
+    size_buffers();
     team_.region([&] { prepare(); });
+}
+
+/// What is there for every body, and what depends on who is there.
+void Stepper::size_buffers() {
+    const std::size_t n = model_.size();
+    turns_.resize(n);
+    disturbed_.resize(n);
+    activity_.resize(n);
+    scripts_ = Scripts(model_);
+    has_scripts_ = scripts_.any() || !options_.savings.scripts;
+    looks_ahead_ = may_look_ahead(model_) || !options_.savings.look_ahead;
+    contacts_.keeps_near = looks_ahead_;
 }
 
 /// Everything that follows from the state.
@@ -109,20 +117,30 @@ void Stepper::prepare() {
     StepData d = data();
     if (state_.step > 0) find_sleeping_contacts(d);
     find_contacts(d, state_.step, search_, contacts_);
-    if (state_.step > 0) return;
-    // Pairs that start closer than their rest distance keep their start distance as such (DESIGN section 3).
-    for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
+    if (!note_rest_distances()) return;
+    pairs_.clear(); // of other lengths
+    find_contacts(d, state_.step, search_, contacts_);
+}
+
+/// Pairs of bodies that were placed closer than their rest distance keep that distance as such (DESIGN section 3). Whether there are any.
+bool Stepper::note_rest_distances() {
+    auto& list = state_.rest_distances;
+    const auto before = static_cast<std::ptrdiff_t>(list.size());
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
         const Contact& c = contacts_.contacts[i];
-        if (!(c.distance < contacts_.rest[i])) continue;
-        auto& list = state_.rest_distances;
-        if (!list.empty() && list.back().a == c.a && list.back().b == c.b)
+        if (!(c.distance < contacts_.rest[i]) || (moved_[at(c.a)] | moved_[at(c.b)]) == 0) continue;
+        if (std::ssize(list) > before && list.back().a == c.a && list.back().b == c.b)
             list.back().distance = std::min(list.back().distance, c.distance);
         else
             list.push_back({c.a, c.b, c.distance});
     }
-    if (state_.rest_distances.empty()) return;
-    pairs_.clear(); // of other lengths
-    find_contacts(d, state_.step, search_, contacts_);
+    std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
+    if (std::ssize(list) == before) return false;
+    const auto by_bodies = [](const RestDistance& x, const RestDistance& y) {
+        return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+    };
+    std::inplace_merge(list.begin(), list.begin() + before, list.end(), by_bodies);
+    return true;
 }
 
 QueryCounters Stepper::query_counters() const {
@@ -151,11 +169,13 @@ StepData Stepper::data() {
             options_.savings};
 }
 
-StepReport Stepper::step() {
+StepReport Stepper::step(const std::function<bool(Phase)>& observer) {
+    refresh();
     StepReport report;
     report.step = steps() + 1;
     report.time = static_cast<double>(report.step) * time_step_;
-    if (has_scripts_ && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
+    observer_ = observer ? &observer : nullptr;
+    if (observer || (has_scripts_ && model_.settings.unsatisfiable_script == UnsatisfiableScript::error))
         before_ = {state_, turns_, activity_, inner_};
     contact_visits_ = 0;
     inner_.resize(static_cast<std::size_t>(substeps_) - 1);
@@ -163,15 +183,33 @@ StepReport Stepper::step() {
         const Stopwatch total(report.total_ms);
         make_inner_steps(report);
     } catch (const BlockedScripts&) {
-        state_ = before_.state;
-        turns_ = before_.turns;
-        activity_ = before_.activity;
-        inner_ = before_.inner;
-        team_.region([&] { prepare(); });
+        undo_step();
+        throw;
+    } catch (const CancelledStep&) {
+        undo_step();
         throw;
     }
     measure(report);
     return report;
+}
+
+void Stepper::undo_step() {
+    state_ = before_.state;
+    turns_ = before_.turns;
+    activity_ = before_.activity;
+    inner_ = before_.inner;
+    team_.region([&] { prepare(); });
+}
+
+void Stepper::observe(Phase phase) const {
+    if (observer_ == nullptr) return;
+    bool goes_on = true;
+    try {
+        goes_on = (*observer_)(phase);
+    } catch (...) {
+        throw CancelledStep{phase, std::current_exception()};
+    }
+    if (!goes_on) throw CancelledStep{phase, nullptr};
 }
 
 /// One inner step.
@@ -197,6 +235,7 @@ void Stepper::advance(StepReport& report) {
             copy_active<Motion>(model_, clusters_.motion(), collided);
             open_account();
         }
+        observe(Phase::collisions);
         { // 2) v^{n+1/2} = v^ + dt/2 a
             const PhaseWatch watch(report, Phase::half_velocity, team_);
             copy_active<Motion>(model_, collided, half);
@@ -212,10 +251,12 @@ void Stepper::advance(StepReport& report) {
                 level_.clear();
             }
         }
+        observe(Phase::half_static_contact);
         // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4; 5) which dynamic contact and the failsafe keep free of intersections
         failsafe = move_bodies(d, half, report);
         if (!failsafe.delayed_scripts.empty() && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
             throw BlockedScripts(failsafe.delayed_scripts);
+        observe(Phase::failsafe);
         {
             const PhaseWatch watch(report, Phase::certificate, team_);
             certify(d);
@@ -243,6 +284,7 @@ void Stepper::advance(StepReport& report) {
             settle_energy(next, end, report);
             report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
         }
+        observe(Phase::static_contact);
     }
     team_.dismiss();
     commit(next, end, failsafe);
@@ -593,7 +635,7 @@ void Stepper::measure(StepReport& report) const {
         report.energy -= body.mass * dot(model_.gravity, state_.pose[i].com);
     }
     report.energy += report.kinetic_energy;
-    report.state_hash = state_hash(state_, sleepers_.awake, sleepers_.hash);
+    report.state_hash = with_edits(state_hash(state_, sleepers_.awake, sleepers_.hash), edits_hash_);
 }
 
 } // namespace flotilla

@@ -2,8 +2,12 @@
 // One time step (paper, section 2): seven stages over the state.
 #pragma once
 
+#include <exception>
+#include <functional>
+
 #include <flotilla/report.hpp>
 
+#include "base/hasher.hpp"
 #include "broadphase/kept_pairs.hpp"
 #include "collision/accumulated.hpp"
 #include "dynamic_contact/dynamic_contact.hpp"
@@ -31,6 +35,25 @@ struct InnerState {
     std::vector<Vec3> turn; ///< rad, see Stepper::turns()
 };
 
+/// Bytes, of what grows with the scene.
+struct StepperMemory {
+    std::size_t bodies = 0, contacts = 0, pairs = 0;
+};
+
+/// Whom the observer of a step ended.
+struct CancelledStep {
+    Phase phase;               ///< after which
+    std::exception_ptr thrown; ///< by the observer; null: it said no
+};
+
+/// The hash of a state that edits led to; 0: there were none.
+[[nodiscard]] inline std::uint64_t with_edits(std::uint64_t state, std::uint64_t edits) {
+    if (edits == 0) return state;
+    Hasher h;
+    h.add(state), h.add(edits);
+    return h.value();
+}
+
 class Stepper {
   public:
     /// The state must be free of intersections.
@@ -41,8 +64,38 @@ class Stepper {
 
     /// Advances by the settings' time step, in as many inner steps as they say. Throws CertificateError rather than leave an unproved
     /// state, and BlockedScripts, with everything as it was before, where the settings ask for that.
-    StepReport step();
+    /// `observer` is asked after each stage whether to go on; may be empty. Where it says no, or throws, everything is as it was before, and
+    /// CancelledStep is thrown.
+    StepReport step(const std::function<bool(Phase)>& observer = {});
 
+    // Changes between steps: of bodies that there are, which are not checked here. Whom they concern wakes, with everybody that it
+    // touches.
+    std::int32_t add_shape(RigidShape shape);
+    /// At the lowest free place; apart from all others.
+    std::int32_t add_body(const Body& body, const Pose& pose, const Motion& motion);
+    void remove_body(std::int32_t body);
+    /// Keeps its velocities. Apart from all others.
+    void place_body(std::int32_t body, const Pose& pose);
+    void set_motion(std::int32_t body, const Motion& motion);
+    void change_body(std::int32_t body, const Body& changed);
+    void set_gravity(const Vec3& gravity);
+    void set_filter(const FilteredBodies& filtered);
+    void wake(std::int32_t body);
+    /// Makes all anew that follows from the model and the state, where they were changed; step() does so too.
+    void refresh();
+    /// The place that add_body() would take, maybe the one after the last.
+    [[nodiscard]] std::int32_t free_place() const;
+
+    /// Of all edits, for the hashes of states that are reported.
+    void set_edits_hash(std::uint64_t hash) { edits_hash_ = hash; }
+    /// N and N m on a body, at its centre of mass, in the steps to come.
+    void set_force(std::int32_t body, const Vec3& force, const Vec3& torque);
+
+    [[nodiscard]] StepperMemory memory() const;
+    [[nodiscard]] double energy() const; ///< J, kinetic and potential, of the dynamic bodies
+
+    [[nodiscard]] const Model& model() const { return model_; }
+    [[nodiscard]] const Trajectories& trajectories() const { return trajectories_; }
     /// Steps and time of the settings' time step, whatever it is made of.
     [[nodiscard]] std::int64_t steps() const { return state_.step / substeps_; }
     [[nodiscard]] double time() const { return static_cast<double>(steps()) * time_step_; }
@@ -71,7 +124,12 @@ class Stepper {
     [[nodiscard]] Team& team() { return team_; }
 
   private:
+    void size_buffers();
     void prepare();
+    bool note_rest_distances();
+    void place_anew(std::int32_t body, const Pose& pose);
+    void wake_neighbours(std::int32_t body);
+    void forget_pairs_of(std::int32_t body);
     void place_still();
     void find_sleeping_contacts(StepData& d);
     void measure_strays();
@@ -105,6 +163,8 @@ class Stepper {
     void join_pushed();
     void join_contacts();
     void settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report);
+    void observe(Phase phase) const;
+    void undo_step();
     void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
     void record_activity();
     void measure(StepReport& report) const;
@@ -123,9 +183,13 @@ class Stepper {
         std::vector<BodyActivity> activity;
         std::vector<InnerState> inner;
     };
-    Before before_; ///< the step under way, where that may have to be undone
+    Before before_;                                        ///< the step under way, where that may have to be undone
+    const std::function<bool(Phase)>* observer_ = nullptr; ///< of the step under way
+    std::uint64_t edits_hash_ = 0;
+    bool stale_ = false;              ///< the model or the state were changed between steps
+    std::vector<std::uint8_t> moved_; ///< by body: placed since contacts were last searched for at the start of a step
     Scripts scripts_;
-    bool has_scripts_;
+    bool has_scripts_ = false;
     Trajectories trajectories_;
     Clusters clusters_;
     PairTable pairs_;

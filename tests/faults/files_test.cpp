@@ -79,7 +79,7 @@ TEST_F(Files, OnADiskThatIsFullAtAnyWriteCostNothingOlder) {
 TEST_F(Files, OfAFolderThatIsRemovedUnderARunEndIt) {
     RunningFlotilla run(endless("run"));
     ASSERT_TRUE(wait_for(path("run/frames-00000000-00000005.h5"))); // checkpoints come and go, frames stay
-    std::error_code raced; // with what the run writes meanwhile
+    std::error_code raced;                                          // with what the run writes meanwhile
     while (fs::exists(path("run"))) fs::remove_all(path("run"), raced);
     EXPECT_EQ(run.wait(), 5) << run.output();
     EXPECT_NE(run.output().find(path("run").string()), std::string::npos) << run.output();

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// What edits change of a scene, and how a snapshot holds it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <flotilla/edit.hpp>
+
+namespace flotilla {
+
+struct EditedBodies {
+    Vec3 gravity; ///< m/s^2
+    /// By the number that AddBody gives: those of the scene without meshes, then those added.
+    std::vector<ShapeDescription> shapes;
+    std::size_t scene_shapes = 0;
+    /// By place. Poses and velocities are those of the start.
+    std::vector<BodyDescription> bodies;
+    std::vector<std::uint8_t> present;
+    std::vector<std::uint32_t> generation;
+    std::vector<std::uint64_t> user_data;
+    std::vector<NamedPair> ignored_groups, ignored_bodies;
+    /// Forces for the next step, by place, ascending.
+    struct Push {
+        std::int32_t body = -1;
+        std::int32_t unused = 0; ///< no padding: pushes are written as they lie in memory
+        Vec3 force, torque;
+    };
+    std::vector<Push> pushes;
+    std::uint64_t hash = 0; ///< of all edits, one after the other; 0: there was none
+};
+
+/// The hash of one edit more.
+[[nodiscard]] std::uint64_t chained(std::uint64_t hash, const Edit& edit);
+
+/// A snapshot of an edited scene: the edited part, then `state`, which is a snapshot of what moves (state/snapshot.hpp).
+[[nodiscard]] std::vector<std::byte> join_snapshot(const EditedBodies& bodies, std::span<const std::byte> state);
+
+struct SplitSnapshot {
+    bool edited = false;
+    EditedBodies bodies; ///< where it is
+    std::span<const std::byte> state;
+};
+/// What join_snapshot() made, or a plain snapshot of the scene that `start` describes. Throws InputError where it is damaged: whatever is read
+/// is a scene that an edit could have left.
+[[nodiscard]] SplitSnapshot split_snapshot(std::span<const std::byte> snapshot, const EditedBodies& start);
+
+} // namespace flotilla

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// Changes between steps: each leaves a State and a Model that are whole, and what follows from them is made anew before the next step.
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "state/build_model.hpp"
+#include "state/rotation_step.hpp"
+#include "step/stepper.hpp"
+
+namespace flotilla {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Of pairs that a body is part of.
+template <class T>
+void erase_of(std::vector<T>& list, std::int32_t body) {
+    std::erase_if(list, [&](const T& x) { return x.a == body || x.b == body; });
+}
+
+} // namespace
+
+std::int32_t Stepper::add_shape(RigidShape shape) {
+    model_.shapes.push_back(std::move(shape));
+    return static_cast<std::int32_t>(model_.shapes.size() - 1);
+}
+
+std::int32_t Stepper::free_place() const {
+    const auto& bodies = model_.bodies;
+    const auto free = std::find_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.present; });
+    return static_cast<std::int32_t>(free - bodies.begin());
+}
+
+std::int32_t Stepper::add_body(const Body& body, const Pose& pose, const Motion& motion) {
+    const std::int32_t place = free_place();
+    const std::size_t i = at(place);
+    if (i == model_.size()) {
+        model_.bodies.emplace_back();
+        state_.pose.emplace_back();
+        state_.motion.emplace_back();
+        state_.sleep.emplace_back();
+        state_.script_delay.emplace_back();
+        state_.lift.emplace_back();
+        if (!state_.searched.empty()) state_.searched.emplace_back();
+        moved_.resize(model_.size());
+    }
+    model_.bodies[i] = body;
+    state_.motion[i] = motion;
+    place_anew(place, pose);
+    return place;
+}
+
+void Stepper::remove_body(std::int32_t body) {
+    wake_neighbours(body);
+    forget_pairs_of(body);
+    model_.bodies[at(body)] = absent_body(model_, model_.bodies[at(body)].shape);
+    state_.motion[at(body)] = {};
+    state_.sleep[at(body)] = {};
+    state_.script_delay[at(body)] = 0;
+    state_.lift[at(body)] = 0;
+    stale_ = true;
+}
+
+void Stepper::place_body(std::int32_t body, const Pose& pose) {
+    wake_neighbours(body);
+    const std::size_t i = at(body);
+    if (model_.bodies[i].dynamic()) { // it goes on turning as it does
+        const RigidShape& shape = model_.shape_of(i);
+        const Vec3 omega = angular_velocity(shape, state_.pose[i].rotation, state_.motion[i].momentum);
+        state_.motion[i].momentum = turned(shape.inertia, pose.rotation) * omega;
+    }
+    forget_pairs_of(body);
+    place_anew(body, pose);
+}
+
+/// Nothing is known of a body there.
+void Stepper::place_anew(std::int32_t body, const Pose& pose) {
+    const std::size_t i = at(body);
+    state_.pose[i] = pose;
+    state_.sleep[i] = {};
+    state_.script_delay[i] = 0;
+    state_.lift[i] = 0;
+    if (!state_.searched.empty()) state_.searched[i] = {pose, state_.step};
+    moved_[i] = 1;
+    stale_ = true;
+}
+
+void Stepper::set_motion(std::int32_t body, const Motion& motion) {
+    wake(body);
+    state_.motion[at(body)] = motion;
+}
+
+void Stepper::change_body(std::int32_t body, const Body& changed) {
+    wake_neighbours(body);
+    model_.bodies[at(body)] = changed;
+    state_.script_delay[at(body)] = 0;
+    stale_ = true;
+}
+
+void Stepper::set_force(std::int32_t body, const Vec3& force, const Vec3& torque) {
+    model_.bodies[at(body)].force = force;
+    model_.bodies[at(body)].torque = torque;
+}
+
+double Stepper::energy() const {
+    double energy = 0;
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        const Body& body = model_.bodies[i];
+        if (!body.dynamic()) continue;
+        const Motion& m = state_.motion[i];
+        energy += 0.5 * (body.mass * length_sq(m.velocity) +
+                         dot(m.momentum, angular_velocity(model_.shape_of(i), state_.pose[i].rotation, m.momentum))) -
+                  body.mass * dot(model_.gravity, state_.pose[i].com);
+    }
+    return energy;
+}
+
+StepperMemory Stepper::memory() const {
+    StepperMemory out;
+    const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        const RigidShape& shape = model_.shape_of(i);
+        const std::size_t placed = shape.mesh.vertices.size() * (sizeof(Vec3) + sizeof(CoarseBox)) +
+                                   shape.bvh.nodes.size() * sizeof(CoarseBox);
+        out.bodies += (model_.bodies[i].present && model_.bodies[i].type != BodyType::fixed ? 2 : 1) * placed;
+    }
+    out.bodies += bytes(state_.pose) + bytes(state_.motion) + bytes(model_.bodies);
+    out.contacts = bytes(contacts_.contacts) + bytes(sleeping_contacts_) + bytes(state_.warm_half) +
+                   bytes(state_.warm_final) + bytes(state_.waiting_half) + bytes(state_.waiting_final);
+    out.pairs = pairs_.memory();
+    return out;
+}
+
+void Stepper::set_gravity(const Vec3& gravity) {
+    model_.gravity = gravity;
+    std::fill(state_.sleep.begin(), state_.sleep.end(), Sleep{});
+    stale_ = true;
+}
+
+void Stepper::set_filter(const FilteredBodies& filtered) {
+    model_.filter = filtered.filter;
+    for (std::size_t i = 0; i < model_.size(); ++i) model_.bodies[i].group = filtered.group[i];
+    std::fill(state_.sleep.begin(), state_.sleep.end(), Sleep{});
+    stale_ = true;
+}
+
+void Stepper::wake(std::int32_t body) {
+    state_.sleep[at(body)].quiet_steps = 0;
+    if (!asleep(state_, at(body))) return;
+    wake_island(at(body), state_);
+    stale_ = true;
+}
+
+/// The body's island and those of all bodies that it touches: what it held up may fall.
+void Stepper::wake_neighbours(std::int32_t body) {
+    wake(body);
+    for (const auto* list : {&contacts_.contacts, &sleeping_contacts_})
+        for (const Contact& c : *list)
+            if (c.a == body || c.b == body) wake(c.a == body ? c.b : c.a);
+}
+
+void Stepper::forget_pairs_of(std::int32_t body) {
+    erase_of(state_.rest_distances, body);
+    for (auto* list : {&state_.warm_half, &state_.warm_final, &state_.waiting_half, &state_.waiting_final})
+        erase_of(*list, body);
+    // Who asks for neighbours before the next step shall not meet it here.
+    erase_of(sleeping_contacts_, body);
+    contacts_.keep([&](std::size_t i) { return contacts_.contacts[i].a != body && contacts_.contacts[i].b != body; });
+}
+
+void Stepper::refresh() {
+    if (!stale_) return;
+    size_buffers();
+    inner_.clear();
+    broadphase_ = {};
+    const std::uint64_t version = lists_.still_version; // versions are never used again
+    lists_ = {};
+    lists_.still_version = version + 1;
+    team_.region([&] { prepare(); });
+    stale_ = false;
+}
+
+} // namespace flotilla

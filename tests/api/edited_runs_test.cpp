@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Runs that are edited on the way: the promises hold, and a snapshot of any step goes on with the same bits.
+#include "api/edited_runs.hpp"
+
+namespace flotilla::test {
+namespace {
+
+TEST(EditedRuns, KeepEveryBodyApartThroughRandomEdits) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const EditedRunCounts counts = run_edited(seed, 400, 3);
+        EXPECT_GT(counts.made, 200);
+        EXPECT_GT(counts.refused, 40);
+    }
+}
+
+TEST(EditedRuns, ResumeFromAnyStepWithTheSameBitsAtOtherThreadCounts) {
+    constexpr int kSteps = 60;
+    World world(tub(), "scene", {2});
+    RandomEdits edits(7, 2.4, 4, 24);
+    Ignored ignored;
+    std::vector<Edit> made;
+    std::vector<std::vector<std::byte>> snapshots; // after the edits, before the step
+    std::vector<std::uint64_t> hashes;
+    std::vector<std::size_t> edits_before;
+    for (int step = 0; step < kSteps; ++step) {
+        for (int k = 0; k < 2; ++k) edit_once(world, edits, ignored, &made);
+        edits_before.push_back(made.size());
+        snapshots.push_back(world.snapshot());
+        hashes.push_back(world.step().state_hash);
+        ASSERT_EQ(hashes.back(), world.state_hash());
+    }
+    ASSERT_GT(made.size(), 60u);
+    for (std::size_t from = 0; from < kSteps; from += 7) {
+        World resumed(tub(), snapshots[from], "scene", {1 + static_cast<int>(from % 3)});
+        ASSERT_TRUE(resumed.snapshot() == snapshots[from]);
+        std::size_t next = edits_before[from];
+        for (std::size_t step = from; step < std::min<std::size_t>(from + 15, kSteps); ++step) {
+            for (; next < edits_before[step]; ++next) resumed.apply(made[next]);
+            ASSERT_EQ(resumed.step().state_hash, hashes[step]) << "from " << from << ", step " << step;
+        }
+    }
+    // The list of edits alone says it all.
+    World repeated(tub(), "scene", {3});
+    std::size_t next = 0;
+    for (std::size_t step = 0; step < kSteps; ++step) {
+        for (; next < edits_before[step]; ++next) repeated.apply(made[next]);
+        ASSERT_EQ(repeated.step().state_hash, hashes[step]) << step;
+    }
+    // Back and on again in place.
+    repeated.restore(snapshots[3]);
+    EXPECT_EQ(repeated.step().state_hash, hashes[3]);
+    repeated.restore(snapshots[40]);
+    EXPECT_EQ(repeated.step().state_hash, hashes[40]);
+    World start(tub(), "scene", {1});
+    const std::vector<std::byte> unedited = start.snapshot();
+    const std::uint64_t first = start.step().state_hash;
+    repeated.restore(unedited);
+    EXPECT_EQ(repeated.step().state_hash, first);
+    EXPECT_EQ(repeated.num_bodies(), tub().bodies.size());
+}
+
+TEST(EditedRuns, ClonesGoOnAlike) {
+    World world(tub(), "scene", {1});
+    RandomEdits edits(11, 2.4, 4, 24);
+    Ignored ignored;
+    for (int step = 0; step < 20; ++step) {
+        edit_once(world, edits, ignored, nullptr);
+        (void)world.step();
+    }
+    edit_once(world, edits, ignored, nullptr);
+    World clone = world.clone({3});
+    for (int step = 0; step < 20; ++step) ASSERT_EQ(clone.step().state_hash, world.step().state_hash) << step;
+}
+
+TEST(EditedRuns, DamagedSnapshotsAreRefused) {
+    World world(tub(), "scene", {1});
+    RandomEdits edits(5, 2.4, 4, 24);
+    Ignored ignored;
+    for (int k = 0; k < 10; ++k) edit_once(world, edits, ignored, nullptr);
+    (void)world.step();
+    const std::vector<std::byte> good = world.snapshot();
+    const std::uint64_t hash = world.state_hash();
+    Random random(3);
+    for (int k = 0; k < 300; ++k) {
+        std::vector<std::byte> bad = good;
+        if (k % 3 == 0)
+            bad.resize(random.below(bad.size()));
+        else
+            bad[random.below(bad.size())] ^= static_cast<std::byte>(1 + random.below(255));
+        EXPECT_THROW(world.restore(bad), InputError) << k;
+        ASSERT_EQ(world.state_hash(), hash) << k;
+    }
+}
+
+} // namespace
+} // namespace flotilla::test

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: MIT
+// Every change of a World between steps: what it does, what it refuses, and that a refusal leaves everything as it was.
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <flotilla/scene_library.hpp>
+
+#include "api/audited_world.hpp"
+#include "mesh/primitives.hpp"
+#include "step/scene_parts.hpp"
+
+namespace flotilla::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kHalf = 0.5;
+
+ShapeDescription shape_of(const char* name, TriangleMesh mesh, double mass) {
+    ShapeDescription shape;
+    shape.name = name;
+    shape.vertices = std::move(mesh.vertices);
+    shape.triangles = std::move(mesh.triangles);
+    if (mass > 0) shape.mass_kind = MassKind::mass, shape.mass_value = mass;
+    return shape;
+}
+
+/// A floor of 40 m at z = 0 and a crate of 1 m and 2 kg that stands on it.
+SceneDescription crate_on_floor() {
+    SceneDescription scene;
+    scene.shapes = {shape_of("crate", make_box(1, 1, 1), 2), shape_of("floor", make_plate(40, 40), 0),
+                    shape_of("massless", make_box(1, 1, 1), 0)};
+    scenario::add_body(scene, 1, BodyType::fixed, {}).name = "floor";
+    scenario::add_body(scene, 0, BodyType::dynamic, {0, 0, kHalf + 0.004}).name = "crate";
+    return scene;
+}
+
+BodyDescription crate_at(const Vec3& position, const char* name = "") {
+    BodyDescription body;
+    body.name = name;
+    body.position = position;
+    return body;
+}
+
+/// What the edit is refused with; it must leave every bit as it was.
+template <class Failure, class Edit>
+std::string refusal(World& world, Edit&& edit) {
+    const std::uint64_t hash = world.state_hash();
+    const std::vector<std::byte> before = world.snapshot();
+    std::string message = "(accepted)";
+    try {
+        edit();
+    } catch (const Failure& e) {
+        message = e.what();
+    }
+    EXPECT_EQ(world.state_hash(), hash) << message;
+    EXPECT_TRUE(world.snapshot() == before) << message;
+    return message;
+}
+
+void run(AuditedWorld& w, int steps) {
+    for (int i = 0; i < steps; ++i) ASSERT_EQ(w.step(), "");
+}
+
+double height(const World& world, BodyId body) { return world.body(static_cast<std::size_t>(body.index)).position.z; }
+
+TEST(WorldEdit, AddedBodiesFallAndRestOnWhatIsThere) {
+    AuditedWorld w(crate_on_floor());
+    run(w, 30);
+    const BodyId crate = w.world.find("crate"), added = w.world.add_body(crate_at({0.2, 0.1, 2.5}, "second"));
+    EXPECT_EQ(added, (BodyId{2, 0}));
+    EXPECT_EQ(w.world.name(added), "second");
+    EXPECT_EQ(w.world.num_bodies(), 3u);
+    run(w, 90);
+    EXPECT_NEAR(height(w.world, added), 1.5 + 0.02, 0.03);
+    EXPECT_NEAR(height(w.world, crate), kHalf + 0.01, 0.02);
+}
+
+TEST(WorldEdit, AddingRefusesWhatASceneWouldRefuse) {
+    World world(crate_on_floor());
+    for (int i = 0; i < 3; ++i) (void)world.step();
+    const auto refused = [&](BodyDescription body) {
+        return refusal<InputError>(world, [&] { world.add_body(body); });
+    };
+    EXPECT_THAT(refused(crate_at({0, 0, 3}, "crate")), HasSubstr("there is one of that name"));
+    EXPECT_THAT(refused(crate_at({0, 0, std::nan("")})), HasSubstr("/position: must be finite"));
+    BodyDescription body = crate_at({0, 0, 3});
+    body.shape = 9;
+    EXPECT_THAT(refused(body), HasSubstr("shape 9 does not exist"));
+    body.shape = 2;
+    EXPECT_THAT(refused(body), HasSubstr("has no mass"));
+    body.shape = 0;
+    body.rotation = {2, 0, 0, 0};
+    EXPECT_THAT(refused(body), HasSubstr("must be a unit quaternion"));
+    body.rotation = {};
+    body.position = {1e10, 0, 3};
+    EXPECT_THAT(refused(body), HasSubstr("exceeds the limit"));
+    body.position = {0, 0, 3};
+    body.friction = -1;
+    EXPECT_THAT(refused(body), HasSubstr("/friction"));
+}
+
+TEST(WorldEdit, WhatWouldIntersectIsRefusedByName) {
+    World world(crate_on_floor());
+    const auto overlap = [&](auto&& edit) { return refusal<OverlapError>(world, edit); };
+    EXPECT_EQ(overlap([&] {
+                  world.add_body(crate_at({0.9, 0, 0.6}, "b"));
+              }),
+              "body \"b\" would intersect body \"crate\"");
+    EXPECT_THAT(overlap([&] { world.add_body(crate_at({0.9, 0, 0.3}, "b")); }), HasSubstr("body \"floor\""));
+    EXPECT_EQ(overlap([&] {
+                  world.set_pose(world.find("crate"), {0, 0, 0.2}, {});
+              }),
+              "body \"crate\" would intersect body \"floor\"");
+    try {
+        world.add_body(crate_at({0.9, 0, 0.6}, "b"));
+        FAIL();
+    } catch (const OverlapError& e) {
+        ASSERT_EQ(e.pairs().size(), 1u);
+        EXPECT_EQ(e.pairs()[0].name_a, "crate");
+        EXPECT_EQ(e.pairs()[0].name_b, "b");
+        EXPECT_EQ(e.pairs()[0].a, 1);
+    }
+}
+
+TEST(WorldEdit, RemovedBodiesHoldNothingUpAndTheirIdsAreRefused) {
+    AuditedWorld w(crate_on_floor());
+    const BodyId lower = w.world.find("crate"), upper = w.world.add_body(crate_at({0, 0, 1.52}, "upper"));
+    StepReport report;
+    for (int i = 0; i < 60; ++i) ASSERT_EQ(w.step(&report), "");
+    ASSERT_EQ(report.sleeping, 2) << "at rest before";
+    w.world.remove_body(lower);
+    EXPECT_FALSE(w.world.contains(lower));
+    EXPECT_EQ(w.world.num_bodies(), 2u);
+    EXPECT_THAT(refusal<InputError>(w.world, [&] { w.world.remove_body(lower); }), HasSubstr("was removed"));
+    EXPECT_THAT(refusal<InputError>(w.world, [&] { (void)w.world.find("crate"); }), HasSubstr("there is no body"));
+    EXPECT_THAT(refusal<InputError>(w.world,
+                                    [&] {
+                                        w.world.set_velocity({7, 0}, {}, {});
+                                    }),
+                HasSubstr("does not exist"));
+    run(w, 60);
+    EXPECT_NEAR(height(w.world, upper), kHalf + 0.01, 0.02) << "fell on the floor";
+    const BodyId next = w.world.add_body(crate_at({5, 0, 2}, "crate")); // the name is free again, and so is the place
+    EXPECT_EQ(next, (BodyId{lower.index, lower.generation + 1}));
+    EXPECT_FALSE(w.world.contains(lower));
+    run(w, 5);
+}
+
+TEST(WorldEdit, PosesAreSetAndVelocitiesStay) {
+    AuditedWorld w(crate_on_floor());
+    const BodyId crate = w.world.find("crate");
+    w.world.set_velocity(crate, {0, 0, 2}, {0, 0, 3});
+    w.world.set_pose(crate, {3, 0, 4}, {std::sqrt(0.5), 0, std::sqrt(0.5), 0});
+    const BodyState state = w.world.body(1);
+    EXPECT_EQ(state.position, (Vec3{3, 0, 4}));
+    EXPECT_EQ(state.velocity, (Vec3{0, 0, 2}));
+    EXPECT_NEAR(state.angular_velocity.z, 3, 1e-12);
+    run(w, 60);
+    EXPECT_NEAR(height(w.world, crate), kHalf + 0.01, 0.02);
+}
+
+TEST(WorldEdit, ImpulsesChangeMomentumByWhatTheyAre) {
+    SceneDescription scene = crate_on_floor();
+    scene.gravity = {};
+    World world(scene);
+    const BodyId crate = world.find("crate");
+    world.apply_impulse(crate, {0, 0, 6}, {0.5, 0, kHalf});
+    const BodyState state = world.body(1);
+    EXPECT_NEAR(state.velocity.z, 3, 1e-14);
+    const double inertia = 2 * (1.0 / 6) * (5.0 / 3); // a shell of six plates
+    EXPECT_NEAR(state.angular_velocity.y, -3 / inertia, 1e-9);
+    EXPECT_THAT(refusal<InputError>(world,
+                                    [&] {
+                                        world.apply_impulse(world.find("floor"), {1, 0, 0}, {});
+                                    }),
+                HasSubstr("is not dynamic"));
+    EXPECT_THAT(refusal<InputError>(world,
+                                    [&] {
+                                        world.apply_impulse(crate, {1e14, 0, 0}, {});
+                                    }),
+                HasSubstr("velocity after the impulse"));
+}
+
+TEST(WorldEdit, TypesChange) {
+    AuditedWorld w(crate_on_floor());
+    const BodyId crate = w.world.find("crate"), floor = w.world.find("floor");
+    w.world.set_pose(crate, {0, 0, 3}, {});
+    w.world.set_type(crate, BodyType::fixed);
+    run(w, 5);
+    EXPECT_EQ(height(w.world, crate), 3);
+    EXPECT_THAT(refusal<InputError>(w.world, [&] { w.world.set_type(floor, BodyType::dynamic); }),
+                HasSubstr("has no mass"));
+    EXPECT_THAT(refusal<InputError>(w.world, [&] { w.world.set_type(crate, BodyType::kinematic); }),
+                HasSubstr("SetScript"));
+    w.world.set_type(crate, BodyType::dynamic);
+    run(w, 60);
+    EXPECT_NEAR(height(w.world, crate), kHalf + 0.01, 0.02);
+    // Bodies of infinite mass may intersect; what moves may not.
+    BodyDescription inside = crate_at({0, 0, 0.2}, "inside");
+    inside.shape = 0;
+    inside.position = {10, 0, 0.2};
+    inside.type = BodyType::fixed;
+    const BodyId block = w.world.add_body(inside);
+    EXPECT_THAT(refusal<OverlapError>(w.world, [&] { w.world.set_type(block, BodyType::dynamic); }),
+                HasSubstr("\"inside\" would intersect body \"floor\""));
+}
+
+TEST(WorldEdit, ScriptsTakeOverFromWhereABodyIs) {
+    AuditedWorld w(crate_on_floor());
+    run(w, 4);
+    const BodyId crate = w.world.find("crate");
+    const double now = w.world.time(), before = height(w.world, crate);
+    EXPECT_THAT(refusal<InputError>(w.world,
+                                    [&] {
+                                        w.world.set_script(crate, {{now, {}, {}}});
+                                    }),
+                HasSubstr("is not later than the time"));
+    w.world.set_script(crate, {{now + 1, {2, 0, 2}, {}}, {now + 2, {2, 0, 4}, {}}});
+    EXPECT_EQ(height(w.world, crate), before);
+    run(w, 12);
+    EXPECT_NEAR(height(w.world, crate), before + 0.5 * (2 - before), 0.02);
+    run(w, 40);
+    EXPECT_NEAR(height(w.world, crate), 4, 1e-12);
+    EXPECT_THAT(refusal<InputError>(w.world, [&] { w.world.set_pose(crate, {0, 0, 9}, {}); }), HasSubstr("its script"));
+    w.world.set_script(crate, {{w.world.time() + 0.5, {2, 0, 3}, {}}});
+    run(w, 20);
+    EXPECT_NEAR(height(w.world, crate), 3, 1e-12);
+    w.world.set_type(crate, BodyType::dynamic);
+    run(w, 60);
+    EXPECT_NEAR(height(w.world, crate), kHalf + 0.01, 0.02);
+}
+
+TEST(WorldEdit, MaterialsAndGravityCountFromTheNextStep) {
+    SceneDescription scene = crate_on_floor();
+    World world(scene);
+    const BodyId crate = world.find("crate"), floor = world.find("floor");
+    StepReport report;
+    for (int i = 0; i < 40; ++i) report = world.step();
+    ASSERT_EQ(report.sleeping, 1);
+    world.set_material(crate, 0.5, 0);
+    world.set_material(floor, 0.5, 0);
+    world.set_gravity({4, 0, -9.8}); // tan is 0.41: it stays
+    for (int i = 0; i < 24; ++i) (void)world.step();
+    EXPECT_NEAR(world.body(1).position.x, 0, 1e-6);
+    world.set_material(crate, 0, 0);
+    for (int i = 0; i < 24; ++i) (void)world.step();
+    EXPECT_NEAR(world.body(1).velocity.x, 4, 0.01);
+    EXPECT_THAT(refusal<InputError>(world, [&] { world.set_material(crate, -1, 0); }), HasSubstr("/friction"));
+    EXPECT_THAT(refusal<InputError>(world, [&] { world.set_gravity({0, 0, 1e9}); }), HasSubstr("gravity"));
+}
+
+TEST(WorldEdit, GroupsAndPairsPassThroughEachOther) {
+    SceneDescription scene = crate_on_floor();
+    scene.bodies[1].group = "ghosts";
+    scene.ignored_groups = {{"ghosts", "ghosts"}};
+    AuditedWorld w(scene);
+    BodyDescription above = crate_at({0.1, 0, 3}, "above");
+    above.group = "ghosts";
+    const BodyId falling = w.world.add_body(above), crate = w.world.find("crate");
+    w.ignored = [](const std::string& a, const std::string& b) { return a != "floor" && b != "floor"; };
+    run(w, 60);
+    EXPECT_NEAR(height(w.world, falling), kHalf + 0.01, 0.02) << "through the crate";
+    EXPECT_THAT(refusal<OverlapError>(w.world, [&] { w.world.set_group(falling, ""); }), HasSubstr("intersect"));
+    EXPECT_THAT(refusal<OverlapError>(w.world, [&] { w.world.ignore_groups("ghosts", "ghosts", false); }),
+                HasSubstr("intersect"));
+    w.world.ignore_pair(falling, crate);
+    w.world.set_group(falling, "");
+    run(w, 20);
+    EXPECT_NEAR(height(w.world, falling), kHalf + 0.01, 0.02);
+    w.world.set_pose(falling, {0, 0, 4}, {});
+    w.world.ignore_pair(falling, crate, false);
+    w.ignored = {};
+    run(w, 70);
+    EXPECT_NEAR(height(w.world, falling), 1.5 + 0.02, 0.03) << "on the crate";
+}
+
+TEST(WorldEdit, AddedShapesAreLikeThoseOfTheScene) {
+    AuditedWorld w(crate_on_floor());
+    run(w, 2);
+    const std::int32_t ball = w.add_shape(shape_of("ball", make_sphere(0.5, 2), 3));
+    EXPECT_EQ(ball, 3);
+    EXPECT_THAT(refusal<InputError>(w.world, [&] { w.world.add_shape(shape_of("ball", make_sphere(0.5, 2), 3)); }),
+                HasSubstr("there is one of that name"));
+    EXPECT_THAT(refusal<InputError>(w.world, [&] { w.world.add_shape(shape_of("none", {}, 3)); }),
+                HasSubstr("at least one triangle"));
+    BodyDescription body = crate_at({4, 0, 2}, "ball");
+    body.shape = ball;
+    const BodyId id = w.world.add_body(body);
+    run(w, 60);
+    EXPECT_NEAR(height(w.world, id), 0.5, 0.03);
+}
+
+TEST(WorldEdit, ObserversEndAStepThatThenNeverWas) {
+    World world(make_scene("boats-in-bowl", 12, 3));
+    for (int i = 0; i < 20; ++i) (void)world.step();
+    World other = world.clone();
+    std::vector<Phase> seen;
+    for (const Phase last : {Phase::collisions, Phase::half_static_contact, Phase::failsafe, Phase::static_contact}) {
+        world.set_observer([&](Phase phase) { return phase != last; });
+        EXPECT_THAT(refusal<StepCancelled>(world, [&] { (void)world.step(); }), HasSubstr("cancelled by its observer"));
+    }
+    world.set_observer([](Phase) -> bool { throw std::runtime_error("of the observer's own"); });
+    EXPECT_EQ(refusal<std::runtime_error>(world, [&] { (void)world.step(); }), "of the observer's own");
+    world.set_observer({});
+    for (int i = 0; i < 20; ++i) ASSERT_EQ(world.step().state_hash, other.step().state_hash) << i;
+}
+
+TEST(WorldEdit, TheForceCallbackMayChangeTheWorldBeforeEachStep) {
+    World world(crate_on_floor());
+    int calls = 0;
+    world.set_force_callback([&](World& w) {
+        if (++calls == 3) throw std::runtime_error("third");
+        w.apply_impulse(w.find("crate"), {1, 0, 0}, w.body(1).center_of_mass);
+    });
+    (void)world.step();
+    (void)world.step();
+    EXPECT_GT(world.body(1).velocity.x, 0.5);
+    EXPECT_THROW((void)world.step(), std::runtime_error);
+    EXPECT_EQ(world.steps(), 2);
+    (void)world.step();
+    EXPECT_EQ(world.steps(), 3);
+}
+
+TEST(WorldEdit, RefusalsAndWarningsAreLogged) {
+    World world(crate_on_floor());
+    std::vector<std::string> lines;
+    world.set_log([&](const std::string& line) { lines.push_back(line); });
+    EXPECT_THROW(world.add_body(crate_at({0, 0, 0.3}, "b")), OverlapError);
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_THAT(lines[0], HasSubstr("refused: body \"b\" would intersect"));
+}
+
+} // namespace
+} // namespace flotilla::test
