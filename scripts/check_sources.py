@@ -55,6 +55,8 @@ PUBLIC_HEADERS = {
     "settings": "scene",
     "scene": "scene",
     "scene_file": "io",
+    "edit": "scene",
+    "edit_file": "io",
     "scene_library": "scene",
     "report": "step/report",
     "picture": "io",

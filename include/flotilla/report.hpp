@@ -131,6 +131,7 @@ struct ContactState {
     /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse is that of the step
     /// in which the island fell asleep.
     bool asleep = false;
+    friend bool operator==(const ContactState&, const ContactState&) = default;
 };
 
 } // namespace flotilla

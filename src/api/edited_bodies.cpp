@@ -103,7 +103,7 @@ void check(const EditedBodies& e) {
             damaged();
 }
 
-// Hashes of edits.
+// Hashes of edits. Names of bodies and shapes change no bit.
 
 void add(Hasher& h, const std::string& text) {
     h.add(static_cast<std::uint64_t>(text.size()));
@@ -118,7 +118,6 @@ void add(Hasher& h, const std::vector<Keyframe>& keyframes) {
 }
 void add(Hasher& h, const edits::AddShape& e) {
     const ShapeDescription& s = e.shape;
-    add(h, s.name);
     for (const Vec3& v : s.vertices) h.add(v);
     for (const Triangle& t : s.triangles)
         for (const std::int32_t v : t) h.add(static_cast<std::uint64_t>(v));
@@ -129,7 +128,7 @@ void add(Hasher& h, const edits::AddShape& e) {
 }
 void add(Hasher& h, const edits::AddBody& e) {
     const BodyDescription& b = e.body;
-    add(h, b.name), h.add(static_cast<std::uint64_t>(b.shape)), h.add(static_cast<std::uint64_t>(b.type));
+    h.add(static_cast<std::uint64_t>(b.shape)), h.add(static_cast<std::uint64_t>(b.type));
     h.add(b.position), h.add(b.rotation), h.add(b.velocity), h.add(b.angular_velocity);
     h.add(b.friction), h.add(b.restitution), add(h, b.keyframes), add(h, b.group), h.add(b.force), h.add(b.torque);
     for (const auto* axes : {&b.locked_translation, &b.locked_rotation})

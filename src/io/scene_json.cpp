@@ -13,6 +13,7 @@
 #include "io/file.hpp"
 #include "io/json_reader.hpp"
 #include "io/scene_keys.hpp"
+#include "io/scene_parts.hpp"
 #include "mesh/mesh_file.hpp"
 #include "scene/description_checks.hpp"
 #include "scene/settings_table.hpp"
@@ -37,6 +38,9 @@ class SceneReader : io::JsonReader {
     SceneReader(std::filesystem::path folder, ErrorList& errors) : JsonReader(errors), folder_(std::move(folder)) {}
 
     void read(const Json& document, const SceneFileOptions& options, SceneDescription& scene);
+    void read_shape(const Json& value, const JsonPlace& at, ShapeDescription& shape);
+    void read_body(const Json& value, const JsonPlace& at, const SceneDescription& scene, BodyDescription& body);
+    void name_shapes(const SceneDescription& scene);
 
   private:
     /// Whether it is an object; its keys must be among `keys`.
@@ -53,17 +57,14 @@ class SceneReader : io::JsonReader {
 
     void read_version(const Json& document, const JsonPlace& at);
     void read_settings(const Json& value, const JsonPlace& at, Settings& settings);
-    void read_shape(const Json& value, const JsonPlace& at, ShapeDescription& shape);
     void read_surface(const Json& value, const JsonPlace& at, ShapeDescription& shape);
     void read_mesh_file(const JsonPlace& at, ShapeDescription& shape);
     void read_mass(const Json& value, const JsonPlace& at, ShapeDescription& shape);
     void read_inertia(const Json& value, const JsonPlace& at, ShapeDescription& shape);
-    void read_body(const Json& value, const JsonPlace& at, const SceneDescription& scene, BodyDescription& body);
     void read_body_shape(const Json& value, const JsonPlace& at, BodyDescription& body);
     void read_body_type(const Json& value, const JsonPlace& at, BodyDescription& body);
     void read_locked(const Json& value, const JsonPlace& at, BodyDescription& body);
     void read_ignored(const Json& value, const JsonPlace& at, SceneDescription& scene);
-    void name_shapes(const SceneDescription& scene);
 
     std::filesystem::path folder_;
     std::map<std::string, TriangleMesh> meshes_; ///< read so far, by path as written
@@ -316,6 +317,22 @@ void SceneReader::read(const Json& document, const SceneFileOptions& options, Sc
 }
 
 } // namespace
+
+ShapeDescription io::read_shape(const Json& value, const JsonPlace& at, const std::filesystem::path& folder,
+                                ErrorList& errors) {
+    ShapeDescription shape;
+    SceneReader(folder, errors).read_shape(value, at, shape);
+    return shape;
+}
+
+BodyDescription io::read_body(const Json& value, const JsonPlace& at, const SceneDescription& scene,
+                              ErrorList& errors) {
+    BodyDescription body;
+    SceneReader reader({}, errors);
+    reader.name_shapes(scene);
+    reader.read_body(value, at, scene, body);
+    return body;
+}
 
 SceneDescription parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder,
                              const SceneFileOptions& options) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ostream>
 #include <span>
+#include <sstream>
 
 #include <flotilla/scene_file.hpp>
 
@@ -13,6 +14,7 @@
 #include "base/vec3.hpp"
 #include "io/json_document.hpp"
 #include "io/scene_keys.hpp"
+#include "io/scene_parts.hpp"
 #include "scene/settings_table.hpp"
 
 namespace flotilla {
@@ -40,7 +42,11 @@ std::string json(const Triangle& t) {
     return text += ']';
 }
 
-std::string json(const NamedPair& pair) { return '[' + json_string(pair.a) + ", " + json_string(pair.b) + ']'; }
+std::string json(const NamedPair& pair) {
+    std::string text = "[";
+    text.append(json_string(pair.a)).append(", ").append(json_string(pair.b));
+    return text += ']';
+}
 
 template <class Items>
 void write_list(std::ostream& out, const Items& items) {
@@ -74,7 +80,7 @@ void write_mass(std::ostream& out, const ShapeDescription& shape) {
 }
 
 void write_shape(std::ostream& out, const ShapeDescription& shape) {
-    out << "    {\"name\": " << json_string(shape.name);
+    out << "{\"name\": " << json_string(shape.name);
     if (!shape.mesh_path.empty()) {
         out << ", \"mesh\": " << json_string(shape.mesh_path);
         if (shape.scale != 1) out << ", \"scale\": " << json(shape.scale);
@@ -107,7 +113,7 @@ void write_locked(std::ostream& out, const BodyDescription& body) {
 }
 
 void write_body(std::ostream& out, const BodyDescription& body, const SceneDescription& scene) {
-    out << "    {\"name\": " << json_string(body.name)
+    out << "{\"name\": " << json_string(body.name)
         << ", \"shape\": " << json_string(scene.shapes[static_cast<std::size_t>(body.shape)].name);
     if (body.type == BodyType::fixed) out << ", \"type\": \"static\"";
     if (body.type == BodyType::kinematic) out << ", \"type\": \"kinematic\"";
@@ -136,15 +142,28 @@ void write_ignored(std::ostream& out, const SceneDescription& scene) {
 
 } // namespace
 
+std::string io::shape_json(const ShapeDescription& shape) {
+    std::ostringstream out;
+    write_shape(out, shape);
+    return out.str();
+}
+
+std::string io::body_json(const BodyDescription& body, const SceneDescription& scene) {
+    std::ostringstream out;
+    write_body(out, body, scene);
+    return out.str();
+}
+
 void write_scene(std::ostream& out, const SceneDescription& scene) {
     const DefaultFloatingPoint environment;
     out << "{\n  \"flotilla_scene\": 1,\n  \"gravity\": " << json(scene.gravity) << ",\n";
     write_settings(out, scene.settings);
     out << "  \"shapes\": [";
-    for (std::size_t i = 0; i < scene.shapes.size(); ++i) write_shape(out << (i > 0 ? ",\n" : "\n"), scene.shapes[i]);
+    for (std::size_t i = 0; i < scene.shapes.size(); ++i)
+        write_shape(out << (i > 0 ? ",\n    " : "\n    "), scene.shapes[i]);
     out << "\n  ],\n  \"bodies\": [";
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-        write_body(out << (i > 0 ? ",\n" : "\n"), scene.bodies[i], scene);
+        write_body(out << (i > 0 ? ",\n    " : "\n    "), scene.bodies[i], scene);
     out << "\n  ]";
     write_ignored(out, scene);
     out << "\n}\n";

@@ -52,6 +52,17 @@ void PairTable::clear() {
     std::fill(slots_.begin(), slots_.end(), Slot{});
 }
 
+void PairTable::forget(std::span<const std::uint8_t> marked) {
+    const auto is_marked = [&](std::int32_t body) { return marked[static_cast<std::size_t>(body)] != 0; };
+    for (std::size_t i = 0; i < records_.size(); ++i) {
+        PairRecord& r = records_[i];
+        if (r.a < 0 || !(is_marked(r.a) || is_marked(r.b))) continue;
+        erase(r.a, r.b);
+        r = PairRecord();
+        free_.push_back(&r);
+    }
+}
+
 std::size_t PairTable::slot(std::int32_t a, std::int32_t b) const {
     const std::size_t mask = slots_.size() - 1;
     std::size_t i = mixed(a, b) & mask;

@@ -66,6 +66,8 @@ class PairTable {
     void start_step(Team& team, std::int64_t step);
     /// Forgets everything.
     void clear();
+    /// Forgets all pairs of bodies that are marked, as flags by body.
+    void forget(std::span<const std::uint8_t> marked);
     /// The record of a pair, made on first use.
     PairRecord& get(const Model& model, const State& state, std::int32_t a, std::int32_t b);
     /// Null: there is none.

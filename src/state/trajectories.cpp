@@ -75,6 +75,19 @@ void Trajectories::start(const Model& model, std::size_t body, const Pose& pose)
     e.at0.place(*e.shape, pose);
 }
 
+void Trajectories::grow(const Model& model) {
+    entries_.resize(model.size());
+    stamps_.resize(model.size());
+}
+
+void Trajectories::place(const Model& model, std::size_t body, const Pose& pose) {
+    Entry& e = entries_[body];
+    e.shape = &model.shape_of(body);
+    e.turn = {};
+    e.at0.place(*e.shape, pose);
+    stamps_[body] = {version(body) + 1, true};
+}
+
 void Trajectories::advance(std::span<const std::int32_t> moved) {
     for (const std::int32_t body : moved) {
         const auto i = static_cast<std::size_t>(body);

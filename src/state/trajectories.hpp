@@ -61,6 +61,9 @@ class Trajectories {
     /// The same in two parts: room for all bodies, then one body after another or side by side, each placed by the thread that calls.
     void resize(const Model& model);
     void start(const Model& model, std::size_t body, const Pose& pose);
+    /// Between steps: room for bodies that came, and a body that is elsewhere, or another one, now.
+    void grow(const Model& model);
+    void place(const Model& model, std::size_t body, const Pose& pose);
     /// Makes the end states of the given bodies the start states of the next step; the others stood still.
     void advance(std::span<const std::int32_t> moved);
 

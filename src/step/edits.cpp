@@ -44,6 +44,7 @@ std::int32_t Stepper::add_body(const Body& body, const Pose& pose, const Motion&
         state_.lift.emplace_back();
         if (!state_.searched.empty()) state_.searched.emplace_back();
         moved_.resize(model_.size());
+        changed_.resize(model_.size());
     }
     model_.bodies[i] = body;
     state_.motion[i] = motion;
@@ -54,12 +55,12 @@ std::int32_t Stepper::add_body(const Body& body, const Pose& pose, const Motion&
 void Stepper::remove_body(std::int32_t body) {
     wake_neighbours(body);
     forget_pairs_of(body);
+    mark_changed(body);
     model_.bodies[at(body)] = absent_body(model_, model_.bodies[at(body)].shape);
     state_.motion[at(body)] = {};
     state_.sleep[at(body)] = {};
     state_.script_delay[at(body)] = 0;
     state_.lift[at(body)] = 0;
-    stale_ = true;
 }
 
 void Stepper::place_body(std::int32_t body, const Pose& pose) {
@@ -83,7 +84,15 @@ void Stepper::place_anew(std::int32_t body, const Pose& pose) {
     state_.lift[i] = 0;
     if (!state_.searched.empty()) state_.searched[i] = {pose, state_.step};
     moved_[i] = 1;
-    stale_ = true;
+    mark_changed(body);
+}
+
+/// Its pairs are to be looked at anew. Sleeping bodies are in no list of a step: what does not move, and may touch one, is not looked at
+/// alone.
+void Stepper::mark_changed(std::int32_t body) {
+    changed_[at(body)] = 1;
+    any_changed_ = true;
+    if (!model_.bodies[at(body)].dynamic()) stale_ = true;
 }
 
 void Stepper::set_motion(std::int32_t body, const Motion& motion) {
@@ -93,9 +102,10 @@ void Stepper::set_motion(std::int32_t body, const Motion& motion) {
 
 void Stepper::change_body(std::int32_t body, const Body& changed) {
     wake_neighbours(body);
+    mark_changed(body); // as it was
     model_.bodies[at(body)] = changed;
+    mark_changed(body); // and as it is
     state_.script_delay[at(body)] = 0;
-    stale_ = true;
 }
 
 void Stepper::set_force(std::int32_t body, const Vec3& force, const Vec3& torque) {
@@ -149,7 +159,7 @@ void Stepper::wake(std::int32_t body) {
     state_.sleep[at(body)].quiet_steps = 0;
     if (!asleep(state_, at(body))) return;
     wake_island(at(body), state_);
-    stale_ = true;
+    woken_ = true;
 }
 
 /// The body's island and those of all bodies that it touches: what it held up may fall.
@@ -170,15 +180,64 @@ void Stepper::forget_pairs_of(std::int32_t body) {
 }
 
 void Stepper::refresh() {
-    if (!stale_) return;
+    if (!stale_ && !woken_ && !any_changed_) return;
     size_buffers();
     inner_.clear();
-    broadphase_ = {};
-    const std::uint64_t version = lists_.still_version; // versions are never used again
-    lists_ = {};
-    lists_.still_version = version + 1;
-    team_.region([&] { prepare(); });
-    stale_ = false;
+    if (stale_) {
+        broadphase_ = {};
+        const std::uint64_t version = lists_.still_version; // versions are never used again
+        lists_ = {};
+        lists_.still_version = version + 1;
+        team_.region([&] { prepare(); });
+    } else {
+        team_.region([&] { refresh_changed(); });
+    }
+    stale_ = woken_ = any_changed_ = false;
+    std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
+}
+
+/// What prepare() makes, where all is known but of some dynamic bodies, and of others that woke.
+void Stepper::refresh_changed() {
+    trajectories_.grow(model_);
+    for (std::size_t i = 0; i < changed_.size(); ++i)
+        if (changed_[i] != 0) trajectories_.place(model_, i, state_.pose[i]);
+    pairs_.forget(changed_);
+    mark_asleep();
+    take_woken_contacts();
+    if (model_.settings.contact_reuse != 0) {
+        lists_.stray.resize(model_.size());
+        for (std::size_t i = 0; i < changed_.size(); ++i)
+            if (changed_[i] != 0) lists_.stray[i] = 0; // searched for where it is
+    }
+    StepData d = data();
+    search_changed(d);
+    if (!note_rest_distances()) return;
+    pairs_.forget(changed_); // of other lengths
+    search_changed(d);
+}
+
+/// The contacts of changed bodies, in their places between all others.
+void Stepper::search_changed(StepData& d) {
+    const auto is_changed = [&](std::int32_t i) { return changed_[at(i)] != 0; };
+    contacts_.keep(
+        [&](std::size_t i) { return !is_changed(contacts_.contacts[i].a) && !is_changed(contacts_.contacts[i].b); });
+    const auto wanted = [&](const CandidatePair& p) { return is_changed(p.a) || is_changed(p.b); };
+    ContactSet found;
+    found.keeps_near = contacts_.keeps_near;
+    find_contacts_of(d, state_.step, wanted, search_, found);
+    contacts_.near = std::move(found.near);
+    contacts_.merge(found);
+}
+
+/// Those of pairs that rest no longer: as a search finds them, for nobody moved.
+void Stepper::take_woken_contacts() {
+    ContactSet woken;
+    std::erase_if(sleeping_contacts_, [&](const Contact& c) {
+        if (rests(c.a, c.b)) return false;
+        woken.add(c, pair_lengths(model_, state_, c.a, c.b).rest, false, false);
+        return true;
+    });
+    contacts_.merge(woken);
 }
 
 } // namespace flotilla

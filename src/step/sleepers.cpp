@@ -71,7 +71,7 @@ void Stepper::wake_disturbed(StepData& d) {
     lists_.frozen.pairs = nullptr; // sleeping bodies are in no other list
     if (!woken) return;
     mark_asleep();
-    std::erase_if(sleeping_contacts_, [&](const Contact& c) { return !rests(c.a, c.b); });
+    take_woken_contacts();
     place_still();
     start_clusters(state_.motion);
 }

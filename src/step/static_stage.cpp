@@ -2,6 +2,7 @@
 #include "step/static_stage.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <tuple>
@@ -183,12 +184,29 @@ void ContactSet::append(const ContactSet& part, std::size_t begin, std::size_t e
     copy(part.ahead, ahead);
 }
 
-void find_contacts(StepData& data, std::int64_t step, ContactSearchScratch& scratch, ContactSet& out) {
+void ContactSet::merge(const ContactSet& others) {
+    if (others.size() == 0) return;
+    const ContactSet own = std::exchange(*this, {});
+    near = own.near, keeps_near = own.keeps_near, min_distance = own.min_distance, counters = own.counters;
+    const auto pair_of = [](const ContactSet& set, std::size_t i) {
+        return CandidatePair{set.contacts[i].a, set.contacts[i].b};
+    };
+    std::size_t i = 0;
+    for (std::size_t k = 0; k < others.size(); ++k) {
+        const std::size_t first = i;
+        while (i < own.size() && pair_of(own, i) < pair_of(others, k)) ++i;
+        append(own, first, i);
+        append(others, k, k + 1);
+    }
+    append(own, i, own.size());
+}
+
+namespace {
+
+/// The contacts of the pairs.
+void search(StepData& data, const std::vector<ListedPair>& pairs, std::int64_t step, ContactSearchScratch& scratch,
+            ContactSet& out) {
     constexpr std::size_t kGrain = 16;
-    const std::vector<ListedPair>& pairs = end_pairs(data);
-    out.near.clear();
-    if (out.keeps_near)
-        for (const ListedPair& pair : pairs) out.near.push_back(pair.pair);
     const std::size_t chunks = (pairs.size() + kGrain - 1) / kGrain;
     scratch.parts.resize(std::max(scratch.parts.size(), chunks));
     for (const auto& worker : data.workers) worker->proximity.counters = {}; // stage 1 counts as well
@@ -204,6 +222,30 @@ void find_contacts(StepData& data, std::int64_t step, ContactSearchScratch& scra
     for (const ContactSet& part : parts) out.min_distance = std::min(out.min_distance, part.min_distance);
     out.counters = {};
     for (const auto& worker : data.workers) out.counters += worker->proximity.counters;
+}
+
+void list_near(const std::vector<ListedPair>& pairs, ContactSet& out) {
+    out.near.clear();
+    if (out.keeps_near)
+        for (const ListedPair& pair : pairs) out.near.push_back(pair.pair);
+}
+
+} // namespace
+
+void find_contacts(StepData& data, std::int64_t step, ContactSearchScratch& scratch, ContactSet& out) {
+    const std::vector<ListedPair>& pairs = end_pairs(data);
+    list_near(pairs, out);
+    search(data, pairs, step, scratch, out);
+}
+
+void find_contacts_of(StepData& data, std::int64_t step, const std::function<bool(const CandidatePair&)>& wanted,
+                      ContactSearchScratch& scratch, ContactSet& out) {
+    const std::vector<ListedPair>& pairs = end_pairs(data);
+    list_near(pairs, out);
+    std::vector<ListedPair> some;
+    std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(some),
+                 [&](const ListedPair& p) { return wanted(p.pair); });
+    search(data, some, step, scratch, out);
 }
 
 void VelocityArrays::load(Team* team, const Model& model, std::uint64_t version, std::span<const Pose> poses,

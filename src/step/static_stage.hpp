@@ -2,6 +2,8 @@
 // Stages 3 and 7: contact points at one set of poses, and the solve that keeps them from approaching (paper, section 4.3).
 #pragma once
 
+#include <functional>
+
 #include <flotilla/report.hpp>
 
 #include "pair/step_data.hpp"
@@ -30,6 +32,8 @@ struct ContactSet {
     void put(std::size_t place, const ContactSet& part);
     /// Appends those of `part` from `begin` to `end`.
     void append(const ContactSet& part, std::size_t begin, std::size_t end);
+    /// Takes the contacts of pairs that it has none of, in the order of pairs.
+    void merge(const ContactSet& others);
     /// Removes the contacts that are not wanted, by their places; the smallest distance stays.
     template <typename Wanted>
     void keep(Wanted&& wanted) {
@@ -56,6 +60,9 @@ struct ContactSearchScratch {
 };
 /// `step`: that ends, or ended, at the end poses.
 void find_contacts(StepData& data, std::int64_t step, ContactSearchScratch& scratch, ContactSet& out);
+/// The same of the pairs that are wanted alone; `out.near` has all.
+void find_contacts_of(StepData& data, std::int64_t step, const std::function<bool(const CandidatePair&)>& wanted,
+                      ContactSearchScratch& scratch, ContactSet& out);
 
 /// Bodies as stages 3 and 7 see them: velocities to be changed and the inertia of the poses where the contacts are.
 struct VelocityArrays {

@@ -99,6 +99,7 @@ void Stepper::size_buffers() {
     const std::size_t n = model_.size();
     turns_.resize(n);
     disturbed_.resize(n);
+    changed_.resize(n);
     activity_.resize(n);
     scripts_ = Scripts(model_);
     has_scripts_ = scripts_.any() || !options_.savings.scripts;

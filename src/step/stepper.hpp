@@ -128,7 +128,11 @@ class Stepper {
     void prepare();
     bool note_rest_distances();
     void place_anew(std::int32_t body, const Pose& pose);
+    void mark_changed(std::int32_t body);
     void wake_neighbours(std::int32_t body);
+    void refresh_changed();
+    void search_changed(StepData& d);
+    void take_woken_contacts();
     void forget_pairs_of(std::int32_t body);
     void place_still();
     void find_sleeping_contacts(StepData& d);
@@ -186,7 +190,10 @@ class Stepper {
     Before before_;                                        ///< the step under way, where that may have to be undone
     const std::function<bool(Phase)>* observer_ = nullptr; ///< of the step under way
     std::uint64_t edits_hash_ = 0;
-    bool stale_ = false;              ///< the model or the state were changed between steps
+    /// What edits changed since the last step: everything, some bodies, or who sleeps.
+    bool stale_ = false, woken_ = false;
+    std::vector<std::uint8_t> changed_; ///< by body
+    bool any_changed_ = false;
     std::vector<std::uint8_t> moved_; ///< by body: placed since contacts were last searched for at the start of a step
     Scripts scripts_;
     bool has_scripts_ = false;

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Files of edits: what they hold comes back to the same bits, and what is wrong in them is named at its place.
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <flotilla/edit_file.hpp>
+
+#include "api/edited_runs.hpp"
+
+namespace flotilla::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::string problems(const std::string& edits) {
+    try {
+        (void)parse_edits("{\"flotilla_edits\": 1, \"edits\": [" + edits + "]}", "file", {}, tub());
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "";
+}
+
+TEST(EditFile, WhatAWorldRecordedIsReadBackToTheSameBits) {
+    World world(tub(), "scene", {1});
+    world.record_edits(true);
+    ShapeDescription another = tub().shapes[1];
+    another.name = "another";
+    world.add_shape(another);
+    RandomEdits edits(21, 2.4, 4, 24);
+    Ignored ignored;
+    std::vector<std::uint64_t> hashes;
+    for (int step = 0; step < 80; ++step) {
+        for (int k = 0; k < 2; ++k) edit_once(world, edits, ignored, nullptr);
+        hashes.push_back(world.step().state_hash);
+    }
+    std::ostringstream text;
+    write_edits(text, world.recorded_edits(), tub());
+    const std::vector<Edit> read = parse_edits(text.str(), "recorded", {}, tub());
+    ASSERT_EQ(read.size(), world.recorded_edits().size());
+    World again(tub(), "scene", {2});
+    std::size_t next = 0;
+    for (int step = 0; step < 80; ++step) {
+        for (; next < read.size() && read[next].step == step; ++next) again.apply(read[next]);
+        ASSERT_EQ(again.step().state_hash, hashes[static_cast<std::size_t>(step)]) << step;
+    }
+}
+
+TEST(EditFile, ProblemsAreNamedAtTheirPlaces) {
+    EXPECT_EQ(problems("{\"step\": 3, \"remove_body\": \"body5\"}"), "");
+    EXPECT_THAT(problems("{\"remove_body\": \"body5\"}"), HasSubstr("file: /edits/0/step: is missing"));
+    EXPECT_THAT(problems("{\"step\": -1, \"remove_body\": \"body5\"}"),
+                HasSubstr("/edits/0/step: must be a whole number"));
+    EXPECT_THAT(problems("{\"step\": 0, \"remove_body\": \"bidy5\"}"), HasSubstr("unknown body \"bidy5\""));
+    EXPECT_THAT(problems("{\"step\": 0}"), HasSubstr("/edits/0: holds no edit"));
+    EXPECT_THAT(problems("{\"step\": 0, \"remove\": 1}"), HasSubstr("/edits/0/remove: unknown key"));
+    EXPECT_THAT(problems("{\"step\": 0, \"wake\": \"body5\", \"remove_body\": \"body5\"}"), HasSubstr("one edit"));
+    EXPECT_THAT(problems("{\"step\": 0, \"set_pose\": {\"body\": \"body5\", \"pos\": [0,0,0]}}"),
+                HasSubstr("/edits/0/set_pose/pos: unknown key"));
+    EXPECT_THAT(problems("{\"step\": 0, \"set_gravity\": [0, 0]}"), HasSubstr("must be an array of 3 numbers"));
+    EXPECT_THAT(problems("{\"step\": 0, \"add_body\": {\"name\": \"x\", \"shape\": \"nobody\"}}"),
+                HasSubstr("/edits/0/add_body/shape: unknown shape"));
+    EXPECT_THAT(problems("7"), HasSubstr("/edits/0: must be an object"));
+    // Names mean who has them at the time, which is that of the step, not of the line.
+    EXPECT_EQ(
+        problems("{\"step\": 9, \"remove_body\": \"new\"}, {\"step\": 2, \"add_body\": {\"name\": \"new\", \"shape\": "
+                 "\"shape1\", \"position\": [0, 0, 9]}}"),
+        "");
+    EXPECT_THAT(problems("{\"step\": 1, \"remove_body\": \"body5\"}, {\"step\": 2, \"wake\": \"body5\"}"),
+                HasSubstr("/edits/1/wake: unknown body"));
+}
+
+} // namespace
+} // namespace flotilla::test
