@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <flotilla/edit.hpp>
 #include <flotilla/report.hpp>
 #include <flotilla/scene.hpp>
 #include <flotilla/world.hpp>
@@ -38,6 +39,9 @@ struct RunOptions {
     /// Where the contact points of every step and their impulses are written as CSV (io/contacts_csv.hpp); empty: nowhere. There when the
     /// run ends, compressed where the name ends with .gz. A resumed run has the contacts from there on.
     std::filesystem::path contacts;
+    /// Made on the way, sorted by step: each after so many steps. What is refused ends the run with InputError or OverlapError, once what
+    /// came before is written with a checkpoint. A resumed run needs the same.
+    std::vector<Edit> edits;
     /// Called after every step; returning false ends the run early. Where there is a folder, the run can then be resumed. What this or
     /// another callback throws comes out of run_scene as it is, and leaves the folder like a run that was killed: whole, to be resumed.
     std::function<bool(const StepReport&)> after_step;

@@ -164,6 +164,12 @@ std::uint64_t chained(std::uint64_t hash, const Edit& edit) {
     return std::max<std::uint64_t>(h.value(), 1);
 }
 
+std::uint64_t chained_with_step(std::uint64_t hash, const Edit& edit) {
+    Hasher h;
+    h.add(chained(hash, edit)), h.add(static_cast<std::uint64_t>(edit.step));
+    return h.value();
+}
+
 std::vector<std::byte> join_snapshot(const EditedBodies& bodies, std::span<const std::byte> state) {
     EditedBodies copy = bodies;
     std::vector<ShapeDescription> added(copy.shapes.begin() + static_cast<std::ptrdiff_t>(copy.scene_shapes),

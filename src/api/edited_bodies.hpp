@@ -34,6 +34,8 @@ struct EditedBodies {
 
 /// The hash of one edit more.
 [[nodiscard]] std::uint64_t chained(std::uint64_t hash, const Edit& edit);
+/// The same with the step after which it is made.
+[[nodiscard]] std::uint64_t chained_with_step(std::uint64_t hash, const Edit& edit);
 
 /// A snapshot of an edited scene: the edited part, then `state`, which is a snapshot of what moves (state/snapshot.hpp).
 [[nodiscard]] std::vector<std::byte> join_snapshot(const EditedBodies& bodies, std::span<const std::byte> state);

@@ -27,6 +27,7 @@ PictureBody picture_body(const TriangleMesh& mesh, std::size_t index, BodyType t
 std::vector<PictureBody> bodies_of(const io::RunScene& scene, const io::Frame& frame) {
     std::vector<PictureBody> bodies;
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        if (frame.absent(i)) continue;
         const TriangleMesh& mesh = scene.shapes.at(static_cast<std::size_t>(scene.bodies[i].shape)).mesh;
         bodies.push_back(picture_body(mesh, i, scene.bodies[i].type, frame.position.at(i), frame.rotation.at(i)));
     }

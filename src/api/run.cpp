@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <exception>
 #include <memory>
 #include <optional>
+#include <sstream>
 
+#include <flotilla/edit_file.hpp>
 #include <flotilla/error.hpp>
 #include <flotilla/world.hpp>
 
+#include "api/edited_bodies.hpp"
 #include "api/world_access.hpp"
 #include "base/floating_point.hpp"
 #include "base/stopwatch.hpp"
@@ -18,6 +22,7 @@
 #include "io/checkpoint.hpp"
 #include "io/contacts_csv.hpp"
 #include "io/file_stream.hpp"
+#include "io/run_bodies.hpp"
 #include "io/run_folder.hpp"
 #include "io/trace_file.hpp"
 #include "parallel/background.hpp"
@@ -30,30 +35,45 @@ namespace {
 
 /// A frame on its way to the writer.
 struct OwnedFrame {
-    OwnedFrame(const World& world, bool with_way) : step(world.steps()), time(world.time()) {
-        const std::size_t n = world.size();
+    /// `bodies`: of an edited run, else null.
+    OwnedFrame(const World& world, bool with_way, const io::RunBodies* bodies)
+        : step(world.steps()), time(world.time()) {
+        const std::size_t n = bodies != nullptr ? bodies->size() : world.size();
+        const auto place = [&](std::size_t i) {
+            return bodies != nullptr ? bodies->place_of(i) : static_cast<std::int32_t>(i);
+        };
         position.resize(n), rotation.resize(n), velocity.resize(n), angular.resize(n);
         if (step > 0) turn.resize(n);
+        const std::vector<BodyActivity> did = world.activity();
         for (std::size_t i = 0; i < n; ++i) {
-            const BodyState b = world.body(i);
+            if (place(i) < 0) {
+                activity.append_absent();
+                continue;
+            }
+            const auto at = static_cast<std::size_t>(place(i));
+            const BodyState b = world.body(at);
             position[i] = b.position;
             rotation[i] = b.rotation;
             velocity[i] = b.velocity;
             angular[i] = b.angular_velocity;
-            if (step > 0) turn[i] = world.turn(i);
+            if (step > 0) turn[i] = world.turn(at);
+            activity.append(did[at]);
         }
-        if (step > 0 && with_way) add_way(world);
-        for (const BodyActivity& body : world.activity()) activity.append(body);
+        if (step > 0 && with_way) add_way(world, n, place);
     }
     [[nodiscard]] io::FrameView view() const {
         return {step, time, position, rotation, velocity, angular, turn, activity.view(), &way};
     }
-    void add_way(const World& world) {
+    template <class Place>
+    void add_way(const World& world, std::size_t n, Place&& place) {
+        const auto substeps = static_cast<std::size_t>(world.settings().substeps);
         std::vector<std::vector<WayPoint>> ways;
-        for (std::size_t i = 0; i < world.size(); ++i) ways.push_back(world.way(i));
-        for (int k = 0; k + 1 < world.settings().substeps; ++k)
+        for (std::size_t i = 0; i < n; ++i)
+            ways.push_back(place(i) < 0 ? std::vector<WayPoint>(substeps)
+                                        : world.way(static_cast<std::size_t>(place(i))));
+        for (std::size_t k = 0; k + 1 < substeps; ++k)
             for (const auto& points : ways) {
-                const WayPoint& p = points[static_cast<std::size_t>(k)];
+                const WayPoint& p = points[k];
                 way.append(p.position, p.rotation, p.turn);
             }
     }
@@ -161,6 +181,16 @@ io::RunInfo run_info(const SceneDescription& scene, const World& world, const Ru
     info.substeps = scene.settings.substeps;
     info.frame_every = options.frame_every;
     info.threads = static_cast<int>(world.threads().size());
+    info.ignored_groups = scene.ignored_groups;
+    info.ignored_bodies = scene.ignored_bodies;
+    for (const BodyDescription& body : scene.bodies)
+        if (!body.group.empty()) info.groups.push_back({body.name, body.group});
+    if (options.edits.empty()) return info;
+    info.scene_bodies = scene.bodies.size();
+    std::ostringstream edits;
+    write_edits(edits, options.edits, scene);
+    info.edits_json = edits.str();
+    for (const Edit& edit : options.edits) info.scene_hash = chained_with_step(info.scene_hash, edit);
     return info;
 }
 
@@ -202,11 +232,34 @@ World make_world(const SceneDescription& scene, const std::string& source, const
     }
 }
 
+/// The bodies that edits bring, with their shapes.
+void add_edited(const io::RunBodies& edited, const SceneDescription& scene, io::RunScene& bodies) {
+    const Scene built = build_scene(scene);
+    std::vector<std::int32_t> shape_of = built.shape_of;
+    for (const ShapeDescription& shape : edited.added_shapes()) {
+        SceneDescription alone;
+        alone.settings = scene.settings;
+        alone.shapes.push_back(shape);
+        const io::RunScene added = io::make_run_scene(build_scene(alone, "edits: shape " + in_quotes(shape.name)));
+        shape_of.push_back(static_cast<std::int32_t>(bodies.shapes.size()));
+        bodies.shapes.push_back(added.shapes.front());
+    }
+    for (std::size_t i = bodies.bodies.size(); i < edited.size(); ++i) {
+        const BodyDescription& body = edited.bodies()[i];
+        const auto shape = static_cast<std::size_t>(body.shape);
+        if (body.shape < 0 || shape >= shape_of.size())
+            throw InputError("edits: body " + in_quotes(body.name) + " has a shape that does not exist");
+        bodies.bodies.push_back({body.name, shape_of[shape], body.type});
+    }
+}
+
 std::unique_ptr<io::RunWriter> open_writer(const SceneDescription& scene, const World& world, const RunOptions& options,
-                                           const std::optional<io::Checkpoint>& checkpoint) {
+                                           const std::optional<io::Checkpoint>& checkpoint,
+                                           const io::RunBodies* edited) {
     if (options.output.empty()) return nullptr;
     const io::RunInfo info = run_info(scene, world, options);
-    const io::RunScene bodies = io::make_run_scene(build_scene(scene));
+    io::RunScene bodies = io::make_run_scene(build_scene(scene));
+    if (edited != nullptr) add_edited(*edited, scene, bodies);
     if (checkpoint) return std::make_unique<io::RunWriter>(options.output, info, bodies, checkpoint->step);
     const io::OpenRun mode = options.resume      ? io::OpenRun::restart
                              : options.overwrite ? io::OpenRun::overwrite
@@ -244,9 +297,11 @@ class CheckpointClock {
 /// An error is thrown by the next call after it.
 class RunRecorder {
   public:
-    RunRecorder(std::unique_ptr<io::RunWriter> writer, const World& world, const RunOptions& options)
+    RunRecorder(std::unique_ptr<io::RunWriter> writer, const World& world, const RunOptions& options,
+                const io::RunBodies* edited)
         : world_(world),
           options_(options),
+          edited_(edited),
           writer_(std::move(writer)),
           clock_(world.steps(), options.checkpoint_every) {
         if (writer_->frames() == 0) add_frame(); // a run that goes on after step 0 has it
@@ -271,7 +326,7 @@ class RunRecorder {
 
     void add_frame() {
         const bool with_way = options_.frame_every == 1 && world_.settings().substeps > 1;
-        jobs_.add([this, frame = std::make_shared<const OwnedFrame>(world_, with_way)] {
+        jobs_.add([this, frame = std::make_shared<const OwnedFrame>(world_, with_way, edited_)] {
             writer_->add_frame(frame->view());
         });
     }
@@ -286,13 +341,37 @@ class RunRecorder {
 
     const World& world_;
     const RunOptions& options_;
+    const io::RunBodies* edited_; ///< null: the World is not edited
     std::unique_ptr<io::RunWriter> writer_;
     CheckpointClock clock_;
     double ms_ = 0;
     Background jobs_{kMostJobs}; // last: ends before what its jobs use
 };
 
+struct RefusedEdit {
+    std::exception_ptr reason;
+};
+
+/// Those that are due before the next step.
+void make_edits(io::RunBodies& edited, World& world) {
+    for (const Edit& edit : edited.advance(world.steps())) {
+        const auto after = [&](const std::exception& e) {
+            return "edit after step " + std::to_string(edit.step) + ": " + e.what();
+        };
+        try {
+            world.apply(edit);
+        } catch (const OverlapError& e) {
+            throw RefusedEdit{std::make_exception_ptr(OverlapError(after(e), e.pairs()))};
+        } catch (const InputError& e) {
+            throw RefusedEdit{std::make_exception_ptr(InputError(after(e), e.problems()))};
+        }
+    }
+}
+
 void check_options(const RunOptions& options) {
+    if (!std::is_sorted(options.edits.begin(), options.edits.end(),
+                        [](const Edit& a, const Edit& b) { return a.step < b.step; }))
+        throw InputError("edits must be sorted by step");
     const auto at_least = [](const char* name, std::int64_t value, int least) {
         if (value >= least) return;
         throw InputError(std::string(name) + " must be at least " + std::to_string(least) + ", not " +
@@ -316,21 +395,30 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
     RunTotals summary;
     summary.bodies = static_cast<std::int64_t>(world.size());
     summary.resumed_after = world.steps();
+    std::optional<io::RunBodies> edited;
+    if (!options.edits.empty()) {
+        edited.emplace(scene, options.edits);
+        (void)edited->advance(world.steps() - 1); // those are in the checkpoint
+    }
     std::optional<RunRecorder> recorder;
-    if (auto writer = open_writer(scene, world, options, checkpoint))
-        recorder.emplace(std::move(writer), world, options);
+    if (auto writer = open_writer(scene, world, options, checkpoint, edited ? &*edited : nullptr))
+        recorder.emplace(std::move(writer), world, options, edited ? &*edited : nullptr);
     std::unique_ptr<TaskTrace> trace;
     if (!options.trace.empty()) trace = std::make_unique<TaskTrace>(world, std::move(costs), options);
     std::optional<io::ContactsCsv> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
     bool goes_on = true;
-    std::optional<ScriptError> blocked;
+    std::exception_ptr refused; // the run up to here is whole
     while (goes_on && world.steps() < options.steps) {
         StepReport report;
         try {
+            if (edited) make_edits(*edited, world);
             report = trace ? trace->step() : world.step();
-        } catch (const ScriptError& e) { // the run up to here is whole
-            blocked = e;
+        } catch (const ScriptError&) {
+            refused = std::current_exception();
+            break;
+        } catch (const RefusedEdit& e) {
+            refused = e.reason;
             break;
         }
         add(summary, report);
@@ -349,9 +437,9 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         trace->write();
         summary.traced_steps = trace->steps();
     }
-    if (!blocked) return summary;
+    if (!refused) return summary;
     if (options.blocked) options.blocked(summary);
-    throw ScriptError(*blocked);
+    std::rethrow_exception(refused);
 }
 
 } // namespace flotilla

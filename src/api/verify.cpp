@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include <flotilla/edit_file.hpp>
 #include <flotilla/error.hpp>
 #include <flotilla/scene_file.hpp>
 
@@ -14,6 +15,7 @@
 #include "base/stopwatch.hpp"
 #include "base/text.hpp"
 #include "io/poses_csv.hpp"
+#include "io/run_bodies.hpp"
 #include "io/run_folder.hpp"
 #include "parallel/parallel_for.hpp"
 #include "scene/scene.hpp"
@@ -33,11 +35,50 @@ audit::Scene make_audit_scene(const io::RunScene& scene, int threads) {
     return result;
 }
 
-std::vector<audit::Pose> poses_of(const io::Frame& frame) {
+/// `bodies`, of an edited run, says who is there; null: all.
+std::vector<audit::Pose> poses_of(const io::Frame& frame, const io::RunBodies* bodies) {
     std::vector<audit::Pose> poses;
-    for (std::size_t i = 0; i < frame.position.size(); ++i) poses.push_back({frame.position[i], frame.rotation[i]});
+    for (std::size_t i = 0; i < frame.position.size(); ++i)
+        poses.push_back({frame.position[i], frame.rotation[i], bodies == nullptr || bodies->place_of(i) >= 0});
     return poses;
 }
+
+/// What an edited run's bodies are called, of which shapes, and what may pass through what, as its scene says.
+SceneDescription scene_of_run(const io::RunScene& run, const io::RunInfo& info, std::size_t scene_bodies) {
+    SceneDescription scene;
+    for (const io::RunShape& shape : run.shapes) {
+        scene.shapes.emplace_back();
+        scene.shapes.back().name = shape.name;
+    }
+    for (std::size_t i = 0; i < scene_bodies; ++i) {
+        const io::RunBody& body = run.bodies[i];
+        scene.bodies.emplace_back();
+        scene.bodies.back().name = body.name;
+        scene.bodies.back().shape = body.shape;
+        scene.bodies.back().type = body.type;
+        for (const NamedPair& group : info.groups)
+            if (group.a == body.name) scene.bodies.back().group = group.b;
+    }
+    scene.ignored_groups = info.ignored_groups;
+    scene.ignored_bodies = info.ignored_bodies;
+    return scene;
+}
+
+/// The bodies of a run that is edited, or whose scene lets some pass through each other.
+struct EditedRun {
+    EditedRun(const io::RunScene& run, const io::RunInfo& info) {
+        const std::size_t all = run.bodies.size(), of_scene = info.edits_json.empty() ? all : info.scene_bodies;
+        const SceneDescription scene = scene_of_run(run, info, std::min(of_scene, all));
+        if (!info.edits_json.empty()) edits = parse_edits(info.edits_json, "edits.json", {}, scene);
+        bodies.emplace(scene, edits);
+        if (bodies->size() != all) throw IoError("edits.json: adds other bodies than the run has");
+    }
+    [[nodiscard]] static bool is_one(const io::RunInfo& info) {
+        return !info.edits_json.empty() || !info.ignored_groups.empty() || !info.ignored_bodies.empty();
+    }
+    std::vector<Edit> edits;
+    std::optional<io::RunBodies> bodies;
+};
 
 int threads_of(const VerifyOptions& options) {
     if (options.threads < 0) throw InputError(std::to_string(options.threads) + " threads: at least one is needed");
@@ -47,13 +88,18 @@ int threads_of(const VerifyOptions& options) {
 /// Takes the frames of a trajectory in order and collects what is wrong with them.
 class Verifier {
   public:
-    Verifier(const io::RunScene& scene, audit::Motion motion, const VerifyOptions& options)
-        : bodies_(scene.bodies),
+    /// `edited`: see EditedRun; null where all bodies are there all the time and may not meet.
+    Verifier(const io::RunScene& scene, audit::Motion motion, const VerifyOptions& options,
+             io::RunBodies* edited = nullptr)
+        : edited_(edited),
+          bodies_(scene.bodies),
           threads_(threads_of(options)),
           scene_(make_audit_scene(scene, threads_)),
           motion_(motion),
           options_(options) {
         report_.bodies = static_cast<std::int64_t>(bodies_.size());
+        if (edited_ != nullptr)
+            scene_.ignored = [edited](std::size_t a, std::size_t b) { return edited->ignored(a, b); };
     }
 
     /// Why motions are skipped, for people.
@@ -61,7 +107,8 @@ class Verifier {
 
     /// `one_step`: this frame is one time step after the one before; `way`: what came between, where that step has inner ones.
     void add(io::Frame frame, bool one_step, const io::Way& way = {}) {
-        audit::Placement placement = audit::place(scene_, poses_of(frame), threads_);
+        if (edited_ != nullptr) make_edits(frame.step - 1);
+        audit::Placement placement = audit::place(scene_, poses_of(frame, edited_), threads_);
         check_frame(frame, placement);
         if (last_ && wants_motion(one_step))
             check_motion(frame, placement, way);
@@ -84,6 +131,8 @@ class Verifier {
         if (report_.motions_skipped > 0 && options_.motion != VerifyMotion::never && report_.unreadable.empty())
             report_.notes.push_back(why_skipped_ + ": " + std::to_string(report_.motions_skipped) +
                                     " of them were checked as states, not the motion before them");
+        if (edited_ != nullptr && edited_->ignores_any())
+            report_.notes.push_back("some pairs of bodies may pass through each other (ignore): they were left out");
         return std::move(report_);
     }
 
@@ -95,6 +144,25 @@ class Verifier {
 
     [[nodiscard]] bool wants_motion(bool one_step) const {
         return options_.motion == VerifyMotion::always || (options_.motion == VerifyMotion::automatic && one_step);
+    }
+
+    /// Those of the steps up to this one, which is the last frame's where there is one for every step: then its bodies are where edits put
+    /// them, and apart there.
+    void make_edits(std::int64_t step) {
+        if (edited_->advance(step).empty()) return;
+        for (std::size_t i = 0; i < bodies_.size(); ++i)
+            scene_.bodies[i].infinite_mass = edited_->type_of(i) != BodyType::dynamic;
+        if (!last_) return;
+        std::vector<audit::Pose> poses;
+        for (const io::RunBodies::Placed& p : edited_->placed()) {
+            last_->frame.position[p.body] = p.position;
+            last_->frame.rotation[p.body] = p.rotation;
+        }
+        poses = poses_of(last_->frame, edited_);
+        for (const io::RunBodies::Placed& p : edited_->placed())
+            poses[p.body].present = p.known && poses[p.body].present;
+        last_->placement = audit::place(scene_, poses, threads_);
+        if (last_->frame.step == step) check_frame(last_->frame, last_->placement);
     }
 
     void check_frame(const io::Frame& frame, const audit::Placement& placement) {
@@ -129,7 +197,7 @@ class Verifier {
         const Placed* before = &*last_;
         std::optional<Placed> inner;
         for (io::Frame& next : io::inner_frames(last_->frame, frame, way)) {
-            audit::Placement placed = audit::place(scene_, poses_of(next), threads_);
+            audit::Placement placed = audit::place(scene_, poses_of(next, edited_), threads_);
             for (const auto& bad : placed.bad) add_fault(bad_body(Kind::bad_path, next, bad));
             check_leg(*before, next, placed);
             inner = Placed{std::move(next), std::move(placed)};
@@ -196,6 +264,7 @@ class Verifier {
         if (report_.faults.size() < options_.max_faults) report_.faults.push_back(std::move(fault));
     }
 
+    io::RunBodies* edited_;
     std::vector<io::RunBody> bodies_;
     int threads_;
     audit::Scene scene_;
@@ -232,7 +301,10 @@ audit::Motion motion_of(Trajectory trajectory) {
 
 VerifyReport check_run(const std::filesystem::path& folder, const VerifyOptions& options) {
     io::RunReader reader(folder);
-    Verifier verifier(reader.scene(), motion_of(reader.info().trajectory), options);
+    std::optional<EditedRun> edited;
+    if (EditedRun::is_one(reader.info())) edited.emplace(reader.scene(), reader.info());
+    Verifier verifier(reader.scene(), motion_of(reader.info().trajectory), options,
+                      edited ? &*edited->bodies : nullptr);
     std::optional<std::int64_t> last_step;
     for (std::int64_t k = 0; k < reader.frames(); ++k) {
         try {
@@ -252,12 +324,15 @@ VerifyReport check_run(const std::filesystem::path& folder, const VerifyOptions&
 
 VerifyReport check_poses(const std::filesystem::path& scene_file, const std::filesystem::path& poses,
                          const VerifyOptions& options) {
-    const Scene scene = build_scene(read_scene(scene_file), scene_file.string());
+    const SceneDescription description = read_scene(scene_file);
+    const Scene scene = build_scene(description, scene_file.string());
     const io::RunScene bodies = io::make_run_scene(scene);
     std::vector<std::string> names;
     for (const auto& body : bodies.bodies) names.push_back(body.name);
     io::PosesCsvReader reader(poses, names);
-    Verifier verifier(bodies, motion_of(scene.settings.trajectory), options);
+    io::RunBodies named(description, {}); // for what the scene ignores
+    Verifier verifier(bodies, motion_of(scene.settings.trajectory), options,
+                      scene.filtered.filter.empty() ? nullptr : &named);
     const bool whole = scene.settings.substeps == 1;
     if (!whole) verifier.explain("frames are several inner steps apart");
     std::optional<double> last_time;

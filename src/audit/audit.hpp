@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -35,6 +36,10 @@ struct Body {
 struct Scene {
     std::vector<Shape> shapes;
     std::vector<Body> bodies;
+    std::function<bool(std::size_t, std::size_t)> ignored; ///< pairs that may meet; empty: none
+    [[nodiscard]] bool ignores(std::int32_t a, std::int32_t b) const {
+        return ignored && ignored(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+    }
     [[nodiscard]] const Shape& shape_of(std::size_t body) const {
         return shapes[static_cast<std::size_t>(bodies[body].shape)];
     }
@@ -43,6 +48,7 @@ struct Scene {
 struct Pose {
     Vec3 position; ///< of the mesh's origin
     Quat rotation;
+    bool present = true; ///< else the body has no vertices and takes part in nothing
     friend bool operator==(const Pose&, const Pose&) = default;
 };
 

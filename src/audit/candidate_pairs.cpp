@@ -18,7 +18,8 @@ std::vector<BodyPair> candidate_pairs(const Scene& scene, std::span<const std::o
     for (std::size_t i = 0; i < order.size(); ++i) {
         for (std::size_t j = i + 1; j < order.size() && box(order[j]).low[0] <= box(order[i]).high[0]; ++j) {
             const auto [a, b] = std::minmax(order[i], order[j]);
-            if (!(infinite(a) && infinite(b)) && overlap(box(a), box(b))) pairs.push_back({a, b});
+            if (!(infinite(a) && infinite(b)) && overlap(box(a), box(b)) && !scene.ignores(a, b))
+                pairs.push_back({a, b});
         }
     }
     std::sort(pairs.begin(), pairs.end());

@@ -133,6 +133,7 @@ SmallestDistance smallest_distance(const Scene& scene, const Placement& placemen
             if (!best.beaten_by(gap * gap)) break;
             if (scene.bodies[a].infinite_mass && scene.bodies[b].infinite_mass) continue;
             if (!best.beaten_by(distance_sq(box(a), box(b)))) continue;
+            if (scene.ignores(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b))) continue;
             // By number: which body comes first is a matter of rounding.
             const auto [first, second] = std::minmax(a, b);
             const double d_sq = PairDistance(scene, placement, first, second, best).run();

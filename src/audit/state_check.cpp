@@ -126,10 +126,10 @@ Placement place(const Scene& scene, std::span<const Pose> poses, int threads) {
     placement.vertices.resize(poses.size());
     placement.boxes.resize(poses.size());
     for (std::size_t i = 0; i < poses.size(); ++i)
-        if (auto reason = reason_of_bad_pose(poses[i]); !reason.empty())
+        if (auto reason = reason_of_bad_pose(poses[i]); poses[i].present && !reason.empty())
             placement.bad.push_back({static_cast<std::int32_t>(i), std::move(reason)});
     parallel_for(poses.size(), threads, [&](std::size_t i) {
-        if (!reason_of_bad_pose(poses[i]).empty()) return;
+        if (!poses[i].present || !reason_of_bad_pose(poses[i]).empty()) return;
         const Shape& shape = scene.shape_of(i);
         placement.vertices[i].resize(shape.mesh.vertices.size());
         world_vertices(shape.mesh.vertices, poses[i].position, poses[i].rotation, placement.vertices[i]);

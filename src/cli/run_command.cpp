@@ -12,6 +12,7 @@
 #include <numeric>
 #include <optional>
 
+#include <flotilla/edit_file.hpp>
 #include <flotilla/error.hpp>
 #include <flotilla/run.hpp>
 
@@ -34,7 +35,7 @@ struct RunArguments {
     int frame_every = 1;
     int threads = 0; ///< 0: as many as the process may use
     std::string executor = "parallel";
-    std::string trace, contacts;
+    std::string trace, contacts, edits;
     int trace_every = 1;
     bool overwrite = false, resume = false, quiet = false, audit = false;
     int checkpoint_every = 0; ///< 0: the library's own rule
@@ -217,6 +218,7 @@ int run_run(const RunArguments& arguments) {
     run.trace = arguments.trace;
     run.contacts = arguments.contacts;
     run.trace_every = arguments.trace_every;
+    if (!arguments.edits.empty()) run.edits = read_edits(arguments.edits, scene);
     const Ended ended = simulate(scene, source, run, *stop, arguments.quiet);
     const std::string reason = stop->reason();
     stop.reset(); // all is written: a signal ends the process as usual
@@ -282,6 +284,11 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
             "--contacts", arguments->contacts,
             "write the contact points of every step and their impulses into FILE as CSV (.gz: compressed); those of "
             "sleeping bodies are marked")
+        ->check(kNotEmpty);
+    command
+        ->add_option(
+            "--edits", arguments->edits,
+            "file of edits to be made between steps: bodies that come and go, forces, scripts (src/io/README.md)")
         ->check(kNotEmpty);
     command->add_flag_callback(
         "--pin",

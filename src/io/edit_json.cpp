@@ -414,7 +414,8 @@ class EditWriter {
         return line(kind, {{"body", places_.name(e.body)}, {"force", array(e.force)}, {"torque", array(e.torque)}});
     }
     static std::string line(const char* kind, const std::string& value) {
-        return '"' + std::string(kind) + "\": " + value;
+        std::string text = "\"";
+        return text.append(kind).append("\": ").append(value);
     }
     static std::string line(const char* kind, const Json& value) {
         return line(kind, value.dump(-1, ' ', false, Json::error_handler_t::replace));

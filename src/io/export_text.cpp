@@ -57,6 +57,7 @@ void export_obj(RunReader& run, const FrameRange& range, const std::filesystem::
         std::vector<Vec3> world;
         std::size_t vertices = 0;
         for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+            if (frame.absent(i)) continue;
             const RunShape& shape = scene.shapes[static_cast<std::size_t>(scene.bodies[i].shape)];
             world.resize(shape.mesh.vertices.size());
             world_vertices(shape.mesh.vertices, frame.position[i], frame.rotation[i], world);

@@ -44,7 +44,7 @@ bool is_run_file(const std::string& name) {
     const std::string_view view = name;
     const std::string_view base =
         view.ends_with(kTemporarySuffix) ? view.substr(0, view.size() - kTemporarySuffix.size()) : view;
-    return base == kRunJson || base == kSceneJson || base == kMeshes || base == kStepsCsv ||
+    return base == kRunJson || base == kSceneJson || base == kMeshes || base == kStepsCsv || base == kEditsJson ||
            (base.ends_with(".h5") && (base.starts_with("frames-") || base.starts_with("checkpoint-")));
 }
 
@@ -122,6 +122,22 @@ std::string utc_now() {
     return text;
 }
 
+namespace {
+
+Json pairs_json(const std::vector<NamedPair>& pairs) {
+    Json list = Json::array();
+    for (const NamedPair& pair : pairs) list.push_back({pair.a, pair.b});
+    return list;
+}
+
+std::vector<NamedPair> parse_pairs(const Json& list) {
+    std::vector<NamedPair> pairs;
+    for (const Json& pair : list) pairs.push_back({pair.at(0).get<std::string>(), pair.at(1).get<std::string>()});
+    return pairs;
+}
+
+} // namespace
+
 std::string run_json_text(const RunInfo& info, std::size_t bodies, const std::string& started,
                           const std::string& status, std::int64_t frames) {
     const BuildInfo build = build_info();
@@ -144,6 +160,11 @@ std::string run_json_text(const RunInfo& info, std::size_t bodies, const std::st
               {"time_step", info.time_step},
               {"trajectory", info.trajectory == Trajectory::rigid ? "rigid" : "linear"}};
     if (info.substeps > 1) json["substeps"] = info.substeps;
+    if (!info.edits_json.empty()) json["scene_bodies"] = info.scene_bodies;
+    if (!info.ignored_groups.empty() || !info.ignored_bodies.empty() || !info.groups.empty())
+        json["ignore"] = {{"groups", pairs_json(info.ignored_groups)},
+                          {"bodies", pairs_json(info.ignored_bodies)},
+                          {"groups_of_bodies", pairs_json(info.groups)}};
     json["resumed"] = Json::parse(info.record.resumed);
     json["settings"] = Json::parse(info.settings_json);
     return json.dump(2) + "\n";
@@ -177,6 +198,13 @@ RunInfo parse_run_json(const fs::path& path, const std::string& text) {
         if (info.threads < 1 || info.substeps < 1 || info.substeps > kMostSubsteps || info.frame_every < 1 ||
             !(info.time_step > 0) || !json.value("resumed", Json::array()).is_array())
             throw IoError(path.string() + ": damaged: a value is out of range");
+        info.scene_bodies = json.value("scene_bodies", std::size_t{0});
+        if (json.contains("ignore")) {
+            const Json& ignored = json.at("ignore");
+            info.ignored_groups = parse_pairs(ignored.at("groups"));
+            info.ignored_bodies = parse_pairs(ignored.at("bodies"));
+            info.groups = parse_pairs(ignored.at("groups_of_bodies"));
+        }
         const auto text_of = [&json](const char* key) { return json.at(key).get<std::string>(); };
         info.record = {text_of("status"),   text_of("version"), text_of("commit"),
                        text_of("compiler"), text_of("flags"),   json.at("machine").at("processor").get<std::string>(),

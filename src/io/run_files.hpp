@@ -15,6 +15,7 @@ namespace flotilla::io {
 
 inline constexpr std::string_view kRunJson = "run.json";
 inline constexpr std::string_view kSceneJson = "scene.json";
+inline constexpr std::string_view kEditsJson = "edits.json";
 inline constexpr std::string_view kMeshes = "meshes.h5";
 inline constexpr std::string_view kStepsCsv = "steps.csv";
 

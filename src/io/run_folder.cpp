@@ -78,6 +78,8 @@ void Activity::append(const BodyActivity& body) {
     cost.push_back(saturated(body.cost));
 }
 
+void Activity::append_absent() { contacts.push_back(0), cluster.push_back(kAbsent), cost.push_back(0); }
+
 void Activity::clear() { contacts.clear(), cluster.clear(), cost.clear(); }
 
 RunScene make_run_scene(const Scene& scene) {
@@ -101,6 +103,7 @@ RunWriter::RunWriter(const fs::path& folder, const RunInfo& info, const RunScene
     clear_folder(mode);
     write_meshes(folder / kMeshes, scene);
     write_file(folder / kSceneJson, info.scene_json);
+    if (!info.edits_json.empty()) write_file(folder / kEditsJson, info.edits_json);
     write_file(folder / kStepsCsv, step_csv_header());
     write_run_json("running");
     steps_csv_ = std::make_unique<AppendFile>(folder / kStepsCsv);
@@ -135,7 +138,8 @@ void RunWriter::clear_folder(OpenRun mode) const {
 
 void RunWriter::check_same_run(const RunInfo& earlier) const {
     if (earlier.scene_hash != info_.scene_hash)
-        throw InputError(folder_.string() + ": was made from another scene or other settings; --resume needs the same");
+        throw InputError(folder_.string() +
+                         ": was made from another scene, other settings or other edits; --resume needs the same");
 }
 
 /// The run's steps.csv, whose columns must be those of the rows to come.
@@ -308,6 +312,8 @@ RunReader::RunReader(const fs::path& folder) : folder_(folder) {
     run_json_ = read_text(folder / kRunJson);
     info_ = parse_run_json(folder / kRunJson, run_json_);
     scene_ = read_meshes(folder / kMeshes);
+    std::error_code error;
+    if (fs::exists(folder / kEditsJson, error)) info_.edits_json = read_text(folder / kEditsJson);
     segments_ = list_segments(folder);
 }
 

@@ -3,6 +3,7 @@
 //   run.json          where the run comes from: version, commit, compiler, machine, threads, settings, command line
 //   scene.json        the scene as it was read, for people
 //   meshes.h5         what the frames need: every shape once, and the bodies' names, shapes and types
+//   edits.json        what was changed between steps (flotilla/edit_file.hpp), where anything was
 //   steps.csv         one row per step
 //   frames-A-B.h5     frames A..B
 //   checkpoint-S.h5   everything needed to go on after step S (io/checkpoint)
@@ -12,8 +13,8 @@
 // [..][3] of the centre of mass (m/s), angular_velocity [..][3] (rad/s); step [frames], time [frames] (s), and
 // checksum [frames] over all of a frame's values, so that one flipped bit costs one frame and is never taken for data.
 // Runs of the solver also have what the step that ended at the frame did with each body, [frames][bodies]: contacts, uint16, contact
-// points of the body; cluster, uint8, 0 free, 1 kinematic, 2 rigid, 3 held by the failsafe, 4 asleep; cost, uint16, how often the step set the
-// body's end state (the counts end at 65535); and activity_checksum [frames] over these. A segment has all four or none.
+// points of the body; cluster, uint8, 0 free, 1 kinematic, 2 rigid, 3 held by the failsafe, 4 asleep, 255 not there (io/run_bodies.hpp); cost,
+// uint16, how often the step set the body's end state (the counts end at 65535); and activity_checksum [frames] over these. A segment has all four or none.
 // The path of a body between two frames one step apart is its centre of mass on a straight line and the orientation R(t w) q.
 // w is the shortest arc between the two stored rotations, except for the rows of path_index [rows][2] (frame in the segment,
 // body): their w is in path_rotation [rows][3] (rad). Only bodies that turn by nearly half a turn in one step have a row. Where a step is
@@ -34,6 +35,7 @@
 #include "io/file.hpp"
 #include "io/frame_way.hpp"
 #include "io/hdf5.hpp"
+#include "io/run_bodies.hpp"
 #include "mesh/triangle_mesh.hpp"
 #include "scene/scene.hpp"
 
@@ -59,7 +61,12 @@ struct RunInfo {
     double time_step = 0; ///< s
     int substeps = 1;
     int frame_every = 1; ///< steps per frame
-    RunRecord record;    ///< ignored by writing
+    /// What may pass through what at the start: groups, with who is in them, and bodies.
+    std::vector<NamedPair> ignored_groups, ignored_bodies;
+    std::vector<NamedPair> groups; ///< a: of bodies, b: their group
+    std::size_t scene_bodies = 0;  ///< of an edited run: its other bodies came by edits
+    std::string edits_json;        ///< of the World, as a file of edits (flotilla/edit_file.hpp); empty: there are none
+    RunRecord record;              ///< ignored by writing
 };
 
 struct RunShape {
@@ -90,6 +97,7 @@ struct Activity {
     std::vector<std::uint16_t> cost;
 
     void append(const BodyActivity& body);
+    void append_absent();
     void clear();
     [[nodiscard]] bool empty() const { return contacts.empty(); }
     [[nodiscard]] ActivityView view() const { return {contacts, cluster, cost}; }
@@ -118,6 +126,8 @@ struct Frame {
     std::vector<Vec3> angular_velocity;
     std::vector<PathRotation> path; ///< of the step, or of its last inner one; sorted by body
     Activity activity{};            ///< empty where the run does not have it
+
+    [[nodiscard]] bool absent(std::size_t body) const { return !activity.empty() && activity.cluster[body] == kAbsent; }
 };
 
 /// Of one body in one frame: 13 doubles, and contacts, cluster and cost; 7 more doubles for each inner step that is kept.

@@ -159,6 +159,16 @@ void warn_of_far_bodies(const Scene& scene, std::vector<std::string>& warnings) 
     }
 }
 
+/// What nothing is promised of is said.
+void warn_of_ignored_pairs(const Scene& scene, std::vector<std::string>& warnings) {
+    if (scene.filtered.filter.empty()) return;
+    std::size_t pairs = 0;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+        for (std::size_t k = i + 1; k < scene.bodies.size(); ++k) pairs += scene.filtered.ignores(i, k) ? 1 : 0;
+    warnings.push_back(std::to_string(pairs) + (pairs == 1 ? " pair" : " pairs") +
+                       " of bodies may pass through each other (ignore): nothing is promised of such pairs");
+}
+
 } // namespace
 
 Vec3 world_center(const Scene& scene, const BodyDescription& body) {
@@ -226,6 +236,7 @@ Scene build_scene(SceneDescription description, const std::string& source) {
     check_lengths(scene, errors);
     errors.throw_if_any();
     warn_of_far_bodies(scene, scene.warnings);
+    warn_of_ignored_pairs(scene, scene.warnings);
     return scene;
 }
 
