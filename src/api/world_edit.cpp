@@ -166,8 +166,7 @@ BodyId World::Impl::operator()(const edits::AddBody& edit) {
     BodyDescription body = edit.body;
     const std::size_t i = at(stepper->free_place());
     const bool is_new = i == now.bodies.size();
-    if (body.name.empty())
-        body.name = "body " + std::to_string(i) + (is_new ? "" : "." + std::to_string(now.generation[i]));
+    if (body.name.empty()) body.name = default_body_name(i, is_new ? 0 : now.generation[i]);
     if (place_of.contains(body.name))
         throw InputError("adding body " + in_quotes(body.name) + ": there is one of that name");
     check_description(body, "adding");

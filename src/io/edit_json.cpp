@@ -13,6 +13,7 @@
 #include "io/file.hpp"
 #include "io/json_reader.hpp"
 #include "io/scene_parts.hpp"
+#include "scene/description_checks.hpp"
 
 namespace flotilla {
 namespace {
@@ -63,7 +64,7 @@ class Places {
     /// That a World gives a body without one.
     [[nodiscard]] std::string next_name() const {
         const std::size_t i = free_place();
-        return "body " + std::to_string(i) + (i == bodies_.size() ? "" : "." + std::to_string(bodies_[i].generation));
+        return default_body_name(i, i == bodies_.size() ? 0 : bodies_[i].generation);
     }
 
   private:

@@ -6,6 +6,8 @@
 
 #include <flotilla/error.hpp>
 
+#include "scene/description_checks.hpp"
+
 namespace flotilla::io {
 namespace {
 
@@ -40,9 +42,7 @@ RunBodies::RunBodies(const SceneDescription& scene, std::span<const Edit> edits)
             if (i == present.size()) present.push_back(false), generation.push_back(0);
             present[i] = true;
             bodies_.push_back(e->body);
-            if (bodies_.back().name.empty())
-                bodies_.back().name =
-                    "body " + std::to_string(i) + (generation[i] == 0 ? "" : "." + std::to_string(generation[i]));
+            if (bodies_.back().name.empty()) bodies_.back().name = default_body_name(i, generation[i]);
         }
     }
     place_of_.resize(bodies_.size(), -1);

@@ -264,6 +264,13 @@ void check_body(BodyDescription& body, const SceneDescription& scene, const std:
     }
 }
 
+std::string default_body_name(std::size_t place, std::uint32_t generation) {
+    std::string name = "body ";
+    name += std::to_string(place);
+    if (generation > 0) name.append(".").append(std::to_string(generation));
+    return name;
+}
+
 std::string element_path(const char* list, std::size_t index) {
     return std::string("/") + list + "/" + std::to_string(index);
 }

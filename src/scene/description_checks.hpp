@@ -34,6 +34,9 @@ void check_body(BodyDescription& body, const SceneDescription& scene, const std:
 /// Adds to `errors` what no name may be: empty, long, with control characters.
 void check_name(const std::string& name, const std::string& path, ErrorList& errors);
 
+/// Of a body that came without one, by its place and how many were there before.
+[[nodiscard]] std::string default_body_name(std::size_t place, std::uint32_t generation);
+
 /// "/shapes/3", "/bodies/7".
 [[nodiscard]] std::string element_path(const char* list, std::size_t index);
 

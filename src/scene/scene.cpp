@@ -164,7 +164,7 @@ void warn_of_ignored_pairs(const Scene& scene, std::vector<std::string>& warning
     if (scene.filtered.filter.empty()) return;
     std::size_t pairs = 0;
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-        for (std::size_t k = i + 1; k < scene.bodies.size(); ++k) pairs += scene.filtered.ignores(i, k) ? 1 : 0;
+        for (std::size_t k = i + 1; k < scene.bodies.size(); ++k) pairs += scene.filtered.ignores(i, k) ? 1U : 0U;
     warnings.push_back(std::to_string(pairs) + (pairs == 1 ? " pair" : " pairs") +
                        " of bodies may pass through each other (ignore): nothing is promised of such pairs");
 }
