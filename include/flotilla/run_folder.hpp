@@ -9,6 +9,8 @@
 #include <vector>
 
 #include <flotilla/export.hpp>
+#include <flotilla/report.hpp>
+#include <flotilla/types.hpp>
 
 namespace flotilla {
 
@@ -31,6 +33,23 @@ struct RunSummary {
 };
 /// IoError where `folder` is not a run folder.
 [[nodiscard]] RunSummary summarize_run(const std::filesystem::path& folder);
+
+/// Poses of a run over time. Every array of bodies is [frames][bodies], in scene order.
+struct RunFrames {
+    std::vector<std::string> bodies;    ///< names
+    std::vector<std::int64_t> frame;    ///< numbers in the run
+    std::vector<std::int64_t> step;     ///< that ended at the frame
+    std::vector<double> time;           ///< s
+    std::vector<Vec3> position;         ///< of the meshes' own origins, m
+    std::vector<Quat> rotation;         ///< mesh axes to world
+    std::vector<Vec3> velocity;         ///< of the centres of mass, m/s
+    std::vector<Vec3> angular_velocity; ///< rad/s, world axes
+    std::vector<BodyActivity> activity; ///< of the steps that ended there; empty where a frame of the range has none
+};
+
+/// Reads frames of a run, also of one that goes on; 13 doubles and an activity for every body and frame. InputError where the run has no
+/// frame of the range, IoError where one cannot be read.
+[[nodiscard]] RunFrames read_frames(const std::filesystem::path& folder, const FrameRange& range = {});
 
 /// Writes a CSV to a stream. InputError where the run has no frame of the range.
 void export_csv(const std::filesystem::path& folder, std::ostream& out, const FrameRange& range = {});

@@ -60,6 +60,35 @@ RunSummary summarize_run(const std::filesystem::path& folder) {
     return summary;
 }
 
+namespace {
+
+void append(RunFrames& out, const io::Frame& frame) {
+    const auto add = [](auto& all, const auto& some) { all.insert(all.end(), some.begin(), some.end()); };
+    out.frame.push_back(frame.index);
+    out.step.push_back(frame.step);
+    out.time.push_back(frame.time);
+    add(out.position, frame.position);
+    add(out.rotation, frame.rotation);
+    add(out.velocity, frame.velocity);
+    add(out.angular_velocity, frame.angular_velocity);
+    const io::Activity& a = frame.activity;
+    for (std::size_t i = 0; i < a.contacts.size(); ++i)
+        out.activity.push_back({a.contacts[i], static_cast<ClusterState>(a.cluster[i]), a.cost[i]});
+}
+
+} // namespace
+
+RunFrames read_frames(const std::filesystem::path& folder, const FrameRange& range) {
+    const DefaultFloatingPoint environment;
+    io::RunReader reader(folder);
+    const FrameRange wanted = io::frames_of(reader, range);
+    RunFrames out;
+    for (const auto& body : reader.scene().bodies) out.bodies.push_back(body.name);
+    for (std::int64_t k = wanted.first; k <= wanted.last; k += wanted.every) append(out, reader.frame(k));
+    if (out.activity.size() != out.position.size()) out.activity.clear();
+    return out;
+}
+
 void export_csv(const std::filesystem::path& folder, std::ostream& out, const FrameRange& range) {
     const DefaultFloatingPoint environment;
     io::RunReader reader(folder);
