@@ -4,6 +4,9 @@
 # includes all public headers together.
 
 file(GLOB_RECURSE headers RELATIVE "${PROJECT_SOURCE_DIR}/src" CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/*.hpp")
+if(NOT FLOTILLA_PYTHON)
+  list(FILTER headers EXCLUDE REGEX "^python/")
+endif()
 set(header_units)
 foreach(header IN LISTS headers)
   string(MAKE_C_IDENTIFIER "${header}" name)
@@ -33,6 +36,9 @@ target_compile_definitions(flotilla_header_check PRIVATE $<TARGET_PROPERTY:floti
 target_include_directories(flotilla_header_check PRIVATE
   $<TARGET_PROPERTY:flotilla,INCLUDE_DIRECTORIES> "${PROJECT_SOURCE_DIR}/include")
 target_compile_features(flotilla_header_check PRIVATE cxx_std_20)
+if(FLOTILLA_PYTHON)
+  target_link_libraries(flotilla_header_check PRIVATE pybind11::headers Python::Module)
+endif()
 set_target_properties(flotilla_header_check PROPERTIES CXX_CLANG_TIDY "")
 
 add_custom_target(flotilla_public_header_check ALL)

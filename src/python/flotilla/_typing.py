@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: MIT
+"""Types of what callers may give."""
+import os
+from typing import TYPE_CHECKING, Any, Mapping, Protocol, Tuple, Union
+
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from ._core import Scene
+
+Path = Union[str, "os.PathLike[str]"]
+SettingValue = Union[str, bool, int, float]
+
+
+class Mesh(Protocol):
+    """Vertices, m, shape (n, 3), and the three vertices of each face, shape (m, 3)."""
+
+    vertices: Any
+    faces: Any
+
+
+MeshLike = Union[Mesh, Tuple[ArrayLike, ArrayLike]]
+SceneLike = Union["Scene", Path, Mapping[str, Any]]  # a Scene, a file, JSON text, or a dict as such text has

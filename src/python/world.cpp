@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+#include "python/world.hpp"
+
+#include <cstdio>
+
+#include "python/bind.hpp"
+#include "python/world_options.hpp"
+
+namespace flotilla::python {
+namespace {
+
+constexpr std::array<std::string_view, 3> kBodyTypes{"dynamic", "static", "kinematic"};
+
+World make_world(const SceneDescription& scene, const std::string& source, const WorldOptions& options,
+                 const std::optional<std::string>& snapshot) {
+    const py::gil_scoped_release unlocked;
+    if (!snapshot) return World(scene, source, options);
+    return World(scene, std::as_bytes(std::span(*snapshot)), source, options);
+}
+
+/// (bodies, ...) of what `get` gives for each body.
+template <class Get>
+py::array of_bodies(const PythonWorld& w, Get&& get) {
+    const World& world = w.world();
+    using Value = decltype(get(world, std::size_t{}));
+    std::vector<Value> values(world.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = get(world, i);
+    return rows(std::move(values));
+}
+template <auto Member>
+py::array field(const PythonWorld& w) {
+    return of_bodies(w, [](const World& world, std::size_t i) { return world.body(i).*Member; });
+}
+
+py::dtype structured(const py::list& names, const py::list& formats, const py::list& offsets, std::size_t size) {
+    return py::dtype(names, formats, offsets, static_cast<py::ssize_t>(size));
+}
+
+py::dtype contact_type() {
+    using C = ContactState;
+    py::list names, formats, offsets;
+    const auto add = [&](const char* name, const char* format, std::size_t offset) {
+        names.append(name), formats.append(format), offsets.append(offset);
+    };
+    add("body_a", "i4", offsetof(C, body_a));
+    add("body_b", "i4", offsetof(C, body_b));
+    add("point", "3f8", offsetof(C, point));
+    add("normal", "3f8", offsetof(C, normal));
+    add("distance", "f8", offsetof(C, distance));
+    add("impulse", "3f8", offsetof(C, impulse));
+    add("asleep", "?", offsetof(C, asleep));
+    return structured(names, formats, offsets, sizeof(C));
+}
+
+py::array contacts_of(const PythonWorld& w) {
+    std::vector<ContactState> contacts = w.world().contacts();
+    const auto n = static_cast<py::ssize_t>(contacts.size());
+    return owning_array(std::move(contacts), contact_type(), {n});
+}
+
+py::array activity_of(const PythonWorld& w) {
+    using A = BodyActivity;
+    std::vector<A> activity = w.world().activity();
+    py::list names, formats, offsets;
+    for (const char* name : {"contacts", "cluster", "cost"}) names.append(name);
+    for (const char* format : {"i8", "u1", "i8"}) formats.append(format);
+    for (const std::size_t offset : {offsetof(A, contacts), offsetof(A, cluster), offsetof(A, cost)})
+        offsets.append(offset);
+    const auto n = static_cast<py::ssize_t>(activity.size());
+    return owning_array(std::move(activity), structured(names, formats, offsets, sizeof(A)), {n});
+}
+
+py::bytes snapshot_of(const PythonWorld& w) {
+    const std::vector<std::byte> data = w.world().snapshot();
+    return {reinterpret_cast<const char*>(data.data()), data.size()};
+}
+
+std::unique_ptr<PythonWorld> new_world(const py::object& scene, const py::object& preset, const py::object& settings,
+                                       const std::optional<py::bytes>& snapshot, int threads,
+                                       const std::string& executor) {
+    std::optional<std::string> data;
+    if (snapshot) data = std::string(*snapshot);
+    return std::make_unique<PythonWorld>(scene_argument(scene, preset, settings), world_options(threads, executor),
+                                         data);
+}
+
+py::tuple pickle(const PythonWorld& w) {
+    return py::make_tuple(self_contained_json(w.start()), snapshot_of(w), w.options().threads,
+                          kExecutors[static_cast<std::size_t>(w.options().executor)]);
+}
+std::unique_ptr<PythonWorld> unpickle(const py::tuple& state) {
+    return new_world(state[0], py::none(), py::none(), state[1].cast<py::bytes>(), state[2].cast<int>(),
+                     state[3].cast<std::string>());
+}
+
+std::string text_of(const PythonWorld& w) {
+    char text[96];
+    std::snprintf(text, sizeof text, "World(%zu bodies, step %lld, %.6g s)", w.world().size(),
+                  static_cast<long long>(w.world().steps()), w.world().time());
+    return text;
+}
+
+using WorldClass = py::class_<PythonWorld>;
+
+void bind_motion(WorldClass& type) {
+    type.def("__len__", [](const PythonWorld& w) { return w.world().size(); });
+    type.def_property_readonly("positions", &field<&BodyState::position>,
+                               "of the meshes' own origins, m, shape (bodies, 3); a copy, valid for good");
+    type.def_property_readonly("rotations", &field<&BodyState::rotation>,
+                               "mesh axes to world, unit quaternions w x y z, shape (bodies, 4); a copy");
+    type.def_property_readonly("centers_of_mass", &field<&BodyState::center_of_mass>, "m, shape (bodies, 3); a copy");
+    type.def_property_readonly("velocities", &field<&BodyState::velocity>,
+                               "of the centres of mass, m/s, shape (bodies, 3); a copy");
+    type.def_property_readonly("angular_velocities", &field<&BodyState::angular_velocity>,
+                               "rad/s, world axes, shape (bodies, 3); a copy");
+    type.def_property_readonly(
+        "turns",
+        [](const PythonWorld& w) { return of_bodies(w, [](const World& v, std::size_t i) { return v.turn(i); }); },
+        "rotation vectors of the last inner step, with whole turns, rad, world axes, shape (bodies, 3)");
+    type.def(
+        "body", [](const PythonWorld& w, std::size_t index) { return w.world().body(index); }, py::arg("index"),
+        "BodyState of one body.");
+    type.def(
+        "way", [](const PythonWorld& w, std::size_t index) { return w.world().way(index); }, py::arg("index"),
+        "Where the inner steps of the last step ended: a list of WayPoint, the last of them the present pose.");
+}
+
+void bind_knowledge(WorldClass& type) {
+    type.def_property_readonly(
+        "names",
+        [](const PythonWorld& w) {
+            std::vector<std::string> names;
+            for (const BodyDescription& b : w.start().bodies) names.push_back(b.name);
+            return names;
+        },
+        "of the bodies, in their order");
+    type.def_property_readonly(
+        "types",
+        [](const PythonWorld& w) {
+            std::vector<std::string_view> types;
+            for (const BodyDescription& b : w.start().bodies)
+                types.push_back(kBodyTypes[static_cast<std::size_t>(b.type)]);
+            return types;
+        },
+        "dynamic, static or kinematic, by body");
+    type.def_property_readonly(
+        "steps", [](const PythonWorld& w) { return w.world().steps(); }, "made so far");
+    type.def_property_readonly(
+        "time", [](const PythonWorld& w) { return w.world().time(); }, "s");
+    type.def_property_readonly(
+        "settings", [](const PythonWorld& w) { return Settings(w.world().settings()); }, "a copy");
+    type.def_property_readonly(
+        "contacts", &contacts_of,
+        "structured array of the contact points at the present poses, sorted by bodies: body_a < body_b, point (m), "
+        "normal (from a to b), distance (m), impulse on b (N s; divided by the time step, the force; a got its "
+        "opposite), asleep");
+    type.def_property_readonly(
+        "activity", &activity_of,
+        "structured array of what the last step did with each body: contacts, cluster (ClusterState), cost");
+    type.def_property_readonly(
+        "moved_bodies", [](const PythonWorld& w) { return w.world().moved_bodies(); },
+        "what initial_overlap \"separate\" moved before the start");
+    type.def_property_readonly(
+        "state_hash", [](const PythonWorld& w) { return w.world().state_hash(); },
+        "of all that can change a later bit; the same at any number of threads");
+    type.def_property_readonly(
+        "scene_hash", [](const PythonWorld& w) { return w.world().scene_hash(); },
+        "of all that the bits of every step depend on");
+    type.def_property_readonly(
+        "threads", [](const PythonWorld& w) { return w.world().threads(); }, "a ThreadReport each");
+    type.def(
+        "scene", [](const PythonWorld& w) { return std::make_shared<SceneDescription>(w.start()); },
+        "A copy of the scene that this World started from.");
+    type.def(
+        "scene_now", [](const PythonWorld& w) { return std::make_shared<SceneDescription>(w.scene_now()); },
+        "The scene with the bodies where they are and as fast as they are; kinematic ones stand still in it.");
+}
+
+} // namespace
+
+PythonWorld::PythonWorld(const NamedScene& scene, const WorldOptions& options,
+                         const std::optional<std::string>& snapshot)
+    : scene_(*scene.scene),
+      source_(scene.source),
+      options_(options),
+      world_(make_world(scene_, source_, options_, snapshot)) {}
+
+const World& PythonWorld::world() const {
+    if (stepping_) throw Error("the World is in a step of another thread");
+    return world_;
+}
+
+StepReport PythonWorld::step(std::int64_t n) {
+    if (n < 1) throw InputError("step: the number of steps must be at least 1, not " + std::to_string(n));
+    static_cast<void>(world());
+    struct Stepping {
+        explicit Stepping(bool& s) : flag(s) { flag = true; }
+        ~Stepping() { flag = false; }
+        Stepping(const Stepping&) = delete;
+        Stepping& operator=(const Stepping&) = delete;
+        bool& flag;
+    } const stepping(stepping_);
+    StepReport report;
+    for (std::int64_t k = 0; k < n; ++k) {
+        {
+            const py::gil_scoped_release unlocked;
+            report = world_.step();
+        }
+        if (k + 1 < n && PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+    return report;
+}
+
+void PythonWorld::restore(const std::string& snapshot) {
+    static_cast<void>(world());
+    world_ = make_world(scene_, source_, options_, snapshot);
+}
+
+SceneDescription PythonWorld::scene_now() const {
+    SceneDescription now = scene_;
+    const World& w = world();
+    for (std::size_t i = 0; i < now.bodies.size(); ++i) {
+        BodyDescription& body = now.bodies[i];
+        const BodyState state = w.body(i);
+        body.position = state.position;
+        body.rotation = state.rotation;
+        body.keyframes.clear();
+        if (body.type == BodyType::kinematic) body.type = BodyType::fixed;
+        if (body.type != BodyType::dynamic) continue;
+        body.velocity = state.velocity;
+        body.angular_velocity = state.angular_velocity;
+    }
+    return now;
+}
+
+void bind_world(py::module_& m) {
+    WorldClass type(m, "World",
+                    "A scene in motion. No two of its bodies intersect at the end of a step: a step that could not be "
+                    "proved throws "
+                    "BrokenPromise. While a step runs on one thread of Python, calls from others throw Error.");
+    type.def(
+        py::init(&new_world), py::arg("scene"), py::kw_only(), py::arg("preset") = py::none(),
+        py::arg("settings") = py::none(), py::arg("snapshot") = py::none(), py::arg("threads") = 0,
+        py::arg("executor") = "parallel",
+        "scene: a Scene, the path of a file, JSON text or a dict; preset and settings as read_scene takes them. "
+        "snapshot: goes on from "
+        "one of a World of the same scene and settings, with the same bits. threads: 0 as many as the process may use; "
+        "executor: "
+        "parallel or serial. None of the last two changes a bit. Bodies that intersect are refused with OverlapError.");
+    type.def("step", &PythonWorld::step, py::arg("n") = 1,
+             "Makes n steps of settings.time_step and returns the StepReport of the last. Other threads of Python run "
+             "meanwhile.");
+    type.def("snapshot", &snapshot_of, "Everything that can change a later bit, as bytes.");
+    type.def(
+        "restore", [](PythonWorld& w, const py::bytes& data) { w.restore(std::string(data)); }, py::arg("snapshot"),
+        "Goes on from a snapshot of a World of the same scene and settings. On an error nothing changes.");
+    bind_motion(type);
+    bind_knowledge(type);
+    type.def("__repr__", &text_of);
+    type.def("__copy__", [](const PythonWorld& w) { return unpickle(pickle(w)); });
+    type.def(
+        "__deepcopy__", [](const PythonWorld& w, const py::dict&) { return unpickle(pickle(w)); }, py::arg("memo"));
+    type.def(py::pickle(&pickle, &unpickle));
+}
+
+} // namespace flotilla::python

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// A World of Python's: with its scene, and safe beside a step on another thread.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include <flotilla/world.hpp>
+
+#include "python/scene.hpp"
+
+namespace flotilla::python {
+
+/// A step runs without Python's lock, so another thread may call meanwhile: it gets an Error, never half a step. All members are used with
+/// the lock held.
+class PythonWorld {
+  public:
+    PythonWorld(const NamedScene& scene, const WorldOptions& options, const std::optional<std::string>& snapshot);
+
+    /// n steps, the lock given away while they run; interrupted between two of them by a signal.
+    StepReport step(std::int64_t n);
+    /// Goes on from the snapshot. On an error everything is as it was.
+    void restore(const std::string& snapshot);
+
+    /// Error while a step runs.
+    [[nodiscard]] const World& world() const;
+    [[nodiscard]] const SceneDescription& start() const { return scene_; }
+    [[nodiscard]] const WorldOptions& options() const { return options_; }
+    /// The scene with the bodies where they are; kinematic ones stand still.
+    [[nodiscard]] SceneDescription scene_now() const;
+
+  private:
+    SceneDescription scene_; ///< as it started: the caller's may change
+    std::string source_;
+    WorldOptions options_;
+    World world_;
+    bool stepping_ = false;
+};
+
+} // namespace flotilla::python
