@@ -21,6 +21,8 @@ struct PairHit {
     double toi = 1;       ///< [0, 1]
     FeaturePair features; ///< of the hit
     Vec3 normal;          ///< unit, from a to b at the time of impact
+    /// The bodies start too near each other for what they turn: as long as both turn so far there is a hit, wherever they go.
+    bool by_turn = false;
 };
 
 struct QueryCounters {

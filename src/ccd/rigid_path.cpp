@@ -96,11 +96,14 @@ PairHit on_path(const BodyMotion& a, const BodyMotion& b, PairHit hit) {
 
 /// The hit of a pair that starts too near for its turn: the first that approaches, else one that is near at the start.
 PairHit hit_at_start(SegmentedPath& path, HitOptions options, double start_distance) {
-    if (const PairHit hit = path.earliest(options); hit.hit) return hit;
-    options.start = CcdStart::strict;
-    options.separation = std::max(options.separation, 1.1 * start_distance);
-    if (const auto hit = path.in_segment(0, options)) return *hit;
-    return {true, 0, {}, {}};
+    PairHit hit = path.earliest(options);
+    if (!hit.hit) {
+        options.start = CcdStart::strict;
+        options.separation = std::max(options.separation, 1.1 * start_distance);
+        hit = path.in_segment(0, options).value_or(PairHit{true, 0, {}, {}});
+    }
+    hit.by_turn = true;
+    return hit;
 }
 
 } // namespace
@@ -131,7 +134,10 @@ PairHit earliest_hit_on_path(const BodyMotion& a, const BodyMotion& b, const Hit
         chord.start = CcdStart::strict;
     }
     if (cut.segments == 1) return earliest_hit(a, b, chord, list, scratch);
-    return on_path(a, b, path.earliest(chord));
+    // Strict starts hit at once only where they are nearer than the gap adds to the separation.
+    PairHit hit = on_path(a, b, path.earliest(chord));
+    hit.by_turn = chord.start == CcdStart::strict && hit.toi == 0;
+    return hit;
 }
 
 } // namespace flotilla

@@ -15,21 +15,32 @@ constexpr double kPushSeparations = 4;
 // Beyond this angle an impulse acts on the centre of mass alone, which moves the point by just as much as is asked for.
 constexpr double kLargestTurn = 1; // radians
 
+bool turns_far(const Vec3& angular_velocity, double dt) {
+    return length_sq(angular_velocity) * dt * dt > kLargestTurn * kLargestTurn;
+}
+
 /// The impulse for the target; sets the arms of bodies that it, or their own spin, would turn too far to zero.
 std::optional<Vec3> displacing_impulse(const Impulsive& a, const Impulsive& b, double dt, double target,
                                        ContactPoint& point) {
     auto impulse = contact_impulse(a, b, point, target);
     if (!impulse) return impulse;
-    const auto turns_far = [&](const Impulsive& body, const Vec3& arm) {
+    const auto turned_far = [&](const Impulsive& body, const Vec3& arm) {
         if (!(body.inverse_mass > 0)) return false;
-        const Vec3 change = body.inverse_inertia * cross(arm, *impulse);
-        return std::max(length_sq(body.angular_velocity), length_sq(change)) * dt * dt > kLargestTurn * kLargestTurn;
+        return turns_far(body.angular_velocity, dt) || turns_far(body.inverse_inertia * cross(arm, *impulse), dt);
     };
-    const bool far_a = turns_far(a, point.arm_a), far_b = turns_far(b, point.arm_b);
+    const bool far_a = turned_far(a, point.arm_a), far_b = turned_far(b, point.arm_b);
     if (!far_a && !far_b) return impulse;
     if (far_a) point.arm_a = {};
     if (far_b) point.arm_b = {};
     return contact_impulse(a, b, point, target);
+}
+
+/// Whether displacing impulses leave the turns of both bodies as they are, however many they are: then a hit by turn stays.
+bool turns_stay(const Impulsive& a, const Impulsive& b, double dt) {
+    const auto stays = [&](const Impulsive& body) {
+        return !(body.inverse_mass > 0) || turns_far(body.angular_velocity, dt);
+    };
+    return stays(a) && stays(b);
 }
 
 double inelastic_target(const StepData& data, const SweptContact& contact, const PairLengths& lengths, int iteration,
@@ -54,12 +65,14 @@ Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t 
         if (!out.found) out.first_a = hit.a, out.first_b = hit.b, out.toi = hit.hit.toi;
         out.found = true;
         if (i == iterations) return out;
-        SweptContact contact = swept_contact(data, hit);
-        const PairLengths lengths = pair_lengths(data.model, data.state, hit.a, hit.b);
         const std::int32_t ca = data.clusters.of(static_cast<std::size_t>(hit.a));
         const std::int32_t cb = data.clusters.of(static_cast<std::size_t>(hit.b));
-        const auto impulse = displacing_impulse(data.clusters.impulsive(ca), data.clusters.impulsive(cb), data.dt,
-                                                inelastic_target(data, contact, lengths, i, iterations), contact.point);
+        const Impulsive body_a = data.clusters.impulsive(ca), body_b = data.clusters.impulsive(cb);
+        if (hit.hit.by_turn && turns_stay(body_a, body_b, data.dt)) return out;
+        SweptContact contact = swept_contact(data, hit);
+        const PairLengths lengths = pair_lengths(data.model, data.state, hit.a, hit.b);
+        const double target = inelastic_target(data, contact, lengths, i, iterations);
+        const auto impulse = displacing_impulse(body_a, body_b, data.dt, target, contact.point);
         if (!impulse) return out;
         push(data, worker, ca, cb, contact.point, *impulse);
     }

@@ -133,6 +133,24 @@ TEST(DynamicContact, WithoutSweepsItSaysSoAndLeavesAllAsItWas) {
     EXPECT_EQ(world.ends(), ends);
 }
 
+// On paths that turn, what starts nearer than the arcs leave their chords hits whatever its centre does, and beyond one
+// radian a step impulses act on the centre alone: none is spent.
+TEST(DynamicContact, SpendsNoImpulsesOnWhatTurnsTooFar) {
+    SceneDescription s = row({{1, 1}, {0, 0}}, 1e-4);
+    s.settings.trajectory = Trajectory::rigid;
+    s.settings.dynamic_iterations = 4;
+    for (const double spin : {1e3, 1e5}) {
+        s.bodies[0].angular_velocity = {0, 0, spin};
+        StageWorld world(s);
+        const std::vector<Pose> ends = world.ends();
+        const DynamicContactStats stats = run(world);
+        EXPECT_EQ(stats.counters.impulses, 0);
+        EXPECT_TRUE(stats.counters.limit);
+        EXPECT_EQ(world.ends(), ends);
+        EXPECT_FALSE(proved_apart(world)) << "the failsafe's to solve";
+    }
+}
+
 /// A row that is pushed together from both ends, hitting in every gap.
 SceneDescription crush() {
     std::vector<std::pair<double, double>> bodies;
