@@ -29,9 +29,11 @@ struct InitialRepair {
 
 struct SceneCheck {
     std::int64_t dynamic_bodies = 0, static_bodies = 0, kinematic_bodies = 0;
-    std::int64_t shapes = 0;    ///< identical ones counted once
-    std::int64_t triangles = 0; ///< of all bodies
-    double mass = 0;            ///< kg, of the dynamic bodies
+    std::int64_t locked_bodies = 0,
+                 driven_bodies = 0; ///< of the dynamic ones: with locked axes; with a force or a torque
+    std::int64_t shapes = 0;        ///< identical ones counted once
+    std::int64_t triangles = 0;     ///< of all bodies
+    double mass = 0;                ///< kg, of the dynamic bodies
     std::vector<std::string> warnings;
     /// The scene cannot start with these. With `initial_overlap: separate` they are listed only where no moves free all bodies.
     std::vector<InitialIntersection> intersections;

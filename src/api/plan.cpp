@@ -12,6 +12,7 @@
 #include "base/vec3.hpp"
 #include "io/run_folder.hpp"
 #include "state/build_model.hpp"
+#include "state/loads.hpp"
 #include "static_contact/contact_packets.hpp"
 #include "step/stepper.hpp"
 
@@ -108,6 +109,8 @@ class Planner {
     std::vector<PlanLine> run() {
         bodies();
         masses();
+        locks();
+        loads();
         lengths();
         speeds();
         contact_law();
@@ -142,6 +145,39 @@ class Planner {
             if (b.dynamic()) mass.add(b.mass);
         if (!mass.empty()) add("masses", mass.text("kg") + ", ratio " + number(mass.high / mass.low));
     }
+    /// Names of the bodies that `says` says something of, with that.
+    template <class Says>
+    [[nodiscard]] std::string named(Says&& says) const {
+        constexpr std::size_t kMostNamed = 8;
+        std::string text;
+        std::size_t found = 0;
+        for (const BodyDescription& body : scene_.bodies) {
+            const std::string said = says(body);
+            if (!said.empty() && ++found <= kMostNamed)
+                text += (text.empty() ? "" : ", ") + in_quotes(body.name) + " " + said;
+        }
+        return found <= kMostNamed ? text : text + " and " + std::to_string(found - kMostNamed) + " more";
+    }
+    void locks() {
+        const std::string text = named([](const BodyDescription& body) {
+            std::string axes;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (body.locked_translation[k]) axes += (axes.empty() ? "" : " ") + std::string(1, "xyz"[k]);
+            for (std::size_t k = 0; k < 3; ++k)
+                if (body.locked_rotation[k]) axes += (axes.empty() ? "r" : " r") + std::string(1, "xyz"[k]);
+            return axes.empty() ? axes : "(" + axes + ")";
+        });
+        if (!text.empty()) add("locked", text + ": no inverse mass along and about these axes, exactly");
+    }
+    void loads() {
+        const std::string text = named([](const BodyDescription& body) {
+            std::string loads;
+            if (body.force != Vec3{}) loads = number(length(body.force)) + " N";
+            if (body.torque != Vec3{}) loads += (loads.empty() ? "" : " and ") + number(length(body.torque)) + " N m";
+            return loads;
+        });
+        if (!text.empty()) add("loads", text + ", all the time");
+    }
     void lengths() {
         Range rest, proximity, separation;
         for (std::size_t i = 0; i < model_.size(); ++i) {
@@ -161,7 +197,7 @@ class Planner {
         for (std::size_t i = 0; i < model_.size(); ++i) {
             if (!model_.bodies[i].dynamic()) continue;
             size.add(model_.bodies[i].size);
-            first_way.add(dt * length(state_.motion[i].velocity + 0.5 * dt * model_.gravity));
+            first_way.add(dt * length(state_.motion[i].velocity + 0.5 * dt * acceleration(model_, i)));
         }
         if (size.empty()) return;
         const std::string parts = substeps == 1 ? "" : " of " + std::to_string(substeps) + " inner ones";

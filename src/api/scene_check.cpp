@@ -43,6 +43,7 @@ std::vector<InitialIntersection> describe(const Scene& scene, const std::vector<
 }
 
 void count_bodies(const Scene& scene, SceneCheck& check) {
+    constexpr std::array<bool, 3> kNone{};
     check.shapes = static_cast<std::int64_t>(scene.shapes.size());
     for (const BodyDescription& body : scene.bodies) {
         const Shape& shape = scene.shapes[static_cast<std::size_t>(body.shape)];
@@ -51,6 +52,8 @@ void count_bodies(const Scene& scene, SceneCheck& check) {
         case BodyType::dynamic:
             ++check.dynamic_bodies;
             check.mass += shape.mass->mass;
+            if (body.locked_translation != kNone || body.locked_rotation != kNone) ++check.locked_bodies;
+            if (body.force != Vec3{} || body.torque != Vec3{}) ++check.driven_bodies;
             break;
         case BodyType::fixed: ++check.static_bodies; break;
         case BodyType::kinematic: ++check.kinematic_bodies; break;

@@ -274,7 +274,7 @@ BodyState World::body(std::size_t index) const {
     const Pose& pose = state.pose[index];
     const Motion& motion = state.motion[index];
     const Vec3 omega = impl_->stepper->model().bodies[index].movable()
-                           ? angular_velocity(impl_->stepper->model().shape_of(index), pose.rotation, motion.momentum)
+                           ? angular_velocity(impl_->stepper->model(), index, pose.rotation, motion.momentum)
                            : motion.momentum;
     return {pose.origin, pose.rotation, pose.com, motion.velocity, omega};
 }

@@ -240,6 +240,8 @@ BodyId World::Impl::operator()(const edits::SetPose& edit) {
     check_description(body, "placing");
     refuse_overlaps(body, i, stepper->model().filter.empty() ? FilteredBodies{} : filtered());
     stepper->place_body(edit.body.index, pose_at_origin(stepper->model().shape_of(i), body.position, body.rotation));
+    now.bodies[i].position = body.position;
+    now.bodies[i].rotation = body.rotation;
     return edit.body;
 }
 
@@ -267,6 +269,8 @@ BodyId World::Impl::operator()(const edits::SetType& edit) {
     body.position = pose.origin, body.rotation = pose.rotation;
     body.velocity = body.angular_velocity = {};
     body.keyframes.clear();
+    body.locked_translation = body.locked_rotation = {};
+    body.force = body.torque = {};
     check_description(body, "setting the type of");
     // Bodies of infinite mass may intersect each other.
     if (edit.type == BodyType::dynamic)
@@ -285,6 +289,8 @@ BodyId World::Impl::operator()(const edits::SetScript& edit) {
                              " s is not later than the time, " + to_text(time) + " s");
     const Pose& pose = stepper->state().pose[i];
     body.type = BodyType::kinematic;
+    body.locked_translation = body.locked_rotation = {};
+    body.force = body.torque = {};
     body.velocity = body.angular_velocity = {};
     body.position = pose.origin, body.rotation = pose.rotation;
     body.keyframes = {{0, pose.origin, pose.rotation}};
@@ -359,10 +365,9 @@ BodyId World::Impl::operator()(const edits::ApplyImpulse& edit) {
     require_finite("impulse", edit.impulse, kMaxForce, "N s");
     require_finite("angular impulse", edit.angular_impulse, kMaxForce, "N m s");
     Motion motion = stepper->state().motion[i];
-    motion.velocity += body.inverse_mass * edit.impulse;
-    motion.momentum += edit.angular_impulse;
-    const Vec3 omega =
-        angular_velocity(stepper->model().shape_of(i), stepper->state().pose[i].rotation, motion.momentum);
+    motion.velocity += body.inverse_mass * free_part(body.locked.translation, edit.impulse);
+    motion.momentum += free_part(body.locked.rotation, edit.angular_impulse);
+    const Vec3 omega = angular_velocity(stepper->model(), i, stepper->state().pose[i].rotation, motion.momentum);
     require_finite("the velocity after the impulse", motion.velocity, kMaxCoordinate, "m/s");
     require_finite("the angular velocity after the impulse", omega, kMaxAngularVelocity, "rad/s");
     stepper->set_motion(edit.body.index, motion);

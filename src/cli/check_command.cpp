@@ -35,7 +35,10 @@ void print_summary(const SceneCheck& check) {
     std::cout << "ok: " << bodies << (bodies == 1 ? " body (" : " bodies (") << check.dynamic_bodies << " dynamic, "
               << check.static_bodies << " static, " << check.kinematic_bodies << " kinematic), "
               << count(check.shapes, "shape") << ", " << count(check.triangles, "triangle") << ", mass " << check.mass
-              << " kg\n";
+              << " kg";
+    if (check.locked_bodies > 0) std::cout << ", " << check.locked_bodies << " with locked axes";
+    if (check.driven_bodies > 0) std::cout << ", " << check.driven_bodies << " with a force or a torque";
+    std::cout << '\n';
 }
 
 void print_pairs(const char* kind, const std::vector<InitialIntersection>& pairs) {

@@ -73,7 +73,7 @@ class Accumulation {
             KeptHit& to = same != end ? *same : hits.emplace_back(hit);
             to.point = f.point;
             to.restitution = pair_restitution(data_.model, hit.a, hit.b);
-            to.least = least_approach(data_, f.record->lengths.rest);
+            to.least = least_approach(data_, hit.a, hit.b, f.record->lengths.rest);
             to.fresh = true;
         }
         std::stable_sort(hits.begin(), hits.end(), by_bodies);
@@ -98,7 +98,7 @@ class Accumulation {
                          {},
                          c.friction};
             hit.restitution = pair_restitution(data_.model, c.a, c.b);
-            hit.least = least_approach(data_, known_.rest[k]);
+            hit.least = least_approach(data_, c.a, c.b, known_.rest[k]);
             hit.gap = std::max(0.0, c.distance - known_.rest[k]);
             hit.room = hit.gap / data_.dt;
             lists_.hits.push_back(hit);

@@ -5,6 +5,7 @@
 
 #include "pair/simultaneous_hits.hpp"
 #include "response/arc.hpp"
+#include "state/loads.hpp"
 
 namespace flotilla {
 namespace {
@@ -28,19 +29,26 @@ bool may_approach(const Impulsive& a, const Impulsive& b, double radius_a, doubl
            speed * (1 - 0x1p-20); // far more than the rounding of either side
 }
 
+/// m/s, of the pair's bodies (StepData::approach).
+double approach_of(const StepData& data, std::int32_t a, std::int32_t b) {
+    const bool driven = data.model.bodies[at(a)].driven() || data.model.bodies[at(b)].driven();
+    if (!driven || data.model.settings.approach_threshold >= 0) return data.approach;
+    return std::max(data.approach, 0.5 * most_acceleration(data.model, a, b) * data.dt);
+}
+
 } // namespace
 
-double least_approach(const StepData& data, double rest) {
+double least_approach(const StepData& data, std::int32_t a, std::int32_t b, double rest) {
     constexpr double kOfRest = 1.0 / 1024;
     if (data.model.settings.approach_threshold >= 0) return data.approach;
-    return std::max(data.approach, kOfRest * rest / data.dt);
+    return std::max(approach_of(data, a, b), kOfRest * rest / data.dt);
 }
 
 std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, PairRecord& record) {
     if (far_at_end(data, record)) return std::nullopt;
     const BodyMotion a = data.trajectories.at_end(at(record.a)), b = data.trajectories.at_end(at(record.b));
     const Impulsive body_a = data.clusters.impulsive(record.a), body_b = data.clusters.impulsive(record.b);
-    if (!may_approach(body_a, body_b, a.shape->radius, b.shape->radius, data.approach)) {
+    if (!may_approach(body_a, body_b, a.shape->radius, b.shape->radius, approach_of(data, record.a, record.b))) {
         record.processed = record.processed || near_at_end(data, worker, record);
         return std::nullopt;
     }
@@ -49,7 +57,7 @@ std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, 
     record.processed = find_proximities(a, b, record.lengths.proximity, data.angle_cos, list, worker.proximity).near ||
                        record.processed;
     worker.points.clear();
-    const double least = least_approach(data, record.lengths.rest);
+    const double least = least_approach(data, record.a, record.b, record.lengths.rest);
     const auto contact = [&](const ProximityPoint& p) {
         const Vec3 arm_a = p.a - a.at1.pose->com, arm_b = p.b - b.at1.pose->com;
         const Vec3 relative = point_velocity(body_b, arm_b) - point_velocity(body_a, arm_a);

@@ -11,8 +11,8 @@ namespace flotilla {
 
 /// m/s: what approaches slower is left to static contact. Without gravity that is what brings the bodies no nearer in a step than static
 /// contact leaves undone (Settings::static_tolerance), or bodies that slide in a joint would hit each other at the speed of rounding.
-/// `rest`: m, distance of the pair.
-[[nodiscard]] double least_approach(const StepData& data, double rest);
+/// Of bodies with loads of their own it is half of what those add in a step, if that is more than gravity. `rest`: m, distance of the pair.
+[[nodiscard]] double least_approach(const StepData& data, std::int32_t a, std::int32_t b, double rest);
 
 /// The nearest contact point at the end of the step that approaches too fast to be left to static contact, with rigid
 /// velocities and arms at the end (section 3.2). Closer than the rest distance that is faster than the threshold. Farther away,

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "state/loads.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -10,6 +12,12 @@ constexpr std::int32_t kQuietSteps = 12;
 constexpr double kQuietShare = 1.0 / 50; // of |gravity| time_step
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// m/s: |gravity| is what moves a body that is not at rest, or what else does if that is less.
+double quiet_speed(const Model& model, const SleepRule& rule, std::size_t i) {
+    if (!model.bodies[i].driven() && !model.bodies[i].locked.any()) return rule.speed;
+    return std::min(rule.speed, kQuietShare * least_acceleration(model, i) * model.settings.time_step);
+}
 
 } // namespace
 
@@ -23,10 +31,10 @@ void count_quiet_steps(const Model& model, const SleepRule& rule, std::span<cons
     for (const std::int32_t body : model.active) {
         const std::size_t i = at(body);
         if (!model.bodies[i].movable()) continue;
-        const Vec3 omega = angular_velocity(model.shape_of(i), state.pose[i].rotation, state.motion[i].momentum);
+        const Vec3 omega = angular_velocity(model, i, state.pose[i].rotation, state.motion[i].momentum);
         const double speed = length(state.motion[i].velocity) + length(omega) * model.shape_of(i).radius;
         std::int32_t& steps = state.sleep[i].quiet_steps;
-        steps = speed < rule.speed && disturbed[i] == 0 ? std::min(steps + 1, rule.steps) : 0;
+        steps = speed < quiet_speed(model, rule, i) && disturbed[i] == 0 ? std::min(steps + 1, rule.steps) : 0;
     }
 }
 

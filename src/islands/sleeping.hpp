@@ -11,7 +11,8 @@
 namespace flotilla {
 
 struct SleepRule {
-    double speed = 0;       ///< m/s: a body is quiet while |v| + |omega| radius stays below
+    double speed =
+        0; ///< m/s: a body is quiet while |v| + |omega| radius stays below (less where less pulls on it than gravity)
     std::int32_t steps = 0; ///< a body may fall asleep after so many quiet steps
 };
 /// Twelve steps below a fiftieth of what gravity adds in one: whatever is not at rest gathers more in that time.

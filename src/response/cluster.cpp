@@ -50,7 +50,7 @@ void Clusters::start(std::size_t i, const Trajectories& trajectories, const Moti
     base_turn_[i] = {};
     work_[i] = 0;
     motion_[i] = motion;
-    if (movable) inertia_[i] = {turned(shape.inertia, pose.rotation), turned(shape.inverse_inertia, pose.rotation)};
+    if (movable) inertia_[i] = world_inertia(shape, model_->bodies[i].locked.rotation, pose.rotation);
     Cluster& c = clusters_[i];
     c.members.assign(1, static_cast<std::int32_t>(i));
     c.resolved_against.clear();
@@ -59,6 +59,7 @@ void Clusters::start(std::size_t i, const Trajectories& trajectories, const Moti
     c.inverse_mass = movable ? model_->bodies[i].inverse_mass : 0.0;
     c.com0 = c.base_com = pose.com;
     c.inertia = inertia_[i];
+    c.locked = model_->bodies[i].locked;
     c.velocity = motion.velocity;
     c.momentum = motion.momentum;
 }
@@ -71,7 +72,8 @@ void Clusters::set_script(std::int32_t id, const Motion& motion) {
 
 Impulsive Clusters::impulsive(std::int32_t id) const {
     const Cluster& c = (*this)[id];
-    if (!c.infinite()) return {c.inverse_mass, c.inertia.inverse, c.velocity, c.inertia.inverse * c.momentum};
+    if (!c.infinite())
+        return {c.inverse_mass, c.inertia.inverse, c.velocity, c.inertia.inverse * c.momentum, c.locked.translation};
     // Scripted bodies keep their angular velocity in place of a momentum; held ones stand still.
     if (c.rung == Rung::held) return {};
     return {0, {}, c.velocity, c.momentum};
@@ -81,13 +83,13 @@ void Clusters::apply(std::int32_t id, const Vec3& arm, const Vec3& impulse) {
     Cluster& c = (*this)[id];
     if (c.infinite()) return;
     const Vec3 twist = cross(arm, impulse);
-    const Vec3 dv = c.inverse_mass * impulse, dw = c.inertia.inverse * twist;
+    const Vec3 dv = free_part(c.locked.translation, c.inverse_mass * impulse), dw = c.inertia.inverse * twist;
     c.velocity += dv;
     c.momentum += twist;
     for (std::int32_t i : c.members) { // equation 14
         Motion& m = motion_[at(i)];
         m.velocity += dv + cross(dw, base_[at(i)].com - c.base_com);
-        m.momentum += inertia_[at(i)].tensor * dw;
+        m.momentum += free_part(model_->bodies[at(i)].locked.rotation, inertia_[at(i)].tensor * dw);
     }
 }
 
@@ -95,18 +97,19 @@ void Clusters::evolve(std::int32_t id, double dt, Trajectories& trajectories) {
     Cluster& c = (*this)[id];
     if (c.infinite()) return;
     const Vec3 com = c.com0 + dt * c.velocity; // equation 3
-    const RotationStep r = rotate_for(c.inertia, c.momentum, dt);
+    const RotationStep r = rotate_free(c.inertia, c.locked.rotation, c.momentum, dt);
     const bool turns = r.rotation != Quat{};
     for (std::int32_t i : c.members) {
         const Pose& base = base_[at(i)];
         const Vec3 arm = base.com - c.base_com;
-        const Quat q = turns ? normalized(r.rotation * base.rotation) : base.rotation;
-        const Vec3 moved = com + (turns ? rotate(r.rotation, arm) : arm);
+        Quat q = turns ? normalized(r.rotation * base.rotation) : base.rotation;
+        Vec3 moved = com + (turns ? rotate(r.rotation, arm) : arm);
         Vec3 turn = base_turn_[at(i)];
         if (turns)
             turn = turn == Vec3{}
                        ? r.vector
                        : rotation_vector_near(q * conjugate(trajectories.start_pose(at(i)).rotation), turn + r.vector);
+        if (model_->bodies[at(i)].locked.any()) keep_locked(at(i), trajectories.start_pose(at(i)), moved, q, turn);
         trajectories.set_end(at(i), make_pose(model_->shape_of(at(i)), moved, q), turn);
     }
     const bool affine = c.rigid && model_->settings.trajectory == Trajectory::linear;
@@ -114,10 +117,25 @@ void Clusters::evolve(std::int32_t id, double dt, Trajectories& trajectories) {
     if (c.members.size() > 1 && !keeps_apart) c.internal_proved = false;
 }
 
+/// Takes the rounding out of what does not move.
+void Clusters::keep_locked(std::size_t body, const Pose& start, Vec3& com, Quat& rotation, Vec3& turn) const {
+    const AxisLocks locked = model_->bodies[body].locked;
+    com = free_part(locked.translation, com) + free_part(locked.translation ^ kAllAxes, start.com);
+    if (num_free(locked.rotation) > 1 || rotation == start.rotation) return;
+    rotation = allowed_rotation(locked.rotation, model_->bodies[body].first_rotation, rotation);
+    turn = free_part(locked.rotation, turn);
+}
+
+/// What is locked of a member is locked of all, for they move together; and where a member's centre of mass is locked along some axis the
+/// cluster does not turn, which would move it.
 void Clusters::gather(Cluster& c, const Trajectories& trajectories) const {
     double mass = 0;
     Vec3 sum;
+    c.locked = {};
     for (std::int32_t i : c.members) {
+        const AxisLocks& locked = model_->bodies[at(i)].locked;
+        c.locked.translation |= locked.translation;
+        c.locked.rotation |= locked.translation != 0 ? kAllAxes : locked.rotation;
         mass += model_->bodies[at(i)].mass;
         sum += model_->bodies[at(i)].mass * trajectories.start_pose(at(i)).com;
     }
@@ -128,7 +146,7 @@ void Clusters::gather(Cluster& c, const Trajectories& trajectories) const {
         const Mat3 r = cross_matrix(trajectories.start_pose(at(i)).com - c.com0);
         tensor = tensor + (inertia_[at(i)].tensor + model_->bodies[at(i)].mass * (r * transpose(r)));
     }
-    c.inertia = {tensor, inverse(tensor)};
+    c.inertia = {tensor, c.locked.rotation == 0 ? inverse(tensor) : free_inverse(c.locked.rotation, tensor)};
 }
 
 void Clusters::set_rigid(Cluster& c, const Trajectories& trajectories) {
@@ -144,12 +162,12 @@ void Clusters::set_rigid(Cluster& c, const Trajectories& trajectories) {
         base_[at(i)] = pose;
         base_turn_[at(i)] = {};
     }
-    c.velocity = c.inverse_mass * linear;
+    c.velocity = free_part(c.locked.translation, c.inverse_mass * linear);
     c.momentum = angular;
     const Vec3 omega = c.inertia.inverse * angular;
     for (std::int32_t i : c.members) { // equation 10
         motion_[at(i)].velocity = c.velocity + cross(omega, base_[at(i)].com - c.com0);
-        motion_[at(i)].momentum = inertia_[at(i)].tensor * omega;
+        motion_[at(i)].momentum = free_part(model_->bodies[at(i)].locked.rotation, inertia_[at(i)].tensor * omega);
     }
 }
 

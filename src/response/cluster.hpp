@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "response/impulse.hpp"
-#include "state/rotation_step.hpp"
+#include "state/locked_rotation.hpp"
 #include "state/trajectories.hpp"
 
 namespace flotilla {
@@ -28,6 +28,7 @@ struct Cluster {
     Vec3 com0, base_com;         ///< m, equations 6 and 11
     WorldInertia inertia;        ///< equation 7, about com0 at x^n
     Vec3 velocity, momentum;     ///< m/s; kg m^2/s about com0
+    AxisLocks locked;            ///< its members' together, see gather()
     std::vector<std::int32_t> resolved_against; ///< infinite-mass bodies since the last merge (G4)
 
     [[nodiscard]] bool infinite() const { return inverse_mass == 0; }
@@ -74,6 +75,7 @@ class Clusters {
     void hold(std::int32_t id, Trajectories& trajectories);
 
   private:
+    void keep_locked(std::size_t body, const Pose& start, Vec3& com, Quat& rotation, Vec3& turn) const;
     void gather(Cluster& c, const Trajectories& trajectories) const;
     void set_rigid(Cluster& c, const Trajectories& trajectories);
     void set_kinematic(Cluster& c, double dt, const Trajectories& trajectories);
@@ -82,7 +84,7 @@ class Clusters {
     std::vector<Cluster> clusters_;
     std::vector<std::int32_t> cluster_of_;
     std::vector<Motion> motion_;
-    std::vector<WorldInertia> inertia_; ///< of the bodies at x^n
+    std::vector<WorldInertia> inertia_; ///< of the bodies at x^n; with locked axes the inverse is that of what is free
     std::vector<Pose> base_;
     std::vector<Vec3> base_turn_;
     std::vector<double> work_; ///< by cluster

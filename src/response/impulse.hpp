@@ -7,16 +7,18 @@
 
 #include <optional>
 
-#include "base/vec3.hpp"
+#include "base/axis_locks.hpp"
 
 namespace flotilla {
 
-/// What an impulse sees of a body or cluster. Infinite mass: inverse_mass = 0 and inverse_inertia = 0.
+/// What an impulse sees of a body or cluster. Infinite mass: inverse_mass = 0 and inverse_inertia = 0. What is locked is so along its axes
+/// alone: `inverse_mass` is that along the free ones, and `inverse_inertia` has nothing about locked axes.
 struct Impulsive {
     double inverse_mass = 0; ///< 1/kg
     Mat3 inverse_inertia;    ///< world axes, about the centre of mass, 1/(kg m^2)
     Vec3 velocity;           ///< of the centre of mass, m/s
     Vec3 angular_velocity;   ///< rad/s
+    AxisMask locked = 0;     ///< axes of translation
 };
 
 struct ContactPoint {
@@ -31,8 +33,16 @@ struct ContactPoint {
     return body.velocity + cross(body.angular_velocity, arm);
 }
 
+/// Change of the velocity of the centre of mass by an impulse.
+[[nodiscard]] constexpr Vec3 velocity_change(const Impulsive& body, const Vec3& impulse) {
+    return free_part(body.locked, body.inverse_mass * impulse);
+}
+
 /// The matrix K = K_a + K_b with change of relative velocity = K impulse.
 [[nodiscard]] Mat3 collision_matrix(const Impulsive& a, const Impulsive& b, const Vec3& arm_a, const Vec3& arm_b);
+
+/// n . K n for the normal n of a point, K being its matrix; 0 where neither body can move along n.
+[[nodiscard]] double normal_mobility(const Impulsive& a, const Impulsive& b, const ContactPoint& point, const Mat3& k);
 
 /// The impulse (N s, on b) after which the normal relative velocity is `target` (m/s): sticking if that lies in the friction
 /// cone, else sliding against the tangential velocity. Nothing where the point is not pushed apart by it (target not above the

@@ -62,8 +62,8 @@ class Island {
     }
 
     static void push(const ContactPoint& point, const Vec3& impulse, Impulsive& a, Impulsive& b) {
-        a.velocity -= a.inverse_mass * impulse;
-        b.velocity += b.inverse_mass * impulse;
+        a.velocity -= velocity_change(a, impulse);
+        b.velocity += velocity_change(b, impulse);
         if (a.inverse_mass > 0) a.angular_velocity -= a.inverse_inertia * cross(point.arm_a, impulse);
         if (b.inverse_mass > 0) b.angular_velocity += b.inverse_inertia * cross(point.arm_b, impulse);
     }
@@ -152,7 +152,7 @@ class Island {
             hit.met = hit.live = true;
             hit.point.relative_velocity = u - rigid(hit);
             const Mat3 m = collision_matrix(body(hit.a), body(hit.b), hit.point.arm_a, hit.point.arm_b);
-            hit.mass_normal = dot(hit.point.normal, m * hit.point.normal);
+            hit.mass_normal = normal_mobility(body(hit.a), body(hit.b), hit.point, m);
             hit.mass_tangent = largest_across(m, hit.point.normal);
             hit.seen = -1;
         }
@@ -216,7 +216,7 @@ class Island {
         } else {
             normal = old;
         }
-        if (!(hit.point.friction > 0)) return any;
+        if (!(hit.point.friction > 0) || !(hit.mass_tangent > 0)) return any;
         const Vec3 slip = relative(hit), tangential = slip - dot(n, slip) * n;
         Vec3 wanted = hit.next - normal * n - tangential / hit.mass_tangent;
         const double size = length(wanted), bound = hit.point.friction * normal;

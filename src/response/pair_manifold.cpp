@@ -21,7 +21,7 @@ void PairManifold::start(const Impulsive& a, const Impulsive& b) {
 
 void PairManifold::set_masses(Hit& hit) const {
     const Mat3 k = collision_matrix(a_, b_, hit.point.arm_a, hit.point.arm_b);
-    hit.mass_normal = dot(hit.point.normal, k * hit.point.normal);
+    hit.mass_normal = normal_mobility(a_, b_, hit.point, k);
     hit.mass_tangent = k.m[0] + k.m[4] + k.m[8]; // its trace: no less than its largest eigenvalue
 }
 
@@ -52,9 +52,9 @@ void PairManifold::add(const ContactPoint& point, double restitution, const Vec3
 }
 
 void PairManifold::push(const Hit& hit, const Vec3& impulse, Velocities& v) const {
-    v.linear_a -= a_.inverse_mass * impulse;
+    v.linear_a -= velocity_change(a_, impulse);
     v.angular_a -= a_.inverse_inertia * cross(hit.point.arm_a, impulse);
-    v.linear_b += b_.inverse_mass * impulse;
+    v.linear_b += velocity_change(b_, impulse);
     v.angular_b += b_.inverse_inertia * cross(hit.point.arm_b, impulse);
 }
 

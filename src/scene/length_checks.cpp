@@ -89,7 +89,9 @@ class LengthChecks {
     /// m, of a body's centre of mass in the first step, should nothing be in its way.
     [[nodiscard]] double first_way(std::size_t body) const {
         const double dt = scene_.settings.time_step;
-        return dt * (length(scene_.bodies[body].velocity) + dt * length(scene_.gravity));
+        const BodyDescription& b = scene_.bodies[body];
+        const double force = shape(body).mass ? length(b.force) / shape(body).mass->mass : 0.0;
+        return dt * (length(b.velocity) + dt * (length(scene_.gravity) + force));
     }
 
     void check_places() {

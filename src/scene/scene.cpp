@@ -208,21 +208,27 @@ std::optional<MassProperties> shape_mass_properties(const ShapeDescription& shap
     return mass_properties_of(shape, {shape.vertices, shape.triangles});
 }
 
-/// What descriptions may say and the solver does not do.
-void refuse_locks_and_loads(const SceneDescription& description, ErrorList& errors) {
-    constexpr std::array<bool, 3> kNone{};
-    for (std::size_t i = 0; i < description.bodies.size(); ++i) {
-        const BodyDescription& body = description.bodies[i];
-        if (body.locked_translation != kNone || body.locked_rotation != kNone || body.force != Vec3{} ||
-            body.torque != Vec3{})
-            errors.add(element_path("bodies", i), "locked axes, forces and torques are not simulated yet");
+/// Beyond the limits of gravity and of angular velocities, what a step adds has no meaning.
+void check_loads(const Scene& scene, ErrorList& errors) {
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        const BodyDescription& body = scene.bodies[i];
+        const auto& mass = scene.shapes[static_cast<std::size_t>(body.shape)].mass;
+        if (body.type != BodyType::dynamic || !mass) continue;
+        const double linear = length(body.force) / mass->mass;
+        const double angular = length(body.torque) / mass->principal_inertia.x * scene.settings.time_step;
+        if (!(linear <= kMaxGravity))
+            errors.add(element_path("bodies", i) + "/force",
+                       "accelerates the body by " + to_text(linear) + " m/s^2, more than " + to_text(kMaxGravity));
+        if (!(angular <= kMaxAngularVelocity))
+            errors.add(element_path("bodies", i) + "/torque", "may turn the body by " + to_text(angular) +
+                                                                  " rad/s more in a step, more than " +
+                                                                  to_text(kMaxAngularVelocity));
     }
 }
 
 Scene build_scene(SceneDescription description, const std::string& source) {
     ErrorList errors(source);
     check_description(description, errors);
-    refuse_locks_and_loads(description, errors);
     errors.throw_if_any();
 
     Scene scene;
@@ -233,6 +239,7 @@ Scene build_scene(SceneDescription description, const std::string& source) {
     scene.bodies = std::move(description.bodies);
     for (BodyDescription& body : scene.bodies) body.shape = scene.shape_of[static_cast<std::size_t>(body.shape)];
     scene.filtered = make_filter(scene.bodies, description.ignored_groups, description.ignored_bodies);
+    check_loads(scene, errors);
     check_lengths(scene, errors);
     errors.throw_if_any();
     warn_of_far_bodies(scene, scene.warnings);

@@ -200,6 +200,8 @@ class Separator {
     /// gets free there nowhere by its own size, it is let past the movable bodies that it intersected; only then, as deep inside a solid,
     /// through the surface.
     [[nodiscard]] Vec3 shortest_move(std::int32_t body) const {
+        const std::array<bool, 3>& locked = scene_.bodies[at(body)].locked_translation;
+        if (locked[0] || locked[1] || locked[2]) return {kInfinity, kInfinity, kInfinity}; // it stays where it was put
         const double own = size(body);
         Vec3 by = shortest_move(body, own, true);
         if (const int n = caught_with_[at(body)]; !std::isfinite(by.x) && n > 0)

@@ -35,6 +35,10 @@ RigidShape make_shape(const Shape& shape) {
     return out;
 }
 
+AxisMask mask(const std::array<bool, 3>& axes) {
+    return static_cast<AxisMask>((axes[0] ? 1 : 0) | (axes[1] ? 2 : 0) | (axes[2] ? 4 : 0));
+}
+
 Body make_body(const Model& model, const BodyDescription& description) {
     const RigidShape& shape = model.shapes[static_cast<std::size_t>(description.shape)];
     Body body;
@@ -49,6 +53,10 @@ Body make_body(const Model& model, const BodyDescription& description) {
     body.size = shape.size;
     body.extent = shape.extent;
     body.keyframes = description.keyframes;
+    body.locked = {mask(description.locked_translation), mask(description.locked_rotation)};
+    body.first_rotation = description.rotation;
+    body.force = description.force;
+    body.torque = description.torque;
     return body;
 }
 
@@ -77,7 +85,8 @@ Model make_model(const Scene& scene) {
 Motion make_motion(const Model& model, std::size_t body, const Quat& rotation, const Vec3& velocity,
                    const Vec3& angular_velocity) {
     if (!model.bodies[body].dynamic()) return {};
-    return {velocity, turned(model.shape_of(body).inertia, rotation) * angular_velocity};
+    return {velocity, free_part(model.bodies[body].locked.rotation,
+                                turned(model.shape_of(body).inertia, rotation) * angular_velocity)};
 }
 
 State initial_state(const Scene& scene, const Model& model) {

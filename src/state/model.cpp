@@ -5,7 +5,8 @@
 #include <limits>
 
 #include "base/hasher.hpp"
-#include "state/rotation_step.hpp"
+#include "state/loads.hpp"
+#include "state/locked_rotation.hpp"
 
 namespace flotilla {
 namespace {
@@ -46,7 +47,7 @@ Model inner_model(Model model) {
 
 double fall_in_step(const Model& model, std::size_t body) {
     const double dt = model.settings.time_step;
-    return std::min(0.5 * length(model.gravity) * dt * dt, model.bodies[body].size);
+    return std::min(0.5 * most_acceleration(model, body) * dt * dt, model.bodies[body].size);
 }
 
 PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b) {
@@ -69,6 +70,13 @@ PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a,
 
 Vec3 angular_velocity(const RigidShape& shape, const Quat& rotation, const Vec3& momentum) {
     return rotate(rotation, shape.inverse_inertia * rotate(conjugate(rotation), momentum));
+}
+
+Vec3 angular_velocity(const Model& model, std::size_t body, const Quat& rotation, const Vec3& momentum) {
+    const AxisMask locked = model.bodies[body].locked.rotation;
+    const RigidShape& shape = model.shape_of(body);
+    if (locked == 0) return angular_velocity(shape, rotation, momentum);
+    return world_inertia(shape, locked, rotation).inverse * momentum;
 }
 
 void Model::list_active() {

@@ -10,6 +10,7 @@
 #include <flotilla/scene.hpp>
 #include <flotilla/settings.hpp>
 
+#include "base/axis_locks.hpp"
 #include "base/rotation.hpp"
 #include "scene/scene.hpp"
 #include "state/rigid_shape.hpp"
@@ -25,7 +26,9 @@ struct Body {
     double size = 0;   ///< m, diameter of the bounding sphere
     double extent = 0; ///< m, which the lengths of its pairs go by (Shape::extent)
     std::vector<Keyframe> keyframes;
-    Vec3 force, torque;      ///< N and N m, of the body's own
+    AxisLocks locked;
+    Quat first_rotation;     ///< where it was last placed: what a hinge turns from
+    Vec3 force, torque;      ///< N and N m, of the body's own (state/loads.hpp)
     std::int32_t group = -1; ///< of PairFilter; -1: of none
     bool present = true;     ///< a body that was removed leaves a place that stands still and meets nobody
     bool asleep = false;     ///< stands still in the step under way, like a body of infinite mass
@@ -33,6 +36,8 @@ struct Body {
     [[nodiscard]] bool dynamic() const { return type == BodyType::dynamic; }
     [[nodiscard]] bool movable() const { return dynamic() && !asleep; }
     [[nodiscard]] bool scripted() const { return type == BodyType::kinematic; }
+    [[nodiscard]] bool force_acts() const { return force != Vec3{}; }
+    [[nodiscard]] bool driven() const { return force_acts() || torque != Vec3{}; }
 };
 
 struct Model {
@@ -116,12 +121,14 @@ struct PairLengths {
 [[nodiscard]] PairLengths body_lengths(const Model& model, std::size_t body);
 /// The model of an inner step (Settings::substeps), which is all that the stages know of.
 [[nodiscard]] Model inner_model(Model model);
-/// How far gravity alone moves a body from rest in one step, m; no more than its size.
+/// How far gravity alone, and what else pulls on it all the time, moves a body from rest in one step, m; no more than its size.
 [[nodiscard]] double fall_in_step(const Model& model, std::size_t body);
 [[nodiscard]] PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b);
 
 /// Angular velocity of a body with angular momentum `momentum` at the given orientation, rad/s.
 [[nodiscard]] Vec3 angular_velocity(const RigidShape& shape, const Quat& rotation, const Vec3& momentum);
+/// The same of a movable body of the model, whose axes may be locked.
+[[nodiscard]] Vec3 angular_velocity(const Model& model, std::size_t body, const Quat& rotation, const Vec3& momentum);
 
 /// 64-bit hash of all bits of the state.
 [[nodiscard]] std::uint64_t state_hash(const State& state);

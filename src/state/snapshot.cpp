@@ -43,6 +43,8 @@ void add(Hasher& h, const Body& body) {
     h.add(body.friction);
     h.add(body.restitution);
     for (const Keyframe& k : body.keyframes) h.add(k.time), h.add(k.position), h.add(k.rotation);
+    if (body.locked.any()) h.add(std::uint64_t{body.locked.translation} << 8 | body.locked.rotation);
+    if (body.driven()) h.add(body.force), h.add(body.torque);
 }
 
 /// What may pass through what.
@@ -76,8 +78,7 @@ bool sound(const Pose& pose) {
 bool sound_motion(const State& s, const Model& model, std::size_t i) {
     const Motion& motion = s.motion[i];
     if (!within_reach(motion.velocity) || !within_reach(motion.momentum)) return false;
-    return !model.bodies[i].movable() ||
-           within_reach(angular_velocity(model.shape_of(i), s.pose[i].rotation, motion.momentum));
+    return !model.bodies[i].movable() || within_reach(angular_velocity(model, i, s.pose[i].rotation, motion.momentum));
 }
 
 /// Pairs of bodies that there are, in order.

@@ -15,13 +15,22 @@ namespace {
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 std::int32_t count_of(std::size_t n) { return static_cast<std::int32_t>(n); }
 
+// Whether an impulse along the normal moves the body.
+bool can_move(std::size_t id, const Contact& c, const ContactBodies& bodies) {
+    if (bodies.locked_of(id) == 0) return bodies.inv_mass[id] > 0;
+    const Vec3 turn = cross(c.point - bodies.position[id], c.normal);
+    const double mobility = bodies.inv_mass[id] * length_sq(free_part(bodies.locked_of(id), c.normal)) +
+                            dot(turn, bodies.inv_inertia[id] * turn);
+    return mobility > kLeastMobility * bodies.inv_mass[id];
+}
+
 // The total order in which contacts are taken; input in that order already is the common case and is not sorted again.
 void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodies, ContactScratch& s) {
     s.order.clear();
     for (std::size_t k = 0; k < contacts.size(); ++k) {
         const Contact& c = contacts[k];
         FLOTILLA_ASSERT(0 <= c.a && c.a < c.b && index(c.b) < bodies.velocity.size());
-        if (bodies.inv_mass[index(c.a)] > 0 || bodies.inv_mass[index(c.b)] > 0) s.order.push_back(count_of(k));
+        if (can_move(index(c.a), c, bodies) || can_move(index(c.b), c, bodies)) s.order.push_back(count_of(k));
     }
     const auto less = [&](std::int32_t i, std::int32_t j) {
         const Contact &x = contacts[index(i)], &y = contacts[index(j)];
@@ -250,6 +259,8 @@ ContactBlock make_block(const BodyPair& pair, const ContactBodies& bodies, const
     block.inv_mass_b = bodies.inv_mass[b];
     if (block.inv_mass_a > 0) block.inv_inertia_a = symmetric(bodies.inv_inertia[a]);
     if (block.inv_mass_b > 0) block.inv_inertia_b = symmetric(bodies.inv_inertia[b]);
+    block.locked_a = bodies.locked_of(a);
+    block.locked_b = bodies.locked_of(b);
     return block;
 }
 
@@ -277,6 +288,7 @@ ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBo
 }
 
 void set_mass(Cone cone, const ContactBlock& block, PrincipalMasses& principal, ContactRow& row) {
+    if ((block.locked_a | block.locked_b) != 0) return set_locked_mass(cone, block, row);
     switch (cone) {
     case Cone::none: return set_normal_mass(block, row);
     case Cone::disc: return principal.add(block, row);

@@ -46,9 +46,10 @@ void add_body(const ConeContact& c, const ConeBody& body, const Vec3& arm, doubl
               ConeProgram& p) {
     if (body.inv_mass > 0) {
         const double root = sign * std::sqrt(body.inv_mass);
-        for (int axis = 0; axis < 3; ++axis)
-            p.entries.push_back({column++, root * Vec3{component(c.normal, axis), component(c.tangent_1, axis),
-                                                       component(c.tangent_2, axis)}});
+        for (int axis = 0; axis < 3; ++axis, ++column)
+            if (!is_locked(body.locked, axis))
+                p.entries.push_back({column, root * Vec3{component(c.normal, axis), component(c.tangent_1, axis),
+                                                         component(c.tangent_2, axis)}});
     }
     const InertiaFactor f = factor_inertia(body.inv_inertia);
     for (std::size_t k = 0; k < index(f.rank); ++k)
@@ -58,7 +59,8 @@ void add_body(const ConeContact& c, const ConeBody& body, const Vec3& arm, doubl
 Vec3 body_diagonal(const ConeContact& c, const ConeBody& body, const Vec3& arm) {
     const auto along = [&](const Vec3& direction) {
         const Vec3 turn = cross(arm, direction);
-        return body.inv_mass + dot(turn, body.inv_inertia * turn);
+        const double free = body.locked == 0 ? 1.0 : length_sq(free_part(body.locked, direction));
+        return body.inv_mass * free + dot(turn, body.inv_inertia * turn);
     };
     return {along(c.normal), along(c.tangent_1), along(c.tangent_2)};
 }
@@ -119,7 +121,8 @@ void cone_velocities(std::span<const ConeBody> bodies, std::span<const ConeConta
         push(contacts[i].b, contacts[i].arm_b, impulse);
     }
     for (std::size_t k = 0; k < bodies.size(); ++k)
-        motion[k] = {bodies[k].inv_mass * motion[k].linear, bodies[k].inv_inertia * motion[k].angular};
+        motion[k] = {free_part(bodies[k].locked, bodies[k].inv_mass * motion[k].linear),
+                     bodies[k].inv_inertia * motion[k].angular};
     const auto point = [&](std::int32_t body, const Vec3& arm) {
         return body < 0 ? Vec3{} : motion[index(body)].linear + cross(motion[index(body)].angular, arm);
     };

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "base/vec3.hpp"
+#include "base/axis_locks.hpp"
 
 namespace flotilla {
 
@@ -15,6 +15,7 @@ namespace flotilla {
 struct ConeBody {
     double inv_mass = 0; ///< 1/kg, >= 0
     Mat3 inv_inertia;    ///< 1/(kg m^2), world, symmetric and positive semidefinite
+    AxisMask locked = 0; ///< axes along which it does not move
 };
 
 struct ConeContact {

@@ -34,6 +34,9 @@ void set_bodies(std::span<const ContactBlock> blocks, ContactPacket& p) {
         const ContactBlock& block = blocks[lane];
         p.a[lane] = block.a;
         p.b[lane] = block.b;
+        p.locked_a[lane] = block.locked_a;
+        p.locked_b[lane] = block.locked_b;
+        p.any_locked = p.any_locked || (block.locked_a | block.locked_b) != 0;
         p.field[ContactPacket::kInvMassA][lane] = block.inv_mass_a;
         p.field[ContactPacket::kInvMassB][lane] = block.inv_mass_b;
         set_lane(p, lane, ContactPacket::kInvInertiaA, block.inv_inertia_a);

@@ -36,6 +36,8 @@ struct alignas(64) ContactPacket {
     std::int32_t num_pairs = 0;                    ///< lanes in use: the first ones
     std::int32_t color = 0;
     std::int32_t woken = 0;
+    AxisMask locked_a[kPacketLanes] = {}, locked_b[kPacketLanes] = {}; ///< axes along which bodies do not move
+    bool any_locked = false;
 
     [[nodiscard]] bool swept() const { return first < end || woken != 0; }
 };

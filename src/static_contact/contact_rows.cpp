@@ -55,6 +55,51 @@ void PrincipalMasses::flush() {
     waiting_ = 0;
 }
 
+namespace {
+
+/// 1/kg: what a unit impulse along d changes of the relative velocity along e.
+double coupling(const ContactBlock& block, const ContactRow& row, const Vec3& d, const Vec3& e) {
+    const auto one = [&](double inv_mass, const Sym3& inv_inertia, AxisMask locked, const Vec3& arm) {
+        return inv_mass * dot(free_part(locked, d), e) + dot(cross(arm, d), inv_inertia * cross(arm, e));
+    };
+    return one(block.inv_mass_a, block.inv_inertia_a, block.locked_a, row.arm_a) +
+           one(block.inv_mass_b, block.inv_inertia_b, block.locked_b, row.arm_b);
+}
+
+void set_tangential_masses(const ContactBlock& block, ContactRow& row) {
+    const Vec3 &t1 = row.tangent_1, &t2 = row.tangent_2;
+    row.local.mass_diagonal.y = coupling(block, row, t1, t1);
+    row.local.mass_diagonal.z = coupling(block, row, t2, t2);
+    row.local.coupling = {coupling(block, row, row.normal, t1), coupling(block, row, row.normal, t2),
+                          coupling(block, row, t1, t2)};
+}
+
+} // namespace
+
+void set_locked_mass(Cone cone, const ContactBlock& block, ContactRow& row) {
+    const double least = kLeastMobility * (block.inv_mass_a + block.inv_mass_b);
+    LocalContact& c = row.local;
+    c.impulse = c.coupling = {};
+    c.mass_diagonal = {coupling(block, row, row.normal, row.normal), 1, 1};
+    c.inv_mass_diagonal = {1 / c.mass_diagonal.x, 0, 0};
+    if (!(c.mass_diagonal.x > least)) {
+        c.mass_diagonal.x = 1;
+        c.inv_mass_diagonal.x = 0;
+        return;
+    }
+    if (cone == Cone::none) return;
+    set_tangential_masses(block, row);
+    if (cone == Cone::disc) {
+        turn_tangents(principal_turn(c), row);
+        set_tangential_masses(block, row);
+    }
+    const double larger = std::max(c.mass_diagonal.y, c.mass_diagonal.z);
+    for (double* w : {&c.mass_diagonal.y, &c.mass_diagonal.z})
+        if (!(*w > kLeastMobility * larger)) *w = larger;
+    c.inv_mass_diagonal.y = larger > least ? 1 / c.mass_diagonal.y : 0;
+    c.inv_mass_diagonal.z = larger > least ? 1 / c.mass_diagonal.z : 0;
+}
+
 TangentTurn principal_turn(const LocalContact& c) {
     const double w12 = c.coupling.z;
     if (w12 == 0) return {};

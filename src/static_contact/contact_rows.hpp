@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "base/vec3.hpp"
+#include "base/axis_locks.hpp"
 #include "geometry/ccd.hpp"
 
 namespace flotilla {
@@ -56,6 +56,7 @@ struct ContactBlock {
     std::int32_t color = 0;                ///< blocks of one colour share no movable body
     double inv_mass_a = 0, inv_mass_b = 0; ///< 1/kg
     Sym3 inv_inertia_a, inv_inertia_b;     ///< 1/(kg m^2), world
+    AxisMask locked_a = 0, locked_b = 0;   ///< axes along which a body does not move
     Vec3 offset;                           ///< m: centre of mass of a minus that of b
 };
 
@@ -95,6 +96,10 @@ void set_effective_mass(const ContactBlock& block, ContactRow& row);
 void set_normal_mass(const ContactBlock& block, ContactRow& row);
 /// Turns the tangents to the principal axes of W_tt before. Sets the impulse to zero.
 void set_principal_mass(const ContactBlock& block, ContactRow& row);
+/// Each of the three, whichever goes with the cone, where a body is locked along some axis. Along a normal that no impulse moves the row
+/// does nothing. Along one of two tangents the friction goes by the other one's mass: the slip that no impulse changes takes its part of
+/// the disc.
+void set_locked_mass(Cone cone, const ContactBlock& block, ContactRow& row);
 
 /// set_principal_mass() of many rows, several at a time: add() asks for one, flush() does what is left.
 class PrincipalMasses {

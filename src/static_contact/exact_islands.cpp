@@ -38,7 +38,7 @@ void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s
         const std::int32_t body = s.island_bodies[index(k)];
         const std::size_t id = index(s.bodies[index(body)]);
         s.exact_body[index(body)] = static_cast<std::int32_t>(e.bodies.size());
-        e.bodies.push_back({bodies.inv_mass[id], bodies.inv_inertia[id]});
+        e.bodies.push_back({bodies.inv_mass[id], bodies.inv_inertia[id], bodies.locked_of(id)});
     }
     const auto number = [&](std::int32_t body) { return s.movable[index(body)] ? s.exact_body[index(body)] : -1; };
     for (const ContactBlock& block : blocks_of(island, s))
@@ -68,7 +68,7 @@ void scatter(const Island& island, const ContactBodies& bodies, ContactScratch& 
                 if (!s.movable[index(body)]) return;
                 const std::size_t id = index(s.bodies[index(body)]);
                 BodyVelocity& v = s.velocity[index(body)];
-                v.linear += bodies.inv_mass[id] * l;
+                v.linear += free_part(bodies.locked_of(id), bodies.inv_mass[id] * l);
                 v.angular += bodies.inv_inertia[id] * cross(arm, l);
             };
             push(block.a, row.arm_a, -impulse);

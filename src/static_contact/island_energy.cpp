@@ -11,7 +11,10 @@ namespace {
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // w . I w for angular velocity w and inverse inertia J, by Cramer's rule; 0 for a body that cannot turn.
-double angular_energy_twice(const Mat3& j, const Vec3& w) {
+double angular_energy_twice(Mat3 j, const Vec3& w) {
+    if (j == Mat3{}) return 0;
+    for (const std::size_t k : {0U, 4U, 8U}) // nothing turns about a locked axis: any inertia does
+        if (j.m[k] == 0) j.m[k] = 1;
     const Vec3 r0 = row(j, 0), r1 = row(j, 1), r2 = row(j, 2);
     const double det = dot(r0, cross(r1, r2));
     if (!(det > 0)) return 0;

@@ -20,13 +20,15 @@ Cone cone_of(const ContactScratch& s) { return s.packed.frictionless ? Cone::non
 // The tangential bounds of PGS become constants; W is that of the masses the level sees.
 ContactRow shock_row(Cone cone, const ContactBlock& block, const ContactRow& row) {
     ContactRow r = row;
+    const bool locked = (block.locked_a | block.locked_b) != 0;
     if (cone == Cone::none) {
-        set_normal_mass(block, r);
+        locked ? set_locked_mass(cone, block, r) : set_normal_mass(block, r);
         return r;
     }
     r.local.friction = std::max(row.local.friction * row.local.impulse.x,
                                 std::max(std::abs(row.local.impulse.y), std::abs(row.local.impulse.z)));
-    set_effective_mass(block, r);
+    locked ? set_locked_mass(cone, block, r) : set_effective_mass(block, r);
+    r.local.impulse = row.local.impulse;
     return r;
 }
 

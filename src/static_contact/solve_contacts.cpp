@@ -80,6 +80,15 @@ int sweeps_of_exact(const Island& island, const ContactTuning& tuning, const Con
     return static_cast<int>(std::min(kMostFactorisations * factorisation / sweep, 1e9));
 }
 
+// That of the island's bodies.
+double rest_speed_of(const Island& island, const ContactBodies& bodies, double of_gravity, const ContactScratch& s) {
+    double speed = of_gravity;
+    for (std::int32_t k = island.first_body; k < island.end_body && !bodies.rest_speed.empty(); ++k)
+        speed = std::max(speed, bodies.rest_speed[static_cast<std::size_t>(
+                                    s.bodies[static_cast<std::size_t>(s.island_bodies[static_cast<std::size_t>(k)])])]);
+    return speed;
+}
+
 // How long an island is swept that may be solved exactly, and to what.
 void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, const ContactScratch& s) {
     const ContactTuning& tuning = options.tuning;
@@ -103,6 +112,7 @@ void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, 
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
     ContactSolveOptions options = of_all;
     options.tolerance = island.tolerance;
+    options.rest_speed = rest_speed_of(island, bodies, options.rest_speed, s);
     const ContactTuning& tuning = options.tuning;
     island.energy_before = kinetic_energy(island, bodies, s);
     const double speed = mean_speed(island, s);

@@ -25,6 +25,11 @@ struct ContactBodies {
     std::span<Vec3> angular_velocity;  ///< rad/s, world, in and out
     std::span<const double> inv_mass;  ///< 1/kg; 0: prescribed velocity, never written
     std::span<const Mat3> inv_inertia; ///< 1/(kg m^2), world, symmetric; read where inv_mass > 0
+    std::span<const AxisMask> locked;  ///< axes along which bodies do not move; may be empty: none
+    std::span<const double>
+        rest_speed; ///< m/s: ContactSolveOptions::rest_speed of bodies with loads of their own; may be empty
+
+    [[nodiscard]] AxisMask locked_of(std::size_t id) const { return locked.empty() ? AxisMask{0} : locked[id]; }
 };
 
 struct ContactSolveOptions {

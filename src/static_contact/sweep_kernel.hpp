@@ -197,6 +197,20 @@ inline void fetch_bodies(const SweepView& view, std::int64_t p) {
     }
 }
 
+template <class P>
+inline P keep_lanes(const AxisMask* locked, int axis, P was, P now) {
+    double lanes[P::kWidth];
+    for (int i = 0; i < P::kWidth; ++i) lanes[i] = (locked[i] >> axis & 1) != 0 ? 1 : 0;
+    return select(P::all(0) < P::load(lanes), was, now);
+}
+/// Puts back what impulses changed of velocities along locked axes; `was`: before.
+template <class P>
+inline void keep_locked(const AxisMask* locked, const PackVec<P>& was, PackVec<P>& now) {
+    now.x = keep_lanes(locked, 0, was.x, now.x);
+    now.y = keep_lanes(locked, 1, was.y, now.y);
+    now.z = keep_lanes(locked, 2, was.z, now.z);
+}
+
 /// The rows that go with a cone.
 template <Cone kCone>
 inline auto* rows_of(const SweepView& view) {
@@ -213,10 +227,11 @@ struct OpenPacket {
     static constexpr std::size_t kGroups = kPacketLanes / P::kWidth;
     const ContactPacket* packet;
     Row* rows;
+    const BodyVelocity* bodies; ///< as they were before the packet, until it is closed
     PackBody<P> a[kGroups], b[kGroups];
 
     OpenPacket(const SweepView& view, std::int64_t p)
-        : packet(view.packets + p), rows(rows_of<kCone>(view) + view.packets[p].first) {
+        : packet(view.packets + p), rows(rows_of<kCone>(view) + view.packets[p].first), bodies(view.bodies) {
         for (std::size_t g = 0; g < kGroups; ++g) {
             a[g] = load_bodies<P>(view.bodies, packet->a + g * P::kWidth);
             b[g] = load_bodies<P>(view.bodies, packet->b + g * P::kWidth);
@@ -231,8 +246,15 @@ struct OpenPacket {
     template <class AtRow>
     void do_rows(Row* first, std::int32_t from, std::int32_t to, AtRow&& at_row) {
         for (std::int32_t k = from; k < to; ++k)
-            for (std::size_t g = 0; g < num_groups(); ++g)
+            for (std::size_t g = 0; g < num_groups(); ++g) {
                 at_row(RowAt<P>{packet, first[k].field, static_cast<int>(g) * P::kWidth}, a[g], b[g]);
+                if (packet->any_locked) keep_locked_of(g);
+            }
+    }
+    [[gnu::noinline]] void keep_locked_of(std::size_t g) {
+        const std::size_t lane = g * P::kWidth;
+        keep_locked(packet->locked_a + lane, load_bodies<P>(bodies, packet->a + lane).linear, a[g].linear);
+        keep_locked(packet->locked_b + lane, load_bodies<P>(bodies, packet->b + lane).linear, b[g].linear);
     }
     /// Those from `done` on that are awake, then those that were parked.
     template <class AtRow>
@@ -244,11 +266,11 @@ struct OpenPacket {
     void do_parked(const SweepView& view, AtRow&& at_row) {
         do_rows(rows_of<kCone>(view) + packet->first_parked, 0, packet->end_parked - packet->first_parked, at_row);
     }
-    void close(BodyVelocity* bodies) const {
+    void close(BodyVelocity* to) const {
         for (std::size_t g = 0; g < num_groups(); ++g) {
             const std::size_t lane = g * P::kWidth;
-            store_bodies(a[g], packet->a + lane, packet->field[ContactPacket::kInvMassA] + lane, bodies);
-            store_bodies(b[g], packet->b + lane, packet->field[ContactPacket::kInvMassB] + lane, bodies);
+            store_bodies(a[g], packet->a + lane, packet->field[ContactPacket::kInvMassA] + lane, to);
+            store_bodies(b[g], packet->b + lane, packet->field[ContactPacket::kInvMassB] + lane, to);
         }
     }
 };
@@ -305,8 +327,9 @@ inline void for_each_row(const SweepView& view, AtRow at_row) {
         OpenPacket<One, kCone> open(view, p);
         std::int32_t done = 0;
         if constexpr (P::kWidth > kPacketLanes) {
-            if (p + 1 < view.num_packets && view.packets[p + 1].color == open.packet->color &&
-                view.packets[p + 1].swept()) {
+            const auto alone = [&](const ContactPacket& packet) { return packet.any_locked || !packet.swept(); };
+            if (p + 1 < view.num_packets && view.packets[p + 1].color == open.packet->color && !alone(*open.packet) &&
+                !alone(view.packets[p + 1])) {
                 OpenPacket<One, kCone> second(view, ++p);
                 fetch_bodies<kWrite>(view, p + 1);
                 fetch_bodies<kWrite>(view, p + 2);

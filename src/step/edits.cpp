@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "state/build_model.hpp"
-#include "state/rotation_step.hpp"
 #include "step/stepper.hpp"
 
 namespace flotilla {
@@ -67,9 +66,9 @@ void Stepper::place_body(std::int32_t body, const Pose& pose) {
     wake_neighbours(body);
     const std::size_t i = at(body);
     if (model_.bodies[i].dynamic()) { // it goes on turning as it does
-        const RigidShape& shape = model_.shape_of(i);
-        const Vec3 omega = angular_velocity(shape, state_.pose[i].rotation, state_.motion[i].momentum);
-        state_.motion[i].momentum = turned(shape.inertia, pose.rotation) * omega;
+        const Vec3 omega = angular_velocity(model_, i, state_.pose[i].rotation, state_.motion[i].momentum);
+        state_.motion[i] = make_motion(model_, i, pose.rotation, state_.motion[i].velocity, omega);
+        model_.bodies[i].first_rotation = pose.rotation;
     }
     forget_pairs_of(body);
     place_anew(body, pose);
@@ -111,6 +110,7 @@ void Stepper::change_body(std::int32_t body, const Body& changed) {
 void Stepper::set_force(std::int32_t body, const Vec3& force, const Vec3& torque) {
     model_.bodies[at(body)].force = force;
     model_.bodies[at(body)].torque = torque;
+    if (!looks_ahead_ && may_look_ahead(model_, at(body))) stale_ = true;
 }
 
 double Stepper::energy() const {
@@ -120,7 +120,7 @@ double Stepper::energy() const {
         if (!body.dynamic()) continue;
         const Motion& m = state_.motion[i];
         energy += 0.5 * (body.mass * length_sq(m.velocity) +
-                         dot(m.momentum, angular_velocity(model_.shape_of(i), state_.pose[i].rotation, m.momentum))) -
+                         dot(m.momentum, angular_velocity(model_, i, state_.pose[i].rotation, m.momentum))) -
                   body.mass * dot(model_.gravity, state_.pose[i].com);
     }
     return energy;

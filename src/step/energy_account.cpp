@@ -18,14 +18,21 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double kinetic_energy(const Model& model, std::size_t i, const Pose& pose, const Motion& m) {
     return 0.5 * (model.bodies[i].mass * length_sq(m.velocity) +
-                  dot(m.momentum, angular_velocity(model.shape_of(i), pose.rotation, m.momentum)));
+                  dot(m.momentum, angular_velocity(model, i, pose.rotation, m.momentum)));
+}
+
+/// N, that pulls a body towards what it rests on: its weight, its own force, and what its torque presses with on an arm of its radius.
+double weight_of(const Model& model, std::size_t i) {
+    const Body& body = model.bodies[i];
+    const double weight = body.mass * length(model.gravity);
+    return body.driven() ? weight + length(body.force) + length(body.torque) / model.shape_of(i).radius : weight;
 }
 
 /// J: a body's weight times its rest distance, of the smaller of its two diameters, that of the bounding sphere and that about the centre
 /// of mass.
 double most_lift_of(const Model& model, std::size_t i) {
     const double share = std::min(1.0, 2 * model.shape_of(i).radius / model.bodies[i].size);
-    return model.bodies[i].mass * length(model.gravity) * share * body_lengths(model, i).rest;
+    return weight_of(model, i) * share * body_lengths(model, i).rest;
 }
 
 } // namespace
@@ -39,12 +46,14 @@ void EnergyAccount::start(Team& team, const Model& model, std::span<const Pose> 
     islands_.resize(n);
     verdicts_.resize(n);
     work_.assign(n, 0);
+    loads_.assign(n, 0);
     grounded_.assign(n, 0);
     scripted_.assign(n, 0);
     team.for_each("energy before", model.active.size(), kGrain, [&](std::size_t k, int) {
         const std::size_t i = at(model.active[k]);
         parent_[i] = static_cast<std::int32_t>(i);
         com_[i] = pose[i].com;
+        grounded_[i] = model.bodies[i].locked.translation != 0 ? 1 : 0;
         kinetic_[i] = model.bodies[i].movable() ? kinetic_energy(model, i, pose[i], motion[i]) : 0.0;
     });
 }
@@ -71,8 +80,8 @@ EnergyAccount::Balance EnergyAccount::balance(const Model& model, std::size_t i,
     const Body& body = model.bodies[i];
     Balance out;
     out.kinetic = kinetic_energy(model, i, end, motion);
-    out.gain = out.kinetic - kinetic_[i] - body.mass * dot(model.gravity, end.com - com_[i]);
-    const double weight = body.mass * length(model.gravity);
+    out.gain = out.kinetic - kinetic_[i] - body.mass * dot(model.gravity, end.com - com_[i]) - loads_[i];
+    const double weight = weight_of(model, i);
     const double place = std::max(max_component(abs(end.com)), max_component(abs(com_[i])));
     out.rounding = kRounding * (out.kinetic + kinetic_[i]) + 0x1p-50 * weight * place;
     out.mass = body.mass;
@@ -115,6 +124,7 @@ std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::
         Balance& island = islands_[at(root(body))];
         const double mass = model.bodies[i].mass;
         island.gain -= mass * dot(model.gravity, way[i]);
+        if (model.bodies[i].force_acts()) island.gain -= dot(model.bodies[i].force, way[i]);
         island.kinetic += kinetic_[i];
         const double most = most_lift_of(model, i);
         island.most_lift += std::max(most - lift[i], 0.0) + kCreep * most;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The last resort that keeps G5: energy does not grow by itself, island by island.
 //
-// At the end of a step every island may have at most the energy that it had before, the work of scripted bodies, and lift: stages 3
+// At the end of a step every island may have at most the energy that it had before, the work of scripted bodies and of the bodies' own
+// forces and torques, and lift: stages 3
 // and 5 bring bodies that are too near to their rest distance, which may raise them. What of a rise of the energy is lift is
-// written down for every body, at most m |g| d_rest in all, and written off again when the island loses energy. So the energy of
+// written down for every body, at most its weight (and what else pulls on it) times d_rest in all, and written off again when the island loses energy. So the energy of
 // a scene without scripts never exceeds its lowest value so far by more than the lift of all bodies.
 //
 // What rises beyond that is taken from the velocities of the island: relative to its centre of mass where nothing of infinite mass
@@ -33,6 +34,9 @@ class EnergyAccount {
     /// Work of scripted bodies on a body, J. Counts where it is positive for the island.
     void add_work(std::int32_t body, double work) { work_[static_cast<std::size_t>(body)] += work; }
 
+    /// Work of a body's own force and torque, J (state/loads.hpp): that of a step which pulls up is negative.
+    void add_loads(std::int32_t body, double work) { loads_[static_cast<std::size_t>(body)] += work; }
+
     /// Bodies of islands that cannot afford the ways that their centres of mass would make in the step, m, with all their velocities
     /// given up. Islands that touch a scripted body, whose work pays for that, are left out.
     [[nodiscard]] std::span<const std::int32_t> overdrawn(const Model& model, std::span<const Vec3> way,
@@ -48,14 +52,14 @@ class EnergyAccount {
   private:
     /// Of a body, or of an island at the place of its lowest body.
     struct Balance {
-        double gain = 0;     ///< J, since x^n
+        double gain = 0;     ///< J, since x^n, without the work of loads
         double kinetic = 0;  ///< J, at the end
         double work = 0;     ///< J, of scripted bodies
         double rounding = 0; ///< J, of kinetic energy and gain
         double mass = 0;     ///< kg
         Vec3 momentum;       ///< kg m/s
         double lift = 0, most_lift = 0;
-        bool grounded = false; ///< touches infinite mass
+        bool grounded = false; ///< touches infinite mass, or is locked along some axis, which is as much
     };
     /// What an island's bodies do with their velocities and their lift.
     struct Verdict {
@@ -71,7 +75,7 @@ class EnergyAccount {
     Verdict judge(const Balance& island, EnergyCorrections& out) const;
 
     std::vector<std::int32_t> parent_; ///< union-find, the lowest body is the root
-    std::vector<double> kinetic_, work_;
+    std::vector<double> kinetic_, work_, loads_;
     std::vector<Vec3> com_; ///< m, at x^n
     std::vector<std::uint8_t> grounded_;
     std::vector<Balance> bodies_, islands_;

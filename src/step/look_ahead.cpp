@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/rotation.hpp"
+#include "state/loads.hpp"
 
 namespace flotilla {
 namespace {
@@ -23,7 +24,7 @@ struct Reach {
 
 double proximity_angle(const Model& model) { return model.settings.proximity_angle * std::numbers::pi / 180; }
 
-/// What gravity alone may do to a body from rest in one step. It turns a body most that is held at its radius of gyration k to the
+/// What gravity and loads of its own alone may do to a body from rest in one step. It turns a body most that is held at its radius of gyration k to the
 /// side of the centre of mass, by g dt^2 / (4 k).
 Reach reach_of_gravity(const Model& model, std::size_t i) {
     const double dt = model.settings.time_step;
@@ -31,7 +32,7 @@ Reach reach_of_gravity(const Model& model, std::size_t i) {
     for (const double x : model.shape_of(i).inverse_inertia.m) sum += x * x;
     const double gyration =
         1 / std::sqrt(model.bodies[i].mass * std::sqrt(sum)); // the least one, or up to a quarter less
-    return {fall_in_step(model, i), std::min(0.25 * length(model.gravity) * dt * dt / gyration, kMostTurn)};
+    return {fall_in_step(model, i), std::min(0.25 * most_acceleration(model, i) * dt * dt / gyration, kMostTurn)};
 }
 
 /// How far two bodies move and turn against each other at most, m and rad a second.
@@ -104,12 +105,15 @@ void look(const StepData& data, Worker& worker, StepEnd poses, const VelocityArr
 } // namespace
 
 bool may_look_ahead(const Model& model) {
-    for (std::size_t i = 0; i < model.size(); ++i) {
-        if (!model.bodies[i].dynamic()) continue;
-        const Reach reach = reach_of_gravity(model, i);
-        if (reach.distance > body_lengths(model, i).proximity || reach.angle > proximity_angle(model)) return true;
-    }
+    for (std::size_t i = 0; i < model.size(); ++i)
+        if (may_look_ahead(model, i)) return true;
     return false;
+}
+
+bool may_look_ahead(const Model& model, std::size_t body) {
+    if (!model.bodies[body].dynamic()) return false;
+    const Reach reach = reach_of_gravity(model, body);
+    return reach.distance > body_lengths(model, body).proximity || reach.angle > proximity_angle(model);
 }
 
 bool add_contacts_ahead(StepData& data, StepEnd poses, const VelocityArrays& solved, LookAheadScratch& scratch,

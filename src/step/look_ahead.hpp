@@ -21,6 +21,8 @@ namespace flotilla {
 
 /// Whether gravity moves some body farther, or turns it more, in one step than the contact search sees.
 [[nodiscard]] bool may_look_ahead(const Model& model);
+/// Whether it is this body that does.
+[[nodiscard]] bool may_look_ahead(const Model& model, std::size_t body);
 
 struct LookAheadScratch {
     struct Pair {

@@ -10,6 +10,8 @@
 #include "base/rotation.hpp"
 #include "base/search.hpp"
 #include "parallel/compact.hpp"
+#include "state/loads.hpp"
+#include "state/locked_rotation.hpp"
 #include "step/rolling.hpp"
 
 namespace flotilla {
@@ -257,6 +259,7 @@ void VelocityArrays::load(Team* team, const Model& model, std::uint64_t version,
     inverse_mass.resize(n);
     inverse_inertia.resize(n);
     inertia.resize(n);
+    locked.resize(n);
     const bool all = std::exchange(still_version, version) != version;
     for_each(team, "load velocities", all ? n : model.active.size(), kBodyGrain, [&](std::size_t k) {
         const std::size_t i = all ? k : at(model.active[k]);
@@ -265,8 +268,11 @@ void VelocityArrays::load(Team* team, const Model& model, std::uint64_t version,
         position[i] = poses[i].com;
         velocity[i] = motion[i].velocity;
         inverse_mass[i] = movable ? model.bodies[i].inverse_mass : 0.0;
-        inverse_inertia[i] = movable ? turned(shape.inverse_inertia, poses[i].rotation) : Mat3{};
-        inertia[i] = movable ? turned(shape.inertia, poses[i].rotation) : Mat3{};
+        const AxisLocks locks = model.bodies[i].locked;
+        const WorldInertia world = movable ? world_inertia(shape, locks.rotation, poses[i].rotation) : WorldInertia{};
+        inverse_inertia[i] = world.inverse;
+        inertia[i] = locks.rotation == 0 ? world.tensor : free_block(locks.rotation, world.tensor);
+        locked[i] = movable ? locks.translation : AxisMask{0};
         angular_velocity[i] = movable ? inverse_inertia[i] * motion[i].momentum : motion[i].momentum;
     });
 }
@@ -326,10 +332,12 @@ bool sticks(const Contact& c, double rest, double most_slip, double time_step, c
 }
 
 /// m/s, for a contact of the rest distance `rest` (Settings::static_tolerance).
-double tolerance_of(const Model& model, double rest, const ContactTuning& tuning) {
+double tolerance_of(const Model& model, const Contact& c, double rest, const ContactTuning& tuning) {
     const Settings& s = model.settings;
     if (s.static_tolerance >= 0) return s.static_tolerance;
-    const double moves = tuning.of_rest * rest / s.time_step, gravity = length(model.gravity) * s.time_step;
+    const double moves = tuning.of_rest * rest / s.time_step;
+    double gravity = length(model.gravity) * s.time_step;
+    if (!(gravity > 0)) gravity = most_acceleration(model, c.a, c.b) * s.time_step;
     return s.tolerance_share * (gravity > 0 ? std::min(moves, tuning.of_gravity * gravity) : moves);
 }
 
@@ -354,11 +362,28 @@ bool arcs_of_pair(const Model& model, std::span<const Contact> pair, double stil
     const double speed = length(along);
     // What moves less than static contact leaves undone does not roll.
     if (!(speed * dt > still)) return false;
-    share_load(
-        pair, lowest,
-        {b.omega - a.omega, along / speed, speed, length(roller.arm), length(model.gravity), dt, band, angle_cos},
-        arcs);
+    share_load(pair, lowest,
+               {b.omega - a.omega, along / speed, speed, length(roller.arm), most_acceleration(model, c.a, c.b), dt,
+                band, angle_cos},
+               arcs);
     return true;
+}
+
+/// rad/s, without what the body's own torque added in the step.
+Vec3 turn_before(const Model& model, const VelocityArrays& bodies, std::int32_t body) {
+    const Vec3& omega = bodies.angular_velocity[at(body)];
+    const Vec3 torque = turning_torque(model, at(body));
+    return torque == Vec3{} ? omega : omega - model.settings.time_step * (bodies.inverse_inertia[at(body)] * torque);
+}
+
+/// m/s, by body (ContactBodies::rest_speed); none where no body that moves has loads of its own.
+void list_rest_speeds(const Model& model, const ContactTuning& tuning, std::vector<double>& speed) {
+    speed.clear();
+    const auto driven = [&](std::int32_t i) { return model.bodies[at(i)].driven(); };
+    if (std::none_of(model.active.begin(), model.active.end(), driven)) return;
+    speed.assign(model.size(), 0);
+    for (const std::int32_t i : model.active)
+        if (driven(i)) speed[at(i)] = tuning.rest_speed * most_acceleration(model, at(i)) * model.settings.time_step;
 }
 
 /// The approach, m/s, that a pair which stage 1 has not seen takes into the next step. Stage 5 may have kept the bodies from moving
@@ -366,10 +391,13 @@ bool arcs_of_pair(const Model& model, std::span<const Contact> pair, double stil
 /// What they keep is the approach that they began the step with and what gravity adds on the way that they really made.
 double kept_approach(const Model& model, const Contact& c, std::span<const Pose> start, std::span<const Pose> end,
                      const VelocityArrays& bodies) {
+    const auto gained = [&](std::int32_t body) {
+        return bodies.inverse_mass[at(body)] > 0 ? acceleration(model, at(body)) : Vec3{};
+    };
     const auto before = [&](std::int32_t body) {
-        const Vec3 added = bodies.inverse_mass[at(body)] > 0 ? model.settings.time_step * model.gravity : Vec3{};
+        const Vec3 added = model.settings.time_step * gained(body);
         return (bodies.velocity[at(body)] - added) +
-               cross(bodies.angular_velocity[at(body)], c.point - bodies.position[at(body)]);
+               cross(turn_before(model, bodies, body), c.point - bodies.position[at(body)]);
     };
     const auto start_of = [&](std::int32_t body) { // of the body's point that is at the contact now
         const Pose &from = start[at(body)], &to = end[at(body)];
@@ -377,7 +405,9 @@ double kept_approach(const Model& model, const Contact& c, std::span<const Pose>
     };
     const double approach = std::max(0.0, -dot(c.normal, before(c.b) - before(c.a)));
     const double way = std::max(0.0, dot(c.normal, start_of(c.b) - start_of(c.a)));
-    return std::sqrt(approach * approach + 2 * std::abs(dot(c.normal, model.gravity)) * way);
+    const double pull = std::max({std::abs(dot(c.normal, model.gravity)), std::abs(dot(c.normal, gained(c.a))),
+                                  std::abs(dot(c.normal, gained(c.b)))});
+    return std::sqrt(approach * approach + 2 * pull * way);
 }
 
 /// The contacts that the stage acts on, with its targets.
@@ -411,7 +441,7 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
         std::size_t end = i;
         for (; end < set.size() && same_pair(i, end); ++end) {
             scratch.selected[end] = set.contacts[end];
-            scratch.selected[end].tolerance = tolerance_of(model, set.rest[end], options.tuning);
+            scratch.selected[end].tolerance = tolerance_of(model, set.contacts[end], set.rest[end], options.tuning);
         }
         const auto band = [&](std::size_t j, double widened) {
             return rest_band(set.rest[j], s.time_step, scratch.selected[j].tolerance / widened, options.tuning);
@@ -436,6 +466,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     scratch.angular_before.resize(model.size());
     for (const std::int32_t i : model.active) scratch.angular_before[at(i)] = b.angular_velocity[at(i)];
     const ContactTuning& tuning = options.tuning;
+    list_rest_speeds(model, tuning, b.rest_speed);
     ContactSolveOptions solve;
     solve.tuning = tuning;
     solve.normal_rows = options.normal_rows;
@@ -454,7 +485,8 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     solve.team = options.team;
     solve.step = 2 * static_cast<std::uint64_t>(options.step) + (options.final_stage ? 1 : 0);
     const ContactSolveStats stats = solve_contacts(
-        scratch.selected, {b.position, b.velocity, b.angular_velocity, b.inverse_mass, b.inverse_inertia}, solve,
+        scratch.selected,
+        {b.position, b.velocity, b.angular_velocity, b.inverse_mass, b.inverse_inertia, b.locked, b.rest_speed}, solve,
         scratch.impulses, scratch.solver);
     b.store(options.team, model, scratch.angular_before, motion);
     // State's impulses of stage 7 are those of the contacts at its poses, whose features the next step may know again.

@@ -69,7 +69,9 @@ struct VelocityArrays {
     std::vector<Vec3> position, velocity, angular_velocity;
     std::vector<double> inverse_mass;
     std::vector<Mat3> inverse_inertia;
-    std::vector<Mat3> inertia;
+    std::vector<Mat3> inertia; ///< with locked axes the block of the free ones
+    std::vector<AxisMask> locked;
+    std::vector<double> rest_speed; ///< m/s, see ContactBodies; empty where no body has loads of its own
 
     std::uint64_t still_version = 0; ///< of the bodies loaded that stand still
 

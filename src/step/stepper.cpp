@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "collision/collisions.hpp"
+#include "state/loads.hpp"
 
 namespace flotilla {
 namespace {
@@ -65,10 +66,13 @@ void add_counters(const StageCounters& c, StepReport& report) {
     report.ms(Phase::response) += c.response_ms;
 }
 
-/// Adds dt * gravity to the movable bodies (stages 2 and 6).
+/// What gravity and the bodies' own loads add in dt (stages 2 and 6).
 void accelerate(const Model& model, double dt, std::span<Motion> motion) {
-    for (const std::int32_t i : model.active)
-        if (model.bodies[at(i)].movable()) motion[at(i)].velocity += dt * model.gravity;
+    for (const std::int32_t i : model.active) {
+        if (!model.bodies[at(i)].movable()) continue;
+        motion[at(i)].velocity += dt * acceleration(model, at(i));
+        if (model.bodies[at(i)].torque != Vec3{}) motion[at(i)].momentum += dt * turning_torque(model, at(i));
+    }
 }
 
 /// Of the active bodies; the others have the same in both.
@@ -424,14 +428,31 @@ void Stepper::turn_momenta(std::span<const Motion> collided, std::span<Motion> m
         const std::size_t i = at(model_.active[k]);
         if (!model_.bodies[i].movable()) return;
         const Cluster& c = clusters_[clusters_.of(i)];
-        if (c.members.size() == 1 && c.rung == Rung::free && clusters_.motion()[i].momentum == collided[i].momentum)
-            return;
-        const RigidShape& shape = model_.shape_of(i);
-        const Quat& start = state_.pose[i].rotation;
-        const WorldInertia inertia{turned(shape.inertia, start), turned(shape.inverse_inertia, start)};
-        const Quat alone = normalized(rotate_for(inertia, collided[i].momentum, dt).rotation * start);
-        motion[i].momentum = rotate(trajectories_.end_pose(i).rotation, rotate(conjugate(alone), collided[i].momentum));
+        const Body& body = model_.bodies[i];
+        if (num_free(body.locked.rotation) < 2) return; // about a hinge a momentum is that of any orientation
+        const Vec3& before = collided[i].momentum;
+        const bool driven = body.torque != Vec3{};
+        const Vec3 added = driven ? dt * turning_torque(model_, i) : Vec3{};
+        const Vec3 mean = driven ? before + 0.5 * added : before;
+        if (c.members.size() == 1 && c.rung == Rung::free && clusters_.motion()[i].momentum == mean) return;
+        const Quat &start = state_.pose[i].rotation, &end = trajectories_.end_pose(i).rotation;
+        const WorldInertia inertia = world_inertia(model_.shape_of(i), body.locked.rotation, start);
+        const Quat alone = normalized(rotate_free(inertia, body.locked.rotation, mean, dt).rotation * start);
+        const Vec3 turned_on = rotate(end, rotate(conjugate(alone), before));
+        motion[i].momentum = body.locked.rotation == 0 ? turned_on : within_energy(i, before, turned_on);
+        if (driven) motion[i].momentum += added;
     });
+}
+
+/// With two free axes not all of a momentum turns on: what of it is about them, with no more than the energy at x^n.
+Vec3 Stepper::within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const {
+    const Vec3 momentum = free_part(model_.bodies[i].locked.rotation, turned_on);
+    const auto energy = [&](const Quat& rotation, const Vec3& l) {
+        return dot(l, angular_velocity(model_, i, rotation, l));
+    };
+    const double allowed = energy(state_.pose[i].rotation, before);
+    const double has = energy(trajectories_.end_pose(i).rotation, momentum);
+    return has > allowed ? std::sqrt(allowed / has) * momentum : momentum;
 }
 
 /// A body that the failsafe kept from falling must not go on accelerating: a cluster takes the velocity of the motion it really
@@ -442,11 +463,11 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
                               StepReport& report) {
     const double dt = model_.settings.time_step;
     const auto kinetic = [&](std::size_t i, const Motion& m) {
-        const Vec3 omega = angular_velocity(model_.shape_of(i), end[i].rotation, m.momentum);
+        const Vec3 omega = angular_velocity(model_, i, end[i].rotation, m.momentum);
         return 0.5 * model_.bodies[i].mass * length_sq(m.velocity) + 0.5 * dot(omega, m.momentum);
     };
     const auto kinetic_at_start = [&](std::size_t i) {
-        const Vec3 omega = angular_velocity(model_.shape_of(i), state_.pose[i].rotation, collided[i].momentum);
+        const Vec3 omega = angular_velocity(model_, i, state_.pose[i].rotation, collided[i].momentum);
         return 0.5 * model_.bodies[i].mass * length_sq(collided[i].velocity) + 0.5 * dot(omega, collided[i].momentum);
     };
     for (const std::int32_t id : model_.active) {
@@ -458,11 +479,15 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
             const auto i = static_cast<std::size_t>(m);
             const Pose& start = trajectories_.start_pose(i);
             const Mat3 inertia = turned(model_.shape_of(i).inertia, end[i].rotation);
-            made.push_back(
-                {(end[i].com - start.com) / dt + 0.5 * dt * model_.gravity, inertia * (trajectories_.turn(i) / dt)});
+            const Body& body = model_.bodies[i];
+            const Vec3 way = end[i].com - start.com, &turn = trajectories_.turn(i);
+            made.push_back({way / dt + 0.5 * dt * acceleration(model_, i),
+                            free_part(body.locked.rotation, inertia * (turn / dt))});
+            if (body.torque != Vec3{}) made.back().momentum += 0.5 * dt * turning_torque(model_, i);
             planned += kinetic(i, motion[i]);
             real += kinetic(i, made.back());
-            allowed += kinetic_at_start(i) + model_.bodies[i].mass * dot(model_.gravity, end[i].com - start.com);
+            allowed += kinetic_at_start(i) + body.mass * dot(model_.gravity, way);
+            if (body.driven()) allowed += load_work(i, collided[i], end[i]);
         }
         const auto member = [&](std::size_t k) { return static_cast<std::size_t>(c.members[k]); };
         if (real < planned)
@@ -574,6 +599,12 @@ void Stepper::join_contacts() {
     }
 }
 
+/// J, of a body's own force and torque in the step.
+double Stepper::load_work(std::size_t i, const Motion& collided, const Pose& end) const {
+    const Pose& start = state_.pose[i];
+    return work_of_loads(model_, i, start.rotation, collided, end.com - start.com, trajectories_.turn(i));
+}
+
 /// The account of the step's energy, after stage 7 (energy_account.hpp).
 void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     join_contacts();
@@ -587,6 +618,9 @@ void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end,
             energy_.add_work(body == c.a ? c.b : c.a, dot(impulse, v));
         }
     }
+    for (const std::int32_t i : model_.active)
+        if (model_.bodies[at(i)].movable() && model_.bodies[at(i)].driven())
+            energy_.add_loads(i, load_work(at(i), buffers_.collided[at(i)], end[at(i)]));
     const EnergyCorrections made = energy_.settle(team_, model_, end, motion, state_.lift);
     report.energy_corrections = made.islands;
     report.energy_removed = made.removed;
@@ -632,7 +666,7 @@ void Stepper::measure(StepReport& report) const {
         report.angular_momentum += cross(state_.pose[i].com, p) + m.momentum;
         report.kinetic_energy +=
             0.5 * dot(p, m.velocity) +
-            0.5 * dot(m.momentum, angular_velocity(model_.shape_of(i), state_.pose[i].rotation, m.momentum));
+            0.5 * dot(m.momentum, angular_velocity(model_, i, state_.pose[i].rotation, m.momentum));
         report.energy -= body.mass * dot(model_.gravity, state_.pose[i].com);
     }
     report.energy += report.kinetic_energy;

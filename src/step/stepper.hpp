@@ -156,6 +156,8 @@ class Stepper {
                                        const StepReport& report);
     FailsafeStats move_bodies(StepData& d, std::span<Motion> half, StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
+    [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;
+    [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
     void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                          StepReport& report);

@@ -14,6 +14,7 @@ struct ContactWorld {
     std::vector<Vec3> position, velocity, angular_velocity;
     std::vector<double> inv_mass;
     std::vector<Mat3> inv_inertia;
+    std::vector<AxisMask> locked;
     std::vector<Contact> contacts;
     std::vector<Vec3> impulses;
     ContactScratch scratch;
@@ -26,6 +27,7 @@ struct ContactWorld {
         angular_velocity.push_back({});
         inv_mass.push_back(inverse(mass));
         inv_inertia.push_back(diagonal({inverse(inertia.x), inverse(inertia.y), inverse(inertia.z)}));
+        locked.push_back(0);
         return static_cast<std::int32_t>(position.size()) - 1;
     }
 
@@ -41,7 +43,7 @@ struct ContactWorld {
         impulses.emplace_back();
     }
 
-    ContactBodies bodies() { return {position, velocity, angular_velocity, inv_mass, inv_inertia}; }
+    ContactBodies bodies() { return {position, velocity, angular_velocity, inv_mass, inv_inertia, locked, {}}; }
 
     ContactSolveStats solve(const ContactSolveOptions& options) {
         return solve_contacts(contacts, bodies(), options, impulses, scratch);

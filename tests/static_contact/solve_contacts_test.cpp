@@ -537,11 +537,56 @@ TEST(SolveContacts, TheOrderOfTheInputChangesNoBit) {
     }
 }
 
+/// Every body but each fourth, along one axis to all three.
+void lock_some(ContactWorld& w) {
+    for (std::size_t i = 0; i < w.locked.size(); ++i) {
+        w.locked[i] = static_cast<AxisMask>(i % 4 == 0 ? 0 : 1 + 3 * i % 7);
+        w.velocity[i] = free_part(w.locked[i], w.velocity[i]);
+    }
+}
+
+TEST(SolveContacts, LockedAxesKeepTheirVelocityAndEnergyFalls) {
+    for (unsigned seed = 0; seed < 12; ++seed)
+        for (const bool exact : {false, true}) {
+            ContactWorld w = make_random(seed, 60, seed % 2 ? 60 : 7, seed % 3 ? 0.4 : 0.0, true);
+            lock_some(w);
+            const double before = w.kinetic_energy();
+            const ContactSolveStats stats = w.solve({.iterations = 400, .tolerance = 1e-9, .exact = exact});
+            for (std::size_t i = 0; i < w.locked.size(); ++i) {
+                EXPECT_EQ(w.velocity[i], free_part(w.locked[i], w.velocity[i])) << seed;
+                EXPECT_TRUE(is_finite(w.velocity[i]) && is_finite(w.angular_velocity[i])) << seed;
+            }
+            EXPECT_LE(w.kinetic_energy(), before * (1 + 1e-12)) << seed;
+            std::printf("seed %u exact %d: residual %.2g, %d islands, %d exact\n", seed, exact ? 1 : 0, stats.residual,
+                        stats.islands, stats.exact_islands);
+        }
+}
+
+// A bead on a rail between two walls that close on it: the one that is no wall to the rail does nothing, the other pushes.
+TEST(SolveContacts, NormalsAcrossARailDoNothing) {
+    ContactWorld w;
+    const std::int32_t wall = w.add_body(0), bead = w.add_body(2, {0.1, 0.1, 0.1});
+    w.locked[1] = 6; // y and z
+    w.velocity[1] = {-1, 0, 0};
+    w.inv_inertia[1] = {};
+    w.add_contact(wall, bead, {0, 0, -0.1}, {0, 0, 1}, 0.5);
+    w.add_contact(wall, bead, {-0.1, 0, 0}, {0.6, 0, 0.8}, 0.5);
+    w.add_contact(wall, bead, {0, 0, -0.1}, {0x1p-30, 0, 1}, 0.5);
+    w.solve({.iterations = 100, .tolerance = 1e-12});
+    EXPECT_NEAR(w.velocity[1].x, 0, 1e-9);
+    EXPECT_EQ(w.velocity[1].y, 0);
+    EXPECT_EQ(w.velocity[1].z, 0);
+    EXPECT_EQ(w.impulses[0], Vec3{});
+    EXPECT_EQ(w.impulses[2], Vec3{});
+    EXPECT_NEAR(w.impulses[1].x, 2, 1e-9) << "what stops it along the rail";
+}
+
 TEST(SolveContacts, TheWidthOfTheVectorsChangesNoBit) {
     if (best_isa() == Isa::scalar) GTEST_SKIP() << "this processor has no wide kernel";
     for (unsigned seed = 0; seed < 12; ++seed) {
         ContactWorld start = make_random(seed, 60, seed % 2 ? 60 : 7, seed % 3 ? 0.4 : 0.0, seed % 4 != 0);
         if (seed % 2 == 0) open_gaps(start);
+        if (seed > 7) lock_some(start);
         ContactSolveOptions options{.iterations = 15, .tolerance = 1e-9};
         options.tangents = seed % 5 < 2 ? Tangents::cone : Tangents::random;
         for (const Isa isa : {Isa::scalar, Isa::avx2}) {
