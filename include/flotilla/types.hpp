@@ -39,7 +39,7 @@ struct Motion {
     Vec3 velocity; ///< of the centre of mass, m/s
     Vec3
         momentum; ///< angular, about the centre of mass, kg m^2/s; of static and kinematic bodies the angular velocity, rad/s;
-                   ///< zero about locked axes
+                  ///< zero about locked axes
 };
 
 /// Vertex indices of a triangle.

@@ -162,10 +162,10 @@ class Planner {
         const std::string text = named([](const BodyDescription& body) {
             std::string axes;
             for (std::size_t k = 0; k < 3; ++k)
-                if (body.locked_translation[k]) axes += (axes.empty() ? "" : " ") + std::string(1, "xyz"[k]);
+                if (body.locked_translation[k]) axes.append(axes.empty() ? "" : " ").append(1, "xyz"[k]);
             for (std::size_t k = 0; k < 3; ++k)
-                if (body.locked_rotation[k]) axes += (axes.empty() ? "r" : " r") + std::string(1, "xyz"[k]);
-            return axes.empty() ? axes : "(" + axes + ")";
+                if (body.locked_rotation[k]) axes.append(axes.empty() ? "r" : " r").append(1, "xyz"[k]);
+            return axes.empty() ? axes : axes.insert(0, 1, '(').append(1, ')');
         });
         if (!text.empty()) add("locked", text + ": no inverse mass along and about these axes, exactly");
     }

@@ -145,6 +145,9 @@ void World::Impl::change(std::size_t body, BodyDescription description) {
     stepper->change_body(static_cast<std::int32_t>(body), changed);
     if (stops && description.type != now.bodies[body].type) stepper->set_motion(static_cast<std::int32_t>(body), {});
     now.bodies[body] = std::move(description);
+    if (now.bodies[body].type != BodyType::dynamic)
+        std::erase_if(now.pushes, [&](const EditedBodies::Push& p) { return at(p.body) == body; });
+    push(static_cast<std::int32_t>(body));
 }
 
 BodyId World::Impl::operator()(const edits::AddShape& edit) {
@@ -193,7 +196,9 @@ BodyId World::Impl::operator()(const edits::AddBody& edit) {
 
     if (filters) added.group = filter.group[i];
     Motion motion;
-    if (added.dynamic()) motion = {body.velocity, turned(shape.inertia, body.rotation) * body.angular_velocity};
+    if (added.dynamic())
+        motion = {body.velocity,
+                  free_part(added.locked.rotation, turned(shape.inertia, body.rotation) * body.angular_velocity)};
     stepper->add_body(added, pose, motion);
     if (is_new) {
         now.bodies.emplace_back();

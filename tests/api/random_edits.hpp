@@ -22,7 +22,7 @@ class RandomEdits {
 
     Edit draw(const World& world) {
         const std::vector<BodyId> bodies = present(world);
-        const std::uint64_t kind = random_.below(15);
+        const std::uint64_t kind = random_.below(17);
         if (bodies.empty() || (kind < 3 && bodies.size() < most_)) return {0, add()};
         const BodyId body = bodies[random_.below(bodies.size())], other = bodies[random_.below(bodies.size())];
         switch (kind) {
@@ -43,6 +43,8 @@ class RandomEdits {
         case 11: return {0, edits::IgnoreGroups{"a", random_.below(2) == 0 ? "a" : "b", random_.below(3) == 0}};
         case 12: return {0, edits::IgnorePair{body, other, random_.below(2) == 0}};
         case 13: return {0, edits::Wake{body}};
+        case 14: return {0, edits::SetForce{body, random_.vec(30), random_.vec(5)}};
+        case 15: return {0, edits::ApplyForce{body, random_.vec(300), random_.vec(30)}};
         default: return {0, edits::RemoveBody{{body.index, body.generation + 1}}}; // never there
         }
     }

@@ -184,6 +184,61 @@ TEST(WorldEdit, ImpulsesChangeMomentumByWhatTheyAre) {
                 HasSubstr("velocity after the impulse"));
 }
 
+TEST(WorldEdit, ForcesActForAStepOrUntilTheyAreSet) {
+    SceneDescription scene = crate_on_floor();
+    scene.gravity = {};
+    World world(scene);
+    const BodyId crate = world.find("crate");
+    const double dt = world.settings().time_step;
+    world.apply_force(crate, {6, 0, 0}, world.body(1).center_of_mass);
+    world.apply_force(crate, {0, 4, 0}, world.body(1).center_of_mass); // they add up
+    (void)world.step();
+    EXPECT_NEAR(world.body(1).velocity.x, 3 * dt, 1e-14);
+    EXPECT_NEAR(world.body(1).velocity.y, 2 * dt, 1e-14);
+    (void)world.step();
+    EXPECT_NEAR(world.body(1).velocity.x, 3 * dt, 1e-14) << "for one step";
+    world.set_force(crate, {0, 0, 2}, {});
+    for (int k = 0; k < 10; ++k) (void)world.step();
+    EXPECT_NEAR(world.body(1).velocity.z, 10 * dt, 1e-13);
+    world.set_force(crate, {}, {});
+    (void)world.step();
+    EXPECT_NEAR(world.body(1).velocity.z, 10 * dt, 1e-13);
+    world.apply_torque(crate, {0, 0, 5});
+    const StepReport r = world.step();
+    EXPECT_GT(world.body(1).angular_velocity.z, 0.1);
+    EXPECT_EQ(r.energy_corrections, 0);
+    EXPECT_THAT(refusal<InputError>(world,
+                                    [&] {
+                                        world.set_force(world.find("floor"), {1, 0, 0}, {});
+                                    }),
+                HasSubstr("/force"));
+    EXPECT_THAT(refusal<InputError>(world,
+                                    [&] {
+                                        world.apply_torque(world.find("floor"), {1, 0, 0});
+                                    }),
+                HasSubstr("is not dynamic"));
+}
+
+TEST(WorldEdit, LockedAxesStayLocked) {
+    SceneDescription scene = crate_on_floor();
+    scene.gravity = {};
+    scene.bodies[1].locked_translation = {true, false, true};
+    scene.bodies[1].locked_rotation = {true, true, false};
+    World world(scene);
+    const BodyId crate = world.find("crate");
+    world.apply_impulse(crate, {2, 2, 2}, world.body(1).center_of_mass);
+    world.apply_torque(crate, {3, 3, 3});
+    EXPECT_EQ(world.body(1).velocity, (Vec3{0, 1, 0}));
+    world.set_pose(crate, {1, 2, 3}, {std::sqrt(0.5), 0, 0, std::sqrt(0.5)});
+    World restored(scene, world.snapshot());
+    for (int k = 0; k < 10; ++k) ASSERT_EQ(restored.step().state_hash, world.step().state_hash) << k;
+    EXPECT_EQ(world.body(1).position.x, 1);
+    EXPECT_EQ(world.body(1).position.z, 3);
+    EXPECT_GT(world.body(1).angular_velocity.z, 0.1);
+    EXPECT_EQ(world.body(1).angular_velocity.x, 0);
+    EXPECT_THAT(refusal<InputError>(world, [&] { world.set_velocity(crate, {1, 0, 0}, {}); }), HasSubstr("/velocity"));
+}
+
 TEST(WorldEdit, TypesChange) {
     AuditedWorld w(crate_on_floor());
     const BodyId crate = w.world.find("crate"), floor = w.world.find("floor");
