@@ -11,7 +11,8 @@
 // Faces that turn together at a tiny gap would need very short ones; audit/feature_sweep proves those at once.
 //
 // delta for a body that turns at angular speed w about its moving centre, all points within r of it: r (w (e-s))^2 / 8,
-// because |x''| <= r w^2 and linear interpolation of x errs by at most |x''| (e-s)^2 / 8.
+// because |x''| <= r w^2 and linear interpolation of x errs by at most |x''| (e-s)^2 / 8; and never more than 2 r,
+// since the point and the line between its two ends are both within r of the centre.
 //
 // Rounding, u = 2^-53. Coordinates are relative to a corner of one of the triangles, from place to place of it, and at most M. Corners
 // at s and e are computed: differences r0 = x0 - o0, r1 = x1 - o1 err by u M, linear interpolation r0 + t (r1 - r0) by 5 u M in a
@@ -21,6 +22,7 @@
 // is in its position_error.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -55,7 +57,9 @@ class BodyPath {
     [[nodiscard]] double reach(const Triangle& triangle, const MovingOrigin& origin) const;
     void vertices(double t, std::vector<Vec3>& out) const;
     /// How far a vertex strays from the line between its places at the ends of an interval of length dt, m.
-    [[nodiscard]] double deviation(double dt) const { return 0.125 * radius_ * (angle_ * dt) * (angle_ * dt) * 1.0001; }
+    [[nodiscard]] double deviation(double dt) const {
+        return 1.0001 * radius_ * std::min(0.125 * (angle_ * dt) * (angle_ * dt), 2.0);
+    }
     /// Distance of a computed place from the exact one beyond kSweepRounding, m.
     [[nodiscard]] double position_error() const { return position_error_; }
     /// The place that the path reaches at t = 1 against the recorded one, the largest distance over the vertices, m.

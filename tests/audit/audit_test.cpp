@@ -208,6 +208,19 @@ TEST(AuditMotion, FollowsWholeTurns) {
     EXPECT_TRUE(motion(scene, clear, clear_to, Motion::rigid, {{0, 0, fast}, {}}).passages.empty());
 }
 
+// However fast it turns, a body stays in the ball about its centre: also where no bisection follows its turns.
+TEST(AuditMotion, ProvesASmallBodyThatTurnsBeyondCounting) {
+    const Scene scene = scene_of({plate(), box(1e-4, 1e-4, 1e-6)});
+    const std::vector<Pose> from{pose({}), pose({0.1, 0.1, 0.01})};
+    for (const double turn : {1e11, 1e13}) {
+        const auto lands = [&](double height) {
+            return std::vector{pose({}), Pose{{0.1, 0.1, height}, rotation_from_vector({turn, 0, 0})}};
+        };
+        EXPECT_TRUE(motion(scene, from, lands(0.02), Motion::rigid, {{}, {turn, 0, 0}}).passages.empty()) << turn;
+        EXPECT_FALSE(motion(scene, from, lands(-0.01), Motion::rigid, {{}, {turn, 0, 0}}).passages.empty()) << turn;
+    }
+}
+
 TEST(AuditMotion, ReportsATurnThatDoesNotLeadToTheNextFrame) {
     const Scene scene = scene_of({plate(), plate()});
     const std::vector<Pose> from{pose({}), pose({0, 0, 5})}, to{pose({}, {0, 0, 0.5}), pose({0, 0, 5})};
