@@ -20,6 +20,13 @@ constexpr int kMostToTolerance = 80;
 /// still and do not sway at the speed of the tolerance; piles, whose impulses are not determined, cost one factorisation.
 constexpr double kPolish = 10;
 
+/// Impulses change the momentum of an island by the rounding of their sum, and what its bodies need is of the order of
+/// its mass times its contacts' largest free velocity; wedges multiply that by the inverse of their angle. Contacts all
+/// round a body whose targets contradict each other have no solution, and Newton's steps answer with impulses that
+/// balance each other, as large as its compliance allows. Beyond this multiple a solution is refused: its rounding
+/// would be 2^-31 of the momentum.
+constexpr double kMostImpulse = 0x1p22;
+
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 std::span<const ContactBlock> blocks_of(const Island& island, const ContactScratch& s) {
@@ -91,6 +98,15 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
     return sum;
 }
 
+/// Whether the impulses are more than an island may need, by kMostImpulse.
+bool balance_each_other(const Exact& e) {
+    double mass = 0, speed = 0, sum = 0;
+    for (const ConeBody& body : e.bodies) mass += 1 / body.inv_mass;
+    for (const ConeContact& c : e.contacts) speed = std::max(speed, length(c.free_velocity));
+    for (const Vec3& impulse : e.impulses) sum += length(impulse);
+    return sum > kMostImpulse * (mass * speed);
+}
+
 void solve(Island& island, const ContactBodies& bodies, bool newton_alone, ContactScratch& s, Exact& e) {
     gather(island, bodies, s, e);
     e.swept = e.impulses;
@@ -106,6 +122,7 @@ void solve(Island& island, const ContactBodies& bodies, bool newton_alone, Conta
     island.solved = island.residual <= island.tolerance;
     island.let_off = false;
     if (!stats.solved && !(stats.residual < island.residual)) return;
+    if (balance_each_other(e)) return;
     scatter(island, bodies, s, e);
     if (!stats.solved && objective(island, s, e) > 0) {
         e.impulses = e.swept;
