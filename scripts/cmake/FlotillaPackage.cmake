@@ -45,5 +45,22 @@ function(flotilla_install)
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/flotillaConfig.cmake" "${CMAKE_CURRENT_BINARY_DIR}/flotillaConfigVersion.cmake"
     DESTINATION "${folder}")
   install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/scripts/cmake/NOTICE.txt"
+    "${PROJECT_SOURCE_DIR}/scripts/packaging/CITATION.cff"
     DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+  flotilla_install_pkg_config()
+endfunction()
+
+# For builds without CMake. Who links the static library needs what it is linked with; of the shared one that is private.
+function(flotilla_install_pkg_config)
+  set(folder "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+  file(RELATIVE_PATH FLOTILLA_PC_PREFIX "/prefix/${folder}" "/prefix")
+  if(BUILD_SHARED_LIBS)
+    set(FLOTILLA_PC_PRIVATE .private)
+    set(FLOTILLA_PC_LIBS "")
+  else()
+    set(FLOTILLA_PC_PRIVATE "")
+    set(FLOTILLA_PC_LIBS " ${OpenMP_CXX_FLAGS} -pthread")
+  endif()
+  configure_file("${PROJECT_SOURCE_DIR}/scripts/cmake/flotilla.pc.in" flotilla.pc @ONLY)
+  install(FILES "${CMAKE_CURRENT_BINARY_DIR}/flotilla.pc" DESTINATION "${folder}")
 endfunction()
