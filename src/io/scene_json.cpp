@@ -12,9 +12,10 @@
 #include "base/vec3.hpp"
 #include "io/file.hpp"
 #include "io/json_reader.hpp"
+#include "io/mesh_source.hpp"
 #include "io/scene_keys.hpp"
 #include "io/scene_parts.hpp"
-#include "mesh/mesh_file.hpp"
+#include "mesh/triangle_mesh.hpp"
 #include "scene/description_checks.hpp"
 #include "scene/settings_table.hpp"
 
@@ -152,8 +153,9 @@ void SceneReader::read_settings(const Json& value, const JsonPlace& at, Settings
 void SceneReader::read_mesh_file(const JsonPlace& at, ShapeDescription& shape) {
     const auto known = meshes_.find(shape.mesh_path);
     try {
-        const TriangleMesh& mesh =
-            known != meshes_.end() ? known->second : (meshes_[shape.mesh_path] = read_mesh(folder_ / shape.mesh_path));
+        const TriangleMesh& mesh = known != meshes_.end()
+                                       ? known->second
+                                       : (meshes_[shape.mesh_path] = io::read_mesh_source(folder_, shape.mesh_path));
         shape.vertices = mesh.vertices;
         shape.triangles = mesh.triangles;
     } catch (

@@ -11,6 +11,7 @@
 
 #include <flotilla/error.hpp>
 
+#include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "mesh/text_input.hpp"
 
@@ -32,6 +33,8 @@ std::string read_file(const std::filesystem::path& path) {
     return data;
 }
 
+} // namespace
+
 std::string lower_case_extension(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     for (char& c : extension)
@@ -39,14 +42,15 @@ std::string lower_case_extension(const std::filesystem::path& path) {
     return extension;
 }
 
-} // namespace
-
-TriangleMesh read_mesh(const std::filesystem::path& path) {
+TriangleMesh read_mesh(const std::filesystem::path& path, std::string_view part) {
     const std::string extension = lower_case_extension(path);
     if (extension != ".obj" && extension != ".stl" && extension != ".ply")
         throw InputError(path.string() + ":1: unknown mesh format '" + extension + "', known are .obj, .stl and .ply");
+    if (!part.empty() && extension != ".obj")
+        throw InputError(path.string() + ":1: a file of this format has no objects, " + in_quotes(part) +
+                         " is none of it");
     const std::string data = read_file(path);
-    if (extension == ".obj") return read_obj(path, data);
+    if (extension == ".obj") return part.empty() ? read_obj(path, data) : read_obj_part(path, data, part);
     if (extension == ".stl") return read_stl(path, data);
     return read_ply(path, data);
 }
@@ -76,6 +80,21 @@ TriangleMesh merge_equal_vertices(const TriangleMesh& mesh) {
     for (Triangle& t : merged.triangles)
         for (std::int32_t& i : t) i = new_index[static_cast<std::size_t>(i)];
     return merged;
+}
+
+TriangleMesh without_unused_vertices(const TriangleMesh& mesh) {
+    std::vector<std::int32_t> new_index(mesh.vertices.size(), -1);
+    for (const Triangle& t : mesh.triangles)
+        for (const std::int32_t i : t) new_index[static_cast<std::size_t>(i)] = 0;
+    TriangleMesh used{{}, mesh.triangles};
+    for (std::size_t i = 0; i < new_index.size(); ++i) {
+        if (new_index[i] < 0) continue;
+        new_index[i] = static_cast<std::int32_t>(used.vertices.size());
+        used.vertices.push_back(mesh.vertices[i]);
+    }
+    for (Triangle& t : used.triangles)
+        for (std::int32_t& i : t) i = new_index[static_cast<std::size_t>(i)];
+    return used;
 }
 
 } // namespace flotilla

@@ -9,17 +9,24 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "mesh/triangle_mesh.hpp"
 
 namespace flotilla {
 
 /// Reads a mesh; the extension (.obj, .stl, .ply, in any case) decides the format. Polygons become fans around their
-/// first corner. STL, which repeats every vertex, has its equal vertices merged. Throws InputError, or IoError where
-/// the file cannot be read.
-[[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path);
+/// first corner. STL, which repeats every vertex, has its equal vertices merged. `part` names one object or group of an
+/// OBJ file; without it all faces are one mesh. Throws InputError, or IoError where the file cannot be read.
+[[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path, std::string_view part = {});
 
 /// The mesh with vertices at equal positions (0 and -0 are equal) made one, in order of first appearance.
 [[nodiscard]] TriangleMesh merge_equal_vertices(const TriangleMesh& mesh);
+
+/// The mesh with the vertices that triangles use, in their order.
+[[nodiscard]] TriangleMesh without_unused_vertices(const TriangleMesh& mesh);
+
+/// The extension with its dot, A to Z in lower case.
+[[nodiscard]] std::string lower_case_extension(const std::filesystem::path& path);
 
 } // namespace flotilla

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Wavefront OBJ: v and f are read; texture, normal, grouping, material, line and point statements are skipped; anything
-// else is refused.
+// Wavefront OBJ: v and f are read, o and g where one object or group is asked for; texture, normal, material, line and
+// point statements are skipped; anything else is refused.
 #include <algorithm>
 #include <array>
 #include <limits>
 
+#include "base/text.hpp"
+#include "mesh/mesh_file.hpp"
 #include "mesh/text_input.hpp"
 
 namespace flotilla {
 namespace {
 
-constexpr std::array<std::string_view, 17> kSkipped{"vt",     "vn",     "vp",     "g",        "o",       "s",
-                                                    "mg",     "usemtl", "mtllib", "l",        "p",       "lod",
-                                                    "usemap", "maplib", "bevel",  "c_interp", "d_interp"};
+constexpr std::array<std::string_view, 15> kSkipped{"vt",     "vn",     "vp",    "s",        "mg",
+                                                    "usemtl", "mtllib", "l",     "p",        "lod",
+                                                    "usemap", "maplib", "bevel", "c_interp", "d_interp"};
 
 /// A face may name a vertex that only follows later in the file: such indices are checked at the end.
 struct ForwardReference {
@@ -20,10 +22,57 @@ struct ForwardReference {
     std::size_t line;
 };
 
+std::string_view trimmed(std::string_view text) {
+    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+    return text;
+}
+
+/// Which faces are taken: all, or those of one object or group.
+class PartChoice {
+  public:
+    explicit PartChoice(std::string_view wanted) : wanted_(wanted), taken_(wanted.empty()) {}
+
+    [[nodiscard]] bool taken() const { return taken_; }
+    [[nodiscard]] bool found() const { return found_ || wanted_.empty(); }
+    [[nodiscard]] std::string_view wanted() const { return wanted_; }
+    [[nodiscard]] std::string refusal() const { return unknown_name("object or group", wanted_, names_); }
+
+    /// Names may hold blanks.
+    void object(std::string_view name) {
+        in_object_ = is_wanted(trimmed(name));
+        in_group_ = false; // groups of the object before
+        choose();
+    }
+    /// A face may belong to several groups; a name with blanks is taken whole as well.
+    void groups(std::string_view names) {
+        in_group_ = is_wanted(trimmed(names));
+        for (std::string_view name = take_word(names); !name.empty(); name = take_word(names))
+            in_group_ |= is_wanted(name);
+        choose();
+    }
+
+  private:
+    bool is_wanted(std::string_view name) {
+        if (wanted_.empty() || name.empty()) return false;
+        names_.push_back(name);
+        return name == wanted_;
+    }
+    void choose() {
+        taken_ = wanted_.empty() || in_object_ || in_group_;
+        found_ |= taken_;
+    }
+
+    std::string_view wanted_;
+    bool taken_, found_ = false, in_object_ = false, in_group_ = false;
+    std::vector<std::string_view> names_; ///< that the file has, for the message about one that it has not
+};
+
 struct ObjReader {
     TextInput in;
-    TriangleMesh mesh;
-    std::vector<ForwardReference> forward;
+    PartChoice part;
+    TriangleMesh mesh{};
+    std::vector<ForwardReference> forward{};
 
     void read() {
         while (const auto line = in.next_line()) {
@@ -33,12 +82,16 @@ struct ObjReader {
         for (const ForwardReference& f : forward)
             if (f.index > static_cast<std::int64_t>(mesh.vertices.size()))
                 in.fail_at(f.line, out_of_range_text(f.index, mesh.vertices.size()));
-        if (mesh.triangles.empty()) in.fail("the file has no faces");
+        if (!part.found()) in.fail(part.refusal());
+        if (mesh.triangles.empty())
+            in.fail(part.wanted().empty() ? "the file has no faces" : in_quotes(part.wanted()) + " has no faces");
     }
 
     void statement(std::string_view keyword, std::string_view rest) {
         if (keyword == "v") return vertex(rest);
         if (keyword == "f") return face(rest);
+        if (keyword == "o") return part.object(rest);
+        if (keyword == "g") return part.groups(rest);
         if (keyword.empty() || std::find(kSkipped.begin(), kSkipped.end(), keyword) != kSkipped.end()) return;
         in.fail("unknown statement '" + std::string(keyword) + "'");
     }
@@ -61,7 +114,7 @@ struct ObjReader {
         std::int32_t previous = corner(w1);
         for (; !w2.empty(); w2 = take_word(rest)) {
             const std::int32_t next = corner(w2);
-            mesh.triangles.push_back({first, previous, next});
+            if (part.taken()) mesh.triangles.push_back({first, previous, next});
             previous = next;
         }
     }
@@ -81,11 +134,11 @@ struct ObjReader {
     }
 
     void check_attributes(std::string_view word, std::size_t slash) const {
-        for (int part = 1; slash < word.size(); ++part) {
+        for (int field = 1; slash < word.size(); ++field) {
             const std::size_t next = std::min(word.find('/', slash + 1), word.size());
             const std::string_view attribute = word.substr(slash + 1, next - slash - 1);
-            const bool may_be_empty = part == 1 && next < word.size();
-            if (part > 2 || (attribute.empty() ? !may_be_empty : !parse_integer(attribute)))
+            const bool may_be_empty = field == 1 && next < word.size();
+            if (field > 2 || (attribute.empty() ? !may_be_empty : !parse_integer(attribute)))
                 in.fail("malformed corner '" + std::string(word) + "'");
             slash = next;
         }
@@ -95,9 +148,29 @@ struct ObjReader {
 } // namespace
 
 TriangleMesh read_obj(const std::filesystem::path& path, const std::string& data) {
-    ObjReader reader{TextInput(path, data), {}, {}};
+    ObjReader reader{TextInput(path, data), PartChoice({})};
     reader.read();
     return std::move(reader.mesh);
+}
+
+TriangleMesh read_obj_part(const std::filesystem::path& path, const std::string& data, std::string_view part) {
+    ObjReader reader{TextInput(path, data), PartChoice(part)};
+    reader.read();
+    return without_unused_vertices(reader.mesh);
+}
+
+ObjElements count_obj_elements(std::string_view data) {
+    ObjElements count;
+    while (!data.empty()) {
+        const std::size_t end = std::min(data.find('\n'), data.size() - 1);
+        std::string_view line = data.substr(0, end);
+        const std::string_view keyword = take_word(line);
+        if (keyword == "f") ++count.faces;
+        if (keyword == "l") ++count.lines;
+        if (keyword == "p") ++count.points;
+        data.remove_prefix(end + 1);
+    }
+    return count;
 }
 
 } // namespace flotilla

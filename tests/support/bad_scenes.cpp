@@ -269,7 +269,8 @@ std::vector<BadScene> bad_masses() {
          {"/shapes/0/mesh: cannot read /no/such/mesh.obj: No such file or directory"}},
         {"mesh of an unknown format",
          surface(R"("mesh": "/no/such/mesh.xyz")"),
-         {"/shapes/0/mesh: /no/such/mesh.xyz:1: unknown mesh format '.xyz', known are .obj, .stl and .ply"}},
+         {"/shapes/0/mesh: /no/such/mesh.xyz:1: unknown mesh format '.xyz', known are .obj, .stl, .ply, .gltf and "
+          ".glb"}},
     };
 }
 
