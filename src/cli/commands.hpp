@@ -37,6 +37,7 @@ void register_ccd(CLI::App& app, Action& action);
 void register_check(CLI::App& app, Action& action);
 void register_compare(CLI::App& app, Action& action);
 void register_export(CLI::App& app, Action& action);
+void register_import(CLI::App& app, Action& action);
 void register_info(CLI::App& app, Action& action);
 void register_picture(CLI::App& app, Action& action);
 void register_plan(CLI::App& app, Action& action);

@@ -105,6 +105,7 @@ int parse_and_run(int argc, char** argv) {
     cli::register_check(app, action);
     cli::register_compare(app, action);
     cli::register_export(app, action);
+    cli::register_import(app, action);
     cli::register_info(app, action);
     cli::register_picture(app, action);
     cli::register_plan(app, action);

@@ -51,9 +51,13 @@ std::string exact_text(double value) {
     return text;
 }
 
-std::int64_t total_steps(const RunArguments& arguments, double dt) {
+/// `duration`: what the scene file asks for, s; 0: nothing.
+std::int64_t total_steps(const RunArguments& arguments, double dt, double duration) {
     if (arguments.steps >= 0) return arguments.steps;
-    const double duration = arguments.duration >= 0 ? arguments.duration : kDefaultDuration;
+    if (arguments.duration >= 0)
+        duration = arguments.duration;
+    else if (duration == 0)
+        duration = kDefaultDuration;
     const double steps = std::ceil(duration / dt - 1e-9);
     if (!(steps <= kMostCount))
         throw InputError("run: " + exact_text(duration) + " s in steps of " + exact_text(dt) + " s are too many steps");
@@ -197,7 +201,7 @@ int run_run(const RunArguments& arguments) {
     needs_output(!arguments.time_limit.empty(), "--time-limit", "the folder for the checkpoint");
     SceneFileOptions options = arguments.options.resolve();
     if (arguments.dt > 0) options.overrides.emplace_back("time_step", exact_text(arguments.dt));
-    const auto [source, scene_json, scene] = load_scene(arguments.scene, options);
+    const auto [source, scene_json, scene, origin] = load_scene(arguments.scene, options);
     for (const std::string& text : arguments.options.overridden_by_scene(scene.settings))
         std::cerr << "flotilla: " << source << ": " << text << '\n';
     if (!arguments.quiet && arguments.output.empty() && arguments.trace.empty() && arguments.contacts.empty())
@@ -209,7 +213,7 @@ int run_run(const RunArguments& arguments) {
     run.resume = arguments.resume;
     run.checkpoint_every = arguments.checkpoint_every;
     run.note = [](const std::string& text) { std::cerr << "flotilla: " << text << '\n'; };
-    run.steps = total_steps(arguments, scene.settings.time_step);
+    run.steps = total_steps(arguments, scene.settings.time_step, origin.duration);
     run.frame_every = arguments.frame_every;
     run.command_line = arguments.command_line;
     run.scene_json = scene_json;
@@ -252,7 +256,9 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
     add_scene_options(*command, arguments->options);
     command->add_option("--output", arguments->output, "run folder; without it nothing is written")->check(kNotEmpty);
     auto* steps = command->add_option("--steps", arguments->steps, "total number of steps")->check(kCount);
-    command->add_option("--duration", arguments->duration, "total time, s (default 10)")
+    command
+        ->add_option("--duration", arguments->duration,
+                     "total time, s (default: what the scene file of another program asks for, else 10)")
         ->check(kNonNegative)
         ->excludes(steps);
     command->add_option("--dt", arguments->dt, "time step, s; replaces the scene's")->check(kPositive);

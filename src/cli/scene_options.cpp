@@ -43,17 +43,21 @@ std::vector<std::string> SceneArguments::overridden_by_scene(const Settings& set
 }
 
 LoadedScene load_scene(const std::string& argument, const SceneFileOptions& options) {
-    LoadedScene loaded{argument, {}, {}};
+    LoadedScene loaded{argument, {}, {}, {}};
     std::ostringstream text;
     if (argument == kStandardInput) {
         loaded.source = "standard input";
         text << std::cin.rdbuf();
-        loaded.text = text.str();
-        loaded.scene = parse_scene(loaded.text, loaded.source, ".", options);
-        return loaded;
+        loaded.scene = parse_scene(text.str(), loaded.source, ".", options, &loaded.origin);
+    } else {
+        loaded.scene = read_scene(argument, options, &loaded.origin);
+        text << std::ifstream(argument, std::ios::binary).rdbuf();
     }
-    loaded.scene = read_scene(argument, options);
-    text << std::ifstream(argument, std::ios::binary).rdbuf();
+    for (const std::string& warning : loaded.origin.warnings) std::cerr << "warning: " << warning << '\n';
+    if (!loaded.origin.format.empty()) {
+        text.str({});
+        write_scene(text, loaded.scene);
+    }
     loaded.text = text.str();
     return loaded;
 }

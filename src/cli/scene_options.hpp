@@ -26,13 +26,15 @@ struct SceneArguments {
 /// A scene as it was read.
 struct LoadedScene {
     std::string source; ///< names it in messages
-    std::string text;   ///< JSON
+    std::string text;   ///< JSON, as a scene of ours
     SceneDescription scene;
+    SceneOrigin origin;
 };
 
 inline constexpr const char* kStandardInput =
     "-"; ///< instead of a file; mesh paths are then relative to the current folder
 
+/// Reads a scene, of ours or of another program; what was left out of it is said on stderr.
 [[nodiscard]] LoadedScene load_scene(const std::string& argument, const SceneFileOptions& options);
 
 void add_scene_options(CLI::App& command, SceneArguments& arguments);

@@ -13,6 +13,7 @@
 #include "io/file.hpp"
 #include "io/json_reader.hpp"
 #include "io/mesh_source.hpp"
+#include "io/rigid_ipc.hpp"
 #include "io/scene_keys.hpp"
 #include "io/scene_parts.hpp"
 #include "mesh/triangle_mesh.hpp"
@@ -337,23 +338,27 @@ BodyDescription io::read_body(const Json& value, const JsonPlace& at, const Scen
 }
 
 SceneDescription parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder,
-                             const SceneFileOptions& options) {
+                             const SceneFileOptions& options, SceneOrigin* origin) {
     const DefaultFloatingPoint environment;
     SceneDescription scene;
     scene.settings = preset(options.preset);
     ErrorList errors(source);
+    SceneOrigin read_from;
     const Json document = io::parse_json(text, errors);
-    if (!document.is_discarded()) {
+    if (io::is_rigid_ipc(document)) {
+        io::read_rigid_ipc(document, folder, options, scene, read_from, errors);
+    } else if (!document.is_discarded()) {
         SceneReader(folder, errors).read(document, options, scene);
         check_description(scene, errors);
     }
     errors.throw_if_any();
+    if (origin != nullptr) *origin = std::move(read_from);
     return scene;
 }
 
-SceneDescription read_scene(const std::filesystem::path& file, const SceneFileOptions& options) {
+SceneDescription read_scene(const std::filesystem::path& file, const SceneFileOptions& options, SceneOrigin* origin) {
     const DefaultFloatingPoint environment;
-    return parse_scene(io::read_text(file), file.string(), file.parent_path(), options);
+    return parse_scene(io::read_text(file), file.string(), file.parent_path(), options, origin);
 }
 
 } // namespace flotilla

@@ -153,6 +153,61 @@ TEST(CheckCommand, SettingsFromTheCommandLineAreChecked) {
     EXPECT_EQ(run_flotilla("check " + file + " --preset best").exit_code, 2);
 }
 
+// A cube that lies above a plate, y up, for four steps.
+const std::string kForeign =
+    R"({"timestep": 0.01, "max_time": 0.04, "rigid_body_problem": {"gravity": [0, -9.8, 0], "rigid_bodies": [
+  {"vertices": [[0,0,0],[1,0,0],[1,0,1],[0,0,1]], "faces": [[0,1,2],[0,2,3]], "edges": [[0,1],[1,2],[2,0],[2,3],[3,0]], "scale": 9, "type": "static"},
+  {"vertices": [[0,0,0],[1,0,0],[0,1,0],[0,0,1]], "faces": [[0,2,1],[0,1,3],[0,3,2],[1,2,3]], "position": [3, 0.5, 3], "unkown": 1}]}})";
+
+TEST(ImportCommand, WritesWhatOtherCommandsReadDirectly) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("foreign.json", kForeign), own = (folder.path() / "own.json").string();
+    const CommandOutput made = run_flotilla("import " + file + " --output " + own);
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_EQ(made.out, "");
+    EXPECT_EQ(made.err.find("warning: " + file + ": /rigid_body_problem/rigid_bodies/1/unkown: unknown key"), 0U)
+        << made.err;
+    EXPECT_NE(
+        made.err.find("a scene of Rigid-IPC with 2 bodies, turned so that z points up; it wants to be run for 0.04 s"),
+        std::string::npos)
+        << made.err;
+    EXPECT_EQ(run_flotilla("import " + file).out,
+              std::string(std::istreambuf_iterator<char>(std::ifstream(own).rdbuf()), {}));
+    EXPECT_EQ(run_flotilla("check " + file).out, run_flotilla("check " + own).out);
+    EXPECT_EQ(run_flotilla("plan " + file).exit_code, 0);
+    const std::string picture = (folder.path() / "p.png").string();
+    EXPECT_EQ(run_flotilla("picture " + file + " --output " + picture + " --width 32 --height 24").exit_code, 0);
+    const auto hash = [&](const std::string& scene, const std::string& options) {
+        const CommandOutput r = run_flotilla("run " + scene + options);
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        const std::size_t at = r.out.find("state hash");
+        return at == std::string::npos ? r.out : r.out.substr(at, r.out.find('\n', at) - at);
+    };
+    EXPECT_EQ(hash(file, ""), hash(own, " --steps 4")) << "the file says how long";
+    EXPECT_EQ(hash(file, " --duration 0.02"), hash(own, " --steps 2"));
+    const std::string run = (folder.path() / "run").string();
+    EXPECT_EQ(hash(file, " --audit --output " + run), hash(own, " --steps 4"));
+    EXPECT_EQ(run_flotilla("run " + file + " --output " + run + " --resume --steps 6").exit_code, 0);
+    EXPECT_EQ(run_flotilla("check " + run + "/scene.json").exit_code, 0)
+        << "the run folder holds the scene as one of ours";
+}
+
+TEST(ImportCommand, RefusesWhatItCannotKeepAndWhatIsNone) {
+    const TemporaryFolder folder;
+    const std::string points =
+        folder.write("points.json", R"({"rigid_body_problem": {"rigid_bodies": [{"vertices": [[0,0,0]]}]}})");
+    const CommandOutput refused = run_flotilla("import " + points);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(refused.out, "");
+    EXPECT_EQ(refused.err,
+              "flotilla: " + points +
+                  ": /rigid_body_problem/rigid_bodies/0: has no faces: bodies of edges or points are not supported\n");
+    EXPECT_EQ(run_flotilla("import " + folder.write("own.json", run_flotilla("scene stack").out)).exit_code, 2);
+    EXPECT_EQ(run_flotilla("import " + (folder.path() / "none.json").string()).exit_code, 5);
+    const std::string file = folder.write("foreign.json", kForeign);
+    EXPECT_EQ(run_flotilla("import " + file + " --output " + (folder.path() / "no/x.json").string()).exit_code, 5);
+}
+
 TEST(PlanCommand, ListsEverySettingAndPreset) {
     const CommandOutput r = run_flotilla("plan --settings");
     EXPECT_EQ(r.exit_code, 0);
