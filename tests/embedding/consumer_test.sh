@@ -18,6 +18,24 @@ build_consumer() {
     "$work/consumer/consumer"
 }
 
+# The same program by other compilers and with other flags: the same bits.
+compare_flavours() {
+    local clang flavour reference
+    clang=$(command -v clang++ || true)
+    reference=$("$work/consumer/consumer" | grep hash)
+    [ "$(wc -l <<<"$reference")" = 2 ] || { echo "no hashes: $reference"; return 1; }
+    [ -n "$clang" ] || echo "no clang++ here: its program is left out"
+    for flavour in "-O0" "-O3 -march=native" "-O1 -fsanitize=address,undefined" ${clang:+"clang -O2"}; do
+        rm -rf "$work/flavour"
+        "$cmake" -S "$here/consumer" -B "$work/flavour" -G Ninja -DCMAKE_PREFIX_PATH="$work/installed" \
+            -DCMAKE_CXX_COMPILER="$([[ $flavour == clang* ]] && echo "$clang" || echo "$compiler")" \
+            -DCMAKE_EXE_LINKER_FLAGS="$link_flags" -DCMAKE_CXX_FLAGS="${flavour#clang }" >/dev/null
+        "$cmake" --build "$work/flavour" >/dev/null
+        [ "$("$work/flavour/consumer" | grep hash)" = "$reference" ] || { echo "other hashes: $flavour"; return 1; }
+        echo "same hashes: $flavour"
+    done
+}
+
 # NOTICE.txt names every library that the command needs at run time.
 check_notice() {
     local notice=$work/installed/share/doc/flotilla/NOTICE.txt library
@@ -44,7 +62,10 @@ install_and_use() {
 }
 
 case $mode in
-installed) install_and_use "$build" ;;
+installed)
+    install_and_use "$build"
+    [ -n "$link_flags" ] || compare_flavours
+    ;;
 shared)
     "$cmake" -S "$root" -B "$work/build" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
         -DBUILD_SHARED_LIBS=ON -DFLOTILLA_BUILD_TESTS=OFF -DFLOTILLA_BUILD_BENCH=OFF
