@@ -8,7 +8,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
 
-cp -r "$root"/{CMakeLists.txt,include,src,scripts,tests,bench} "$copy"
+cp -r "$root"/{CMakeLists.txt,LICENSE,include,src,scripts,tests,bench} "$copy"
 cat >"$copy/src/base/planted.hpp" <<'TEXT'
 #pragma once
 inline std::vector<int> planted() { return {}; }

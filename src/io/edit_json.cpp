@@ -433,6 +433,7 @@ std::vector<Edit> parse_edits(std::string_view text, const std::string& source, 
     ErrorList errors(source);
     std::vector<Edit> edits;
     const Json document = io::parse_json(text, errors);
+    const io::MemoryForTheEnd memory(text.size());
     if (!document.is_discarded()) edits = EditReader(folder, scene, errors).read(document);
     errors.throw_if_any();
     return edits;

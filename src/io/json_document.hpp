@@ -3,6 +3,8 @@
 // double's range, and a bound on nesting.
 #pragma once
 
+#include <cstdlib>
+#include <new>
 #include <string>
 #include <string_view>
 
@@ -29,6 +31,22 @@ struct JsonPlace {
 /// Parses `text`. Syntax errors end the reading ("line 3, column 7: ..."); every duplicate key up to there is reported too.
 /// Returns a discarded value after a syntax error.
 [[nodiscard]] Json parse_json(std::string_view text, ErrorList& errors);
+
+/// Memory for the end of a document, whose destructor lists what it destroys and ends the process where it gets none. Declared after the
+/// document, so that it is free when that goes; never touched before.
+class MemoryForTheEnd {
+  public:
+    /// Of a document of so many characters: of what it holds, siblings along one path wait in the list at most.
+    explicit MemoryForTheEnd(std::size_t characters) : block_(std::malloc(4 * characters + 65536)) {
+        if (block_ == nullptr) throw std::bad_alloc();
+    }
+    ~MemoryForTheEnd() { std::free(block_); }
+    MemoryForTheEnd(const MemoryForTheEnd&) = delete;
+    MemoryForTheEnd& operator=(const MemoryForTheEnd&) = delete;
+
+  private:
+    void* block_;
+};
 
 /// "a string", "an array", ... for messages.
 [[nodiscard]] std::string kind_of(const Json& value);

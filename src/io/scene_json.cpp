@@ -345,6 +345,7 @@ SceneDescription parse_scene(std::string_view text, const std::string& source, c
     ErrorList errors(source);
     SceneOrigin read_from;
     const Json document = io::parse_json(text, errors);
+    const io::MemoryForTheEnd memory(text.size());
     if (io::is_rigid_ipc(document)) {
         io::read_rigid_ipc(document, folder, options, scene, read_from, errors);
     } else if (!document.is_discarded()) {

@@ -67,6 +67,7 @@ class Options : public ::testing::Test {
             "bodies": [{"name": "block", "shape": "block", "position": [0, 0, 0.05], "velocity": [1, 0.5, 0]},
                        {"name": "other", "shape": "block", "position": [0.2, 0.1, 1.2]},
                        {"name": "ground", "shape": "ground", "type": "static"}]})");
+        folder_.write("edits.json", R"({"flotilla_edits": 1, "edits": [{"step": 2, "set_gravity": [1, 0, -9]}]})");
         std::string overlap = io::read_text(at("scene.json"));
         overlap.replace(overlap.find("[0.2, 0.1, 1.2]"), 15, "[0.2, 0.1, 0.1]");
         folder_.write("overlap.json", overlap);
@@ -181,6 +182,7 @@ Options::Rows Options::run_rows() {
              {run + " --trace " + at("t.json"), run + " --trace " + at("t.json") + " --trace-every 3",
               lines_with("trace of")}},
             {"--contacts", {run, run + " --contacts " + at("files/c.csv"), new_files()}},
+            {"--edits", {run, run + " --edits " + at("edits.json"), hash}},
             {"--pin", {run, run + " --pin", exit_code}}, // is gone, and says so
             {"--audit", {again, again + " --audit", lines_with("verdict")}},
             {"--quiet", {run, quiet, how_much_is_printed}}};

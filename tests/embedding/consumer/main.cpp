@@ -37,9 +37,8 @@ bool falls() {
 bool edits() {
     namespace f = flotilla;
     f::SceneDescription scene = falling_plate();
-    scene.shapes.push_back({.name = "floor",
-                            .vertices = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}},
-                            .triangles = {{0, 1, 2}}});
+    scene.shapes.push_back(
+        {.name = "floor", .vertices = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}, .triangles = {{0, 1, 2}}});
     scene.bodies.push_back({.name = "floor", .shape = 1, .type = f::BodyType::fixed});
     f::World world(scene);
     std::printf("scene hash: %016lx\n", static_cast<unsigned long>(world.scene_hash()));
