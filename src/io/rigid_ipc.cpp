@@ -14,6 +14,7 @@
 #include "base/text.hpp"
 #include "base/vec3.hpp"
 #include "io/json_reader.hpp"
+#include "io/rigid_ipc_keys.hpp"
 #include "io/rigid_ipc_mesh.hpp"
 #include "io/rigid_ipc_script.hpp"
 #include "mesh/topology.hpp"
@@ -25,51 +26,12 @@ namespace flotilla::io {
 namespace {
 
 using std::string_view_literals::operator""sv;
-
-constexpr std::string_view kProblem = "rigid_body_problem", kBodies = "rigid_bodies";
-constexpr std::array kSceneKeys{"scene_type"sv,
-                                "solver"sv,
-                                "timestep"sv,
-                                "max_time"sv,
-                                "max_iterations"sv,
-                                "distance_barrier_constraint"sv,
-                                "newton_solver"sv,
-                                "ipc_solver"sv,
-                                "friction_constraints"sv,
-                                kProblem,
-                                "homotopy_solver"sv,
-                                "ncp_solver"sv,
-                                "volume_constraint"sv,
-                                "viewport_bbox"sv};
-constexpr std::array kProblemKeys{"gravity"sv,      "coefficient_friction"sv,  "coefficient_restitution"sv,
-                                  "time_stepper"sv, "do_intersection_check"sv, "collision_eps"sv,
-                                  kBodies};
-constexpr std::array kBodyKeys{"mesh"sv,
-                               "vertices"sv,
-                               "edges"sv,
-                               "faces"sv,
-                               "type"sv,
-                               "is_dof_fixed"sv,
-                               "position"sv,
-                               "rotation"sv,
-                               "scale"sv,
-                               "dimensions"sv,
-                               "linear_velocity"sv,
-                               "angular_velocity"sv,
-                               "force"sv,
-                               "torque"sv,
-                               "density"sv,
-                               "group_id"sv,
-                               "kinematic_max_time"sv,
-                               "kinematic_poses"sv,
-                               "split_components"sv,
-                               "enabled"sv,
-                               "oriented"sv};
+using namespace rigid_ipc;
 
 constexpr double kDefaultTimeStep = 0.01; // s
 constexpr double kDefaultSteps = 1000;
 constexpr double kMostKeyframes =
-    1e6; // of a body that turns by a script: what is more is no scene but a slip of a digit
+    1e6; // of bodies that turn by scripts, 64 MB: more is a slip of a digit in step or end
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 /// 0 - x, and not -x, because zero has no sign worth keeping.
@@ -96,6 +58,7 @@ struct FileBody {
     Vec3 position;
     Quat rotation;
     Vec3 velocity, angular_velocity;
+    Vec3 force, torque; ///< N, N m
     double density = 1000;
     double script_end = std::numeric_limits<double>::infinity(); ///< s
     std::vector<PrincipalPose> poses;
@@ -132,7 +95,7 @@ class RigidIpcReader : JsonReader {
     TriangleMesh inline_mesh(const Json& value, const JsonPlace& at);
     Vec3 read_scale(const Json& value, const JsonPlace& at, const TriangleMesh& mesh);
     void read_motion(const Json& value, const JsonPlace& at, FileBody& body);
-    void refuse_unsupported(const Json& value, const JsonPlace& at, const FileBody& body);
+    void read_loads(const Json& value, const JsonPlace& at, FileBody& body);
     void read_script(const Json& value, const JsonPlace& at, FileBody& body);
     void read_group(const Json& value, const JsonPlace& at, const FileBody& body);
     void add_body(const FileBody& file, const std::string& name);
@@ -150,6 +113,7 @@ class RigidIpcReader : JsonReader {
     SceneDescription& scene_;
     SceneOrigin& origin_;
     ErrorList warnings_;
+    double keyframes_ = 0;                ///< of bodies that turn by scripts
     double file_step_ = kDefaultTimeStep; ///< s; that of the scene may be another, asked for by the caller
     RigidIpcMeshes meshes_;
     std::vector<Member> groups_;
@@ -245,7 +209,7 @@ void RigidIpcReader::read_body(const Json& value, const JsonPlace& at, std::size
     body.at = at.text();
     read_type(value, at, body);
     read_motion(value, at, body);
-    refuse_unsupported(value, at, body);
+    read_loads(value, at, body);
     if (body.type == BodyType::kinematic) read_script(value, at, body);
     read_group(value, at, body);
     if (!read_geometry(value, at, body)) return;
@@ -297,15 +261,11 @@ void RigidIpcReader::read_motion(const Json& value, const JsonPlace& at, FileBod
                              free(5) * body.angular_velocity.z};
 }
 
-void RigidIpcReader::refuse_unsupported(const Json& value, const JsonPlace& at, const FileBody& body) {
-    if (body.type != BodyType::dynamic) return; // nothing pulls at it, and no contact moves it
-    if (std::find(body.fixed.begin(), body.fixed.end(), true) != body.fixed.end())
-        problem(at.member("is_dof_fixed"), "single locked axes are not supported");
-    for (const std::string_view key : {"force"sv, "torque"sv}) {
-        Vec3 applied;
-        get(applied, value, at, key);
-        if (applied != Vec3{}) problem(at.member(key), "applied forces and torques are not supported");
-    }
+void RigidIpcReader::read_loads(const Json& value, const JsonPlace& at, FileBody& body) {
+    Vec3 torque;
+    get(body.force, value, at, "force");
+    get(torque, value, at, "torque");
+    body.torque = kDegree * torque; // it takes a torque for an angle: 300 means 300 pi / 180 N m
 }
 
 void RigidIpcReader::read_script(const Json& value, const JsonPlace& at, FileBody& body) {
@@ -316,11 +276,13 @@ void RigidIpcReader::read_script(const Json& value, const JsonPlace& at, FileBod
     const double end = std::min(body.script_end, origin_.duration), steps = end / file_step_;
     if (!body.poses.empty() && static_cast<double>(body.poses.size()) < steps - 1e-9)
         warn(at.member("kinematic_poses"), "end before the body does at " + to_text(end) + " s; it keeps the last");
-    if (body.poses.empty() && body.angular_velocity != Vec3{} && steps > kMostKeyframes) {
-        problem(at.member("angular_velocity"),
-                "needs " + to_text(steps) + " keyframes, one a step, more than " + to_text(kMostKeyframes));
-        body.angular_velocity = {};
-    }
+    if (!body.poses.empty() || body.angular_velocity == Vec3{}) return;
+    keyframes_ += steps;
+    if (keyframes_ <= kMostKeyframes) return;
+    problem(at.member("angular_velocity"), "needs " + to_text(steps) +
+                                               " keyframes, one a step; all scripts together may have " +
+                                               to_text(kMostKeyframes));
+    body.angular_velocity = {};
 }
 
 /// Bodies of one group pass through each other. That changes nothing where none of them moves freely: these never meet anyway.
@@ -408,7 +370,7 @@ std::int32_t RigidIpcReader::add_shape(const FileBody& file) {
     };
     const auto found = std::find_if(scene_.shapes.begin(), scene_.shapes.end(), same);
     if (found != scene_.shapes.end()) return static_cast<std::int32_t>(found - scene_.shapes.begin());
-    if (shape.mass_kind == MassKind::surface_density)
+    if (shape.mass_kind == MassKind::surface_density && !warnings_.any_at(file.at))
         warnings_.add(file.at, "its mesh bounds no volume: the density " + to_text(file.density) +
                                    " is taken as kg/m^2 of a shell");
     shape.name = file.stem + "-" + std::to_string(scene_.shapes.size());
@@ -454,6 +416,10 @@ void RigidIpcReader::add_body(const FileBody& file, const std::string& name) {
     if (file.type == BodyType::dynamic) {
         body.velocity = z_up(file.velocity);
         body.angular_velocity = z_up(file.angular_velocity);
+        body.force = z_up(file.force);
+        body.torque = z_up(file.torque);
+        body.locked_translation = {file.fixed[0], file.fixed[2], file.fixed[1]}; // x, -z and y of the file
+        body.locked_rotation = {file.fixed[3], file.fixed[5], file.fixed[4]};
     }
     try {
         if (file.type == BodyType::kinematic)
@@ -467,7 +433,7 @@ void RigidIpcReader::add_body(const FileBody& file, const std::string& name) {
 
 /// The place in the file of what a place in the scene is made of.
 std::string RigidIpcReader::place_of(const std::string& where) const {
-    constexpr std::array kSame{"position"sv, "rotation"sv, "density"sv, "angular_velocity"sv};
+    constexpr std::array kSame{"position"sv, "rotation"sv, "density"sv, "angular_velocity"sv, "force"sv, "torque"sv};
     const auto first = where.find('/', 1), second = first == std::string::npos ? first : where.find('/', first + 1);
     const std::string list = where.substr(0, first);
     const std::string top = "/" + std::string(kProblem);

@@ -127,6 +127,20 @@ TEST(RigidIpc, TypesAndLocks) {
     EXPECT_EQ(s.shapes[0].mass_kind, MassKind::none);
 }
 
+TEST(RigidIpc, LockedAxesForcesAndTorques) {
+    const auto [s, origin] = read(scene(brick(
+        R"("is_dof_fixed": [false,true,false,true,true,false], "linear_velocity": [1,2,3], "angular_velocity": [90,90,90],
+                            "force": [1,2,3], "torque": [0,180,0])")));
+    const BodyDescription& body = s.bodies[0];
+    EXPECT_EQ(body.type, BodyType::dynamic);
+    EXPECT_EQ(body.locked_translation, (std::array{false, false, true})) << "y there is z here";
+    EXPECT_EQ(body.locked_rotation, (std::array{true, false, true})) << "x and y there";
+    EXPECT_EQ(body.velocity, (Vec3{1, -3, 0})) << "a lock takes the velocity";
+    expect_near(body.angular_velocity, {0, -kPi / 2, 0});
+    EXPECT_EQ(body.force, (Vec3{1, -3, 2}));
+    expect_near(body.torque, {0, 0, kPi});
+}
+
 TEST(RigidIpc, TimeEndsWithTimeOrSteps) {
     EXPECT_EQ(read(scene(brick(), "", R"("max_time": 0.5, )")).origin.duration, 0.5);
     EXPECT_DOUBLE_EQ(read(scene(brick(), "", R"("max_iterations": 70, )")).origin.duration, 1.4);
@@ -276,6 +290,10 @@ TEST(RigidIpc, EveryProblemOnceAndAtItsPlaceInTheFile) {
         "f.json: /rigid_body_problem/rigid_bodies/0/density: must be in 1e-12 .. 1e+15 kg/m^3, got -1\n"
         "f.json: /rigid_body_problem/rigid_bodies/0/position: component 1e+10 exceeds the limit of 1e+09 m");
     EXPECT_EQ(refusal("{\"timestep\": 0, \"rigid_body_problem\": {}}"), "f.json: /timestep: must be positive, got 0");
+    EXPECT_EQ(
+        refusal(scene(brick(R"("type": "kinematic", "angular_velocity": [0, 1, 0])"), "", R"("max_time": 1e6, )")),
+        "f.json: /rigid_body_problem/rigid_bodies/0/angular_velocity: needs 5e+07 keyframes, one a step; all scripts "
+        "together may have 1e+06");
     EXPECT_EQ(refusal("{\"rigid_body_problem\": 3}"), "f.json: /rigid_body_problem: must be an object, got 3");
 }
 
@@ -329,8 +347,8 @@ TEST(RigidIpc, ReadsItsOwnScenes) {
             ++refused;
         }
     }
-    EXPECT_EQ(read, 28);
-    EXPECT_EQ(refused, 3) << "edges alone, points alone, an applied force";
+    EXPECT_EQ(read, 29);
+    EXPECT_EQ(refused, 2) << "edges alone, points alone";
 }
 
 } // namespace
