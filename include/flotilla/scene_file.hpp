@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Scene files: JSON, SI units. src/io/README.md describes the format; src/io/scene.schema.json is its JSON Schema. Scene files of
-// Rigid-IPC are read as well, known by their content.
+// Scene files: JSON, SI units. src/io/README.md describes the format; src/io/scene.schema.json is its JSON Schema.
+// Scene files of Rigid-IPC are read as well, known by their content.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,8 @@
 
 namespace flotilla {
 
-/// Settings that do not come from the file. What the file's `settings` give replaces the preset, `overrides` replace both;
-/// bodies without a friction or restitution of their own take the result.
+/// Settings that do not come from the file. What the file's `settings` give replaces the preset, `overrides` replace
+/// both; bodies without a friction or restitution of their own take the result.
 struct SceneFileOptions {
     std::string preset = "balanced";
     std::vector<std::pair<std::string, std::string>> overrides; ///< key and value, as --set gives them

@@ -17,7 +17,8 @@ namespace flotilla::io {
 /// Refuses the file: "path: /accessors/3: reason".
 [[noreturn]] void refuse_gltf(const std::filesystem::path& path, const std::string& where, const std::string& reason);
 
-/// A whole number that says how many, where or which; `otherwise` where the object has none. Refuses what is none or beyond `most`.
+/// A whole number that says how many, where or which; `otherwise` where the object has none. Refuses what is none or
+/// beyond `most`.
 [[nodiscard]] std::uint64_t gltf_number(const std::filesystem::path& path, const Json& object, const std::string& where,
                                         const char* key, std::uint64_t otherwise, std::uint64_t most);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Values of a JSON document as C++ values. One of the wrong type is reported at its place and leaves what was there, so that
-// reading goes on and all problems of a file are seen at once.
+// Values of a JSON document as C++ values. One of the wrong type is reported at its place and leaves what was there, so
+// that reading goes on and all problems of a file are seen at once.
 #pragma once
 
 #include <array>

@@ -285,7 +285,8 @@ void RigidIpcReader::read_script(const Json& value, const JsonPlace& at, FileBod
     body.angular_velocity = {};
 }
 
-/// Bodies of one group pass through each other. That changes nothing where none of them moves freely: these never meet anyway.
+/// Bodies of one group pass through each other. That changes nothing where none of them moves freely: these never meet
+/// anyway.
 void RigidIpcReader::read_group(const Json& value, const JsonPlace& at, const FileBody& body) {
     double group = -1;
     get(group, value, at, "group_id");

@@ -16,7 +16,8 @@ class RigidIpcMeshes {
   public:
     explicit RigidIpcMeshes(const std::filesystem::path& folder);
 
-    /// Throws InputError where the mesh is not found, or has edges or points that hang on no triangle; IoError where it cannot be read.
+    /// Throws InputError where the mesh is not found, or has edges or points that hang on no triangle; IoError where it
+    /// cannot be read.
     const TriangleMesh& read(const std::string& name);
 
   private:

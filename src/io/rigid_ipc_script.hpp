@@ -21,18 +21,20 @@ struct ConstantMotion {
     Vec3 angular_velocity; ///< rad/s, about it, axes of the world
 };
 
-/// Keyframes until `end`: two where the body does not turn, else one a `step`, because a place off the centre moves on an arc.
+/// Keyframes until `end`: two where the body does not turn, else one a `step`, because a place off the centre moves on
+/// an arc.
 [[nodiscard]] std::vector<Keyframe> constant_motion_keyframes(const Pose& start, const ConstantMotion& motion,
                                                               const Vec3& center_of_mass, double step, double end);
 
-/// A pose as Rigid-IPC keeps it: of the centre of mass, and of the frame of the principal axes that the body starts with.
+/// A pose as Rigid-IPC keeps it: of the centre of mass, and of the frame of the principal axes that the body starts
+/// with.
 struct PrincipalPose {
     Vec3 position;
     Vec3 rotation; ///< rotation vector, rad
 };
 
-/// The principal axes that a closed mesh starts with, as columns: in the order and with the signs that Eigen's solver gives the inertia
-/// in the world's axes, for Rigid-IPC stores them nowhere.
+/// The principal axes that a closed mesh starts with, as columns: in the order and with the signs that Eigen's solver
+/// gives the inertia in the world's axes, for Rigid-IPC stores them nowhere.
 struct PrincipalFrame {
     Quat axes;           ///< turns the principal frame into the world's
     Vec3 center_of_mass; ///< mesh coordinates

@@ -35,7 +35,7 @@ std::string uri(const std::string& data) {
     return "data:application/octet-stream;base64," + base64(std::as_bytes(std::span(data)));
 }
 
-/// A square of two triangles and a fifth vertex that repeats the first, as 16 bit indices; see Parts for what may be changed.
+/// A square of two triangles and a fifth vertex that repeats the first, with 16 bit indices.
 const std::string kPositions = bytes(std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 0});
 const std::string kIndices = bytes(std::vector<std::uint16_t>{0, 1, 2, 4, 2, 3});
 
