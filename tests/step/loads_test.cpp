@@ -43,7 +43,7 @@ SceneDescription pressed_crate(double weights, double friction) {
 TEST(Loads, CratePressedAgainstAWallNeitherJittersNorHovers) {
     for (const double weights : {1.0, 100.0}) {
         const SceneDescription scene = pressed_crate(weights, 0.5);
-        World world(scene);
+        World world(scene, "scene", {1});
         for (int n = 0; n < 120; ++n) world.step();
         const Vec3 from = world.body(2).center_of_mass;
         double fastest = 0, farthest = 0;

@@ -97,7 +97,7 @@ TEST(LockedAxes, HingeTurnsByItsTorqueAboutItsAxisAlone) {
         const Mat3 r = matrix(body.rotation);
         const Mat3 inertia = r * (diagonal({0.3, 0.4, 0.6}) * transpose(r));
         const double alpha = 0.02 / inertia.m[static_cast<std::size_t>(4 * axis)], dt = scene.settings.time_step;
-        World world(scene);
+        World world(scene, "scene", {1});
         const auto start = starts(world);
         double angle = 0;
         for (int n = 1; n <= 10000; ++n) {
@@ -195,7 +195,7 @@ TEST(LockedAxes, BodiesOnOneRailBounceByTheirMasses) {
         add_body(scene, heavy, BodyType::dynamic, {1, 0.1, 0}, 0, 1).velocity = {-1, 0, 0};
         for (BodyDescription& body : scene.bodies)
             body.locked_translation = {false, true, true}, body.locked_rotation = kAll;
-        World world(scene);
+        World world(scene, "scene", {1});
         const auto start = starts(world);
         for (int n = 0; n < 60; ++n) {
             ASSERT_EQ(world.step().energy_corrections, 0);
