@@ -103,6 +103,19 @@ TEST(BuildScene, ReportsWhatMassesCannotBe) {
     EXPECT_NE(what.find("scene: /shapes/2: shape 'odd': "), std::string::npos) << what;
 }
 
+TEST(BuildScene, RefusesLoadsThatNoStepCanTake) {
+    SceneDescription d;
+    d.shapes = {shape("box", make_box(1, 1, 1), MassKind::mass, 1e-3)};
+    d.bodies = {body("a", 0)};
+    d.bodies[0].force = {0, 0, 1e6};
+    EXPECT_NE(refusal(d).find("/bodies/0/force: accelerates the body by"), std::string::npos) << refusal(d);
+    d.bodies[0].force = {0, 0, 100};
+    d.bodies[0].torque = {1e9, 0, 0};
+    EXPECT_NE(refusal(d).find("/bodies/0/torque: may turn the body by"), std::string::npos) << refusal(d);
+    d.bodies[0].torque = {0.1, 0, 0};
+    EXPECT_EQ(refusal(d), "accepted");
+}
+
 TEST(BuildScene, RefusesDescriptionsMadeInMemory) {
     SceneDescription d;
     d.shapes = {shape("s", make_plate(1, 1), MassKind::mass, 1)};

@@ -65,6 +65,22 @@ TEST(SeparateOverlaps, MovesABoxOutOfTheFloorTheShortWay) {
     EXPECT_TRUE(find_initial_overlaps(scene).movable.empty());
 }
 
+TEST(SeparateOverlaps, LeavesLockedBodiesWhereTheyArePut) {
+    SceneDescription description;
+    const auto box = add_shape(description, make_box(0.5, 0.5, 0.5));
+    add_body(description, box, {});
+    add_body(description, box, {0, 0, 0.45}); // 0.05 deep
+    description.bodies[0].locked_translation[1] = true;
+    Scene scene = build_scene(description);
+    const SeparatedStart start = separate_overlaps(scene);
+    ASSERT_EQ(start.moves.size(), 1u);
+    EXPECT_EQ(start.moves[0].body, 1);
+    EXPECT_TRUE(start.not_freed.empty());
+    description.bodies[1].locked_translation[0] = true;
+    Scene stuck = build_scene(description);
+    EXPECT_EQ(separate_overlaps(stuck).not_freed, (std::vector<std::int32_t>{0, 1}));
+}
+
 // Two thin plates that cross near an edge: the move that draws one out along the other's normal is long, the one that draws its
 // edge back is short.
 TEST(SeparateOverlaps, FindsTheShortWayOutOfAThinShell) {
