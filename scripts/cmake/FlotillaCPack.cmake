@@ -4,10 +4,9 @@ set(CPACK_PACKAGE_NAME flotilla)
 set(CPACK_PACKAGE_VENDOR "The flotilla authors")
 set(CPACK_PACKAGE_CONTACT "The flotilla authors")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_PACKAGE_DESCRIPTION
-  "Library and command that simulate rigid bodies given as triangle meshes, surfaces without thickness among them. At the end of every time "
-  "step no two bodies intersect, none has passed through another on the way, and this is proved.")
-string(JOIN "" CPACK_PACKAGE_DESCRIPTION ${CPACK_PACKAGE_DESCRIPTION})
+string(CONCAT CPACK_PACKAGE_DESCRIPTION
+  "Library and command that simulate rigid bodies given as triangle meshes, surfaces without thickness among them. At "
+  "the end of every time step no two bodies intersect, none has passed through another on the way, and this is proved.")
 set(CPACK_RESOURCE_FILE_LICENSE "${PROJECT_SOURCE_DIR}/LICENSE")
 set(CPACK_GENERATOR TGZ DEB)
 set(CPACK_MONOLITHIC_INSTALL ON) # the component python is a wheel of its own

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-# Decides whether the Python module is built, and says so. Debian's interpreter is the one that its packages (numpy, pybind11) are for,
-# so it goes before others in PATH; Python_EXECUTABLE names another one.
-set(FLOTILLA_PYTHON_DESTINATION "lib/python3/dist-packages" CACHE STRING "Where the component python is installed, below the prefix")
+# Decides whether the Python module is built, and says so. Debian's interpreter is the one that its packages (numpy,
+# pybind11) are for, so it goes before others in PATH; Python_EXECUTABLE names another one.
+set(FLOTILLA_PYTHON_DESTINATION "lib/python3/dist-packages" CACHE STRING
+  "Where the component python is installed, below the prefix")
 if(NOT DEFINED Python_EXECUTABLE AND NOT DEFINED ENV{VIRTUAL_ENV} AND EXISTS /usr/bin/python3)
   set(Python_EXECUTABLE /usr/bin/python3)
 endif()

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Recipe for Spack. There is no archive to fetch: build a checkout with `spack dev-build -d CHECKOUT flotilla@0.1.0`."""
+"""Recipe for Spack. There is no archive to fetch; of a checkout: `spack dev-build -d CHECKOUT flotilla@0.1.0`."""
 from spack.package import *
 
 
 class Flotilla(CMakePackage):
-    """Rigid bodies given as triangle meshes, surfaces without thickness among them: no two ever intersect, and this is proved."""
+    """Rigid bodies given as triangle meshes, surfaces without thickness among them: no two ever intersect, and this is
+    proved."""
 
     license("MIT")
     version("0.1.0")

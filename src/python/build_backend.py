@@ -35,8 +35,9 @@ def _tag():
 
 def _metadata():
     return "\n".join(["Metadata-Version: 2.1", "Name: flotilla", f"Version: {_version()}",
-                      "Summary: Rigid bodies that never intersect, surfaces without thickness among them", "License: MIT",
-                      "Requires-Python: >=3.9", "Requires-Dist: numpy", "Description-Content-Type: text/markdown", "",
+                      "Summary: Rigid bodies that never intersect, surfaces without thickness among them",
+                      "License: MIT", "Requires-Python: >=3.9", "Requires-Dist: numpy",
+                      "Description-Content-Type: text/markdown", "",
                       _read("src", "python", "README.md")])
 
 
@@ -44,8 +45,8 @@ def _build():
     """Library and module; the folder of the build."""
     folder = os.path.join(_ROOT, "build", f"wheel-{_tag()}")
     subprocess.check_call([_CMAKE, "-S", _ROOT, "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                           "-DFLOTILLA_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}", "-DFLOTILLA_BUILD_TESTS=OFF",
-                           "-DFLOTILLA_BUILD_BENCH=OFF", "-DFLOTILLA_BUILD_CLI=OFF"])
+                           "-DFLOTILLA_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}",
+                           "-DFLOTILLA_BUILD_TESTS=OFF", "-DFLOTILLA_BUILD_BENCH=OFF", "-DFLOTILLA_BUILD_CLI=OFF"])
     subprocess.check_call([_CMAKE, "--build", folder, "--target", "flotilla_python"])
     return folder
 
@@ -73,7 +74,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     info = f"{stem}.dist-info"
     files = dict(_files(build))
     files[f"{info}/METADATA"] = _metadata().encode()
-    files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: flotilla\nRoot-Is-Purelib: false\nTag: {_tag()}\n".encode()
+    wheel_info = f"Wheel-Version: 1.0\nGenerator: flotilla\nRoot-Is-Purelib: false\nTag: {_tag()}\n"
+    files[f"{info}/WHEEL"] = wheel_info.encode()
     for name in ("LICENSE", "scripts/cmake/NOTICE.txt"):
         files[f"{info}/{os.path.basename(name)}"] = _read(*name.split("/")).encode()
     record = [_record_line(name, content) for name, content in files.items()]

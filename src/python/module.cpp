@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// flotilla._core: the library as Python sees it. The package beside it, src/python/flotilla, adds what is easier said in Python.
+// flotilla._core: the library as Python sees it. The package beside it, src/python/flotilla, adds what is easier said
+// in Python.
 #include <flotilla/build_info.hpp>
 
 #include "python/bind.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Scenes that Python builds and reads. Shape and Body are places in a scene by index, which they keep alive: no pointer into its lists, which
-// grow, ever leaves.
+// Scenes that Python builds and reads. Shape and Body are places in a scene by index, which they keep alive: no pointer
+// into its lists, which grow, ever leaves.
 #include "python/scene.hpp"
 
 #include <algorithm>

@@ -19,8 +19,9 @@ struct NamedScene {
     std::string source;
 };
 
-/// What every function takes as a scene: a Scene (shared, not copied), the path of a file, JSON text, or a dict as such text has. `preset`
-/// (None: balanced) and `settings` (a dict or None) are those of a file, text or dict; a Scene has its own.
+/// What every function takes as a scene: a Scene (shared, not copied), the path of a file, JSON text, or a dict as such
+/// text has. `preset` (None: balanced) and `settings` (a dict or None) are those of a file, text or dict; a Scene has
+/// its own.
 [[nodiscard]] NamedScene scene_argument(const py::object& scene, const py::object& preset, const py::object& settings);
 
 /// JSON that needs no other file: all vertices are in it.

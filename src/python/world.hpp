@@ -12,8 +12,8 @@
 
 namespace flotilla::python {
 
-/// A step runs without Python's lock, so another thread may call meanwhile: it gets an Error, never half a step. All members are used with
-/// the lock held.
+/// A step runs without Python's lock, so another thread may call meanwhile: it gets an Error, never half a step. All
+/// members are used with the lock held.
 class PythonWorld {
   public:
     PythonWorld(const NamedScene& scene, const WorldOptions& options, const std::optional<std::string>& snapshot);

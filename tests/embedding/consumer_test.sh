@@ -54,6 +54,16 @@ check_soname() {
     [ "$soname" = "libflotilla.so.${version%.*}" ] || { echo "soname $soname of version $version"; return 1; }
 }
 
+# The examples of scripts/examples/cpp: they end with 0 only where what they show is true.
+build_examples() {
+    "$cmake" -S "$root/scripts/examples/cpp" -B "$work/examples" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
+        -DCMAKE_EXE_LINKER_FLAGS="$link_flags" -DCMAKE_PREFIX_PATH="$work/installed"
+    "$cmake" --build "$work/examples"
+    "$work/examples/chain" 4
+    "$work/examples/bin_filling" 6 "$work/bin" | tee "$work/poses"
+    [ "$(wc -l <"$work/poses")" = 8 ] && [ -s "$work/bin/end.png" ]
+}
+
 install_and_use() {
     "$cmake" --install "$1" --prefix "$work/installed"
     check_notice
@@ -64,6 +74,7 @@ install_and_use() {
 case $mode in
 installed)
     install_and_use "$build"
+    build_examples
     [ -n "$link_flags" ] || compare_flavours
     ;;
 shared)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Makes the packages of a build and uses each where it is unpacked: the command runs and proves a run, a program is built by pkg-config's words.
+# Makes the packages of a build and uses each where it is unpacked: the command runs and proves a run, a program is
+# built by pkg-config's words.
 # usage: packages_test.sh CPACK COMPILER BUILD_DIR
 set -euo pipefail
 cpack=$1 compiler=$2 build=$3

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Recipes and citation are of the project's version, name what the build asks for, and the containers use what the repository has.
+"""Recipes and citation are of the project's version, name what the build asks for, and the containers use what the
+repository has.
 
 usage: recipes_test.py VERSION
 """

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# The job scripts for Slurm, without Slurm: a job that is told that its time is up asks to be queued again and goes on with the same bits.
+# The job scripts for Slurm, without Slurm: a job that is told that its time is up asks to be queued again and goes on
+# with the same bits.
 # usage: slurm_test.sh BUILD_DIR
 set -euo pipefail
 build=$1

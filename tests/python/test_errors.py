@@ -12,7 +12,8 @@ def walls(error_setting):
 
 
 def test_all_derive_from_error():
-    for kind in (flotilla.InputError, flotilla.IoError, flotilla.OverlapError, flotilla.ScriptError, flotilla.BrokenPromise):
+    for kind in (flotilla.InputError, flotilla.IoError, flotilla.OverlapError, flotilla.ScriptError,
+                 flotilla.BrokenPromise):
         assert issubclass(kind, flotilla.Error)
     assert issubclass(flotilla.InputError, ValueError)
 

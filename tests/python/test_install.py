@@ -19,8 +19,9 @@ print(flotilla.__file__)
 def test_the_wheel_holds_a_package_that_works(tmp_path):
     if subprocess.run([sys.executable, "-m", "pip", "--version"], capture_output=True).returncode != 0:
         pytest.skip("pip is not installed (Debian package python3-pip)")
-    subprocess.run([sys.executable, "-m", "pip", "install", "--no-build-isolation", "--no-deps", "--no-index", "--target",
-                    tmp_path / "site", "--config-settings", f"build-dir={os.environ['FLOTILLA_BUILD_DIR']}", ROOT], check=True)
+    subprocess.run([sys.executable, "-m", "pip", "install", "--no-build-isolation", "--no-deps", "--no-index",
+                    "--target", tmp_path / "site", "--config-settings",
+                    f"build-dir={os.environ['FLOTILLA_BUILD_DIR']}", ROOT], check=True)
     environment = dict(os.environ, PYTHONPATH=str(tmp_path / "site"))
     says = subprocess.run([sys.executable, "-c", PROGRAM], check=True, capture_output=True, text=True, env=environment,
                           cwd=tmp_path).stdout

@@ -37,7 +37,8 @@ def test_every_way_to_give_a_scene(recorded, scene_text):
 
 def test_a_run_and_its_resumption(recorded, tmp_path):
     file, hashes = recorded
-    totals = flotilla.run(file, tmp_path / "again", steps=STEPS, threads=1, after_step=lambda report: report.step < STEPS // 2)
+    totals = flotilla.run(file, tmp_path / "again", steps=STEPS, threads=1,
+                          after_step=lambda report: report.step < STEPS // 2)
     assert not totals.complete and totals.steps == STEPS // 2
     totals = flotilla.run(file, tmp_path / "again", steps=STEPS, resume=True, threads=2)
     assert totals.complete and totals.resumed_after == STEPS // 2

@@ -19,7 +19,8 @@ def test_a_scene_reads_back_from_all_it_is_written_to(falling, tmp_path):
 
 def test_meshes_become_bodies(plate):
     scene = flotilla.scene_from_meshes([plate, plate, (plate.vertices, plate.faces)],
-                                       positions=[(0, 0, 0), (0, 0, 1), (0, 0, 2)], static=[0], settings={"friction": 0.5})
+                                       positions=[(0, 0, 0), (0, 0, 1), (0, 0, 2)], static=[0],
+                                       settings={"friction": 0.5})
     assert len(scene.shapes) == 2 and [body.shape for body in scene.bodies] == [0, 0, 1]
     assert [body.type for body in scene.bodies] == ["static", "dynamic", "dynamic"]
     assert scene.bodies[1].friction == 0.5

@@ -22,8 +22,9 @@ def test_a_campaign_compares_its_points(tmp_path):
 
 def test_members_may_be_run_otherwise(tmp_path):
     def run(member):
-        totals = flotilla.run(member.scene, member.folder, steps=member.steps, preset=member.preset, settings=member.settings,
-                              frame_every=member.frame_every, threads=member.threads, resume=True)
+        totals = flotilla.run(member.scene, member.folder, steps=member.steps, preset=member.preset,
+                              settings=member.settings, frame_every=member.frame_every,
+                              threads=member.threads, resume=True)
         return 0 if totals.complete else 6, "", 0.0
 
     report = flotilla.sweep("stack", tmp_path, vary={"friction": [0.1, 0.5]}, bodies=3, steps=4, run=run)

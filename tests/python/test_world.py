@@ -12,7 +12,8 @@ import flotilla
 
 def test_a_free_body_falls_by_the_closed_form():
     scene = flotilla.Scene(gravity=(0, 0, -10), settings={"time_step": 0.01})
-    scene.add_body(scene.add_shape(([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]), surface_density=1), velocity=(2, 0, 0))
+    triangle = scene.add_shape(([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]), surface_density=1)
+    scene.add_body(triangle, velocity=(2, 0, 0))
     world = flotilla.World(scene)
     report = world.step(10)
     assert (report.step, world.steps, len(world)) == (10, 10, 1)
@@ -25,8 +26,8 @@ def test_a_free_body_falls_by_the_closed_form():
 def test_arrays_have_their_shapes_and_say_what_body_says(falling):
     world = flotilla.World(falling)
     world.step(3)
-    for name, shape in (("positions", (2, 3)), ("rotations", (2, 4)), ("centers_of_mass", (2, 3)), ("velocities", (2, 3)),
-                        ("angular_velocities", (2, 3)), ("turns", (2, 3))):
+    for name, shape in (("positions", (2, 3)), ("rotations", (2, 4)), ("centers_of_mass", (2, 3)),
+                        ("velocities", (2, 3)), ("angular_velocities", (2, 3)), ("turns", (2, 3))):
         array = getattr(world, name)
         assert array.shape == shape and array.dtype == float, name
     body = world.body(1)
@@ -57,7 +58,8 @@ def test_contacts_carry_the_weight(falling):
 def test_arrays_outlive_steps_and_the_world(falling):
     world = flotilla.World(falling)
     world.step(5)
-    kept = {name: getattr(world, name) for name in ("positions", "rotations", "velocities", "angular_velocities", "contacts")}
+    kept = {name: getattr(world, name)
+            for name in ("positions", "rotations", "velocities", "angular_velocities", "contacts")}
     before = {name: array.copy() for name, array in kept.items()}
     world.step(5)
     del world

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Rigid bodies that never intersect: triangle meshes, shells without thickness, frame-rate time steps, the same bits at any
-number of threads.
+"""Rigid bodies that never intersect: triangle meshes, shells without thickness, frame-rate time steps, the same bits at
+any number of threads.
 
     import flotilla
     world = flotilla.World(flotilla.make_scene("household", bodies=12))

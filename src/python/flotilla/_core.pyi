@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Types of the compiled part; what things are, their units and shapes say the docstrings. An attribute that is Final here is read only.
+# Types of the compiled part; what things are, their units and shapes say the docstrings. An attribute that is Final
+# here is read only.
 from typing import Any, Callable, Final, Iterable, Mapping, Sequence
 
 from numpy import float64, int32, int64

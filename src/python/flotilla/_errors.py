@@ -57,8 +57,8 @@ class OverlapError(Error):
 
 
 class ScriptError(Error):
-    """A script cannot make step `step` in full, and the scene asks for an error then. `pairs`: scripted body and one that
-    it would crush. The World stands where the step began."""
+    """A script cannot make step `step` in full, and the scene asks for an error then. `pairs`: scripted body and one
+    that it would crush. The World stands where the step began."""
 
     def __init__(self, message: str, step: int = 0, pairs: Iterable[tuple[int, int, str, str]] = ()) -> None:
         super().__init__(message)

@@ -22,9 +22,10 @@ def _rows(name: str, values: ArrayLike | None, default: tuple[float, ...], count
     return rows
 
 
-def scene_from_meshes(meshes: Iterable[MeshLike], positions: ArrayLike | None = None, rotations: ArrayLike | None = None, *,
-                      static: Iterable[int] = (), surface_density: float = 10.0, gravity: ArrayLike = (0, 0, -9.8),
-                      preset: str = "balanced", settings: Mapping[str, SettingValue] | None = None) -> _core.Scene:
+def scene_from_meshes(meshes: Iterable[MeshLike], positions: ArrayLike | None = None,
+                      rotations: ArrayLike | None = None, *, static: Iterable[int] = (), surface_density: float = 10.0,
+                      gravity: ArrayLike = (0, 0, -9.8), preset: str = "balanced",
+                      settings: Mapping[str, SettingValue] | None = None) -> _core.Scene:
     """A Scene with a body for each mesh. meshes: objects with .vertices (n, 3) in m and .faces (m, 3), or pairs of such
     arrays; an object that is there several times is one shape. positions: m, shape (bodies, 3), and rotations: unit
     quaternions w x y z, shape (bodies, 4), default to none. static: indices of bodies that never move. surface_density:

@@ -14,8 +14,8 @@ def picture(source: _core.World | _core.Scene | Path, output: Path, **options: A
     """Writes a PNG and returns a PictureReport. source: a World as it stands, a Scene, a scene file, or a run folder.
 
     Options: frame (of a run folder; default the last one), width, height (pixels), supersampling, azimuth, elevation,
-    field_of_view (degrees), zoom, target (m, shape (3)), camera_frame, sun_samples, sky_samples, outlines. The same input
-    gives the same bytes.
+    field_of_view (degrees), zoom, target (m, shape (3)), camera_frame, sun_samples, sky_samples, outlines. The same
+    input gives the same bytes.
     """
     if isinstance(source, _core.World):
         source = source.scene_now()

@@ -27,8 +27,8 @@ def _column(name: str, texts: list[str]) -> NDArray[Any]:
 
 
 def read_steps(folder: Path) -> dict[str, NDArray[Any]]:
-    """The columns of a run's steps.csv by name, an array of shape (steps) each: int64 counts, float64 quantities, uint64
-    hashes. Of a run that is still going the rows that are whole."""
+    """The columns of a run's steps.csv by name, an array of shape (steps) each: int64 counts, float64 quantities,
+    uint64 hashes. Of a run that is still going the rows that are whole."""
     path = os.path.join(os.fspath(folder), "steps.csv")
     try:
         with open(path, newline="", encoding="utf-8") as file:

@@ -55,8 +55,8 @@ def _text(value: SettingValue) -> str:
 
 def sweep(scenes: Path | Sequence[Path], output: Path, *, vary: Mapping[str, Iterable[SettingValue]], bodies: int = 0,
           preset: str = "balanced", settings: Mapping[str, SettingValue] | None = None, reference: str = "",
-          metrics: Iterable[str] = (), steps: int | None = None, duration: float = 10.0, threads: int = 1, jobs: int = 0,
-          overwrite: bool = False, resume: bool = False,
+          metrics: Iterable[str] = (), steps: int | None = None, duration: float = 10.0, threads: int = 1,
+          jobs: int = 0, overwrite: bool = False, resume: bool = False,
           run: Callable[[_core.SweepMember], tuple[int, str, float]] | None = None,
           progress: Callable[[int, int, str], object] | None = None,
           note: Callable[[str], object] | None = None) -> _core.SweepReport:
@@ -66,9 +66,10 @@ def sweep(scenes: Path | Sequence[Path], output: Path, *, vary: Mapping[str, Ite
 
     scenes: a scene file or a name of the library, or a list of such: several starts of one problem. vary: values by
     key, {"preset": ["preview", "balanced"], "dt": [0.04, 0.02], "seed": [1, 2, 3]}. bodies: of scenes of the library.
-    settings: of every run. reference: a preset, or empty. metrics: names of sweep_metrics, the error of the front first;
-    empty: all. steps or duration (s): of every run. threads: of each run; jobs: runs at a time, 0: as many as have cores.
-    run(member) makes a run and returns (exit code, reason, CPU seconds); by default a process of Python does.
+    settings: of every run. reference: a preset, or empty. metrics: names of sweep_metrics, the error of the front
+    first; empty: all. steps or duration (s): of every run. threads: of each run; jobs: runs at a time, 0: as many as
+    have cores. run(member) makes a run and returns (exit code, reason, CPU seconds); by default a process of Python
+    does.
     """
     if isinstance(scenes, (str, os.PathLike)):
         scenes = [scenes]
