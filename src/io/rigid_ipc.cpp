@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <span>
 
 #include <flotilla/error.hpp>
@@ -59,6 +60,7 @@ struct FileBody {
     Quat rotation;
     Vec3 velocity, angular_velocity;
     Vec3 force, torque; ///< N, N m
+    std::string group;  ///< empty: none
     double density = 1000;
     double script_end = std::numeric_limits<double>::infinity(); ///< s
     std::vector<PrincipalPose> poses;
@@ -97,18 +99,13 @@ class RigidIpcReader : JsonReader {
     void read_motion(const Json& value, const JsonPlace& at, FileBody& body);
     void read_loads(const Json& value, const JsonPlace& at, FileBody& body);
     void read_script(const Json& value, const JsonPlace& at, FileBody& body);
-    void read_group(const Json& value, const JsonPlace& at, const FileBody& body);
+    void read_group(const Json& value, const JsonPlace& at, FileBody& body);
+    void list_groups();
     void add_body(const FileBody& file, const std::string& name);
     std::int32_t add_shape(const FileBody& file);
     std::vector<Keyframe> keyframes(const FileBody& file, const ShapeDescription& shape);
     [[nodiscard]] std::string place_of(const std::string& where) const;
     void check();
-
-    struct Member {
-        double group;
-        std::size_t body;
-        BodyType type;
-    };
 
     SceneDescription& scene_;
     SceneOrigin& origin_;
@@ -116,7 +113,6 @@ class RigidIpcReader : JsonReader {
     double keyframes_ = 0;                ///< of bodies that turn by scripts
     double file_step_ = kDefaultTimeStep; ///< s; that of the scene may be another, asked for by the caller
     RigidIpcMeshes meshes_;
-    std::vector<Member> groups_;
     std::vector<std::string> body_places_, shape_places_; ///< of the scene's bodies and shapes in the file
 };
 
@@ -285,19 +281,26 @@ void RigidIpcReader::read_script(const Json& value, const JsonPlace& at, FileBod
     body.angular_velocity = {};
 }
 
-/// Bodies of one group pass through each other. That changes nothing where none of them moves freely: these never meet
-/// anyway.
-void RigidIpcReader::read_group(const Json& value, const JsonPlace& at, const FileBody& body) {
+/// Bodies of one group pass through each other.
+void RigidIpcReader::read_group(const Json& value, const JsonPlace& at, FileBody& body) {
     double group = -1;
     get(group, value, at, "group_id");
-    if (group < 0) return;
-    const auto meets = std::find_if(groups_.begin(), groups_.end(), [&](const Member& other) {
-        return other.group == group && (other.type == BodyType::dynamic || body.type == BodyType::dynamic);
-    });
-    if (meets != groups_.end())
-        problem(at.member("group_id"), "is that of " + JsonPlace{at.parent, {}, meets->body}.text() +
-                                           " as well: groups of bodies that pass through each other are not supported");
-    groups_.push_back({group, body.index, body.type});
+    if (group >= 0) body.group = "group " + to_text(group);
+}
+
+/// Groups with whom nobody could meet anyway are none.
+void RigidIpcReader::list_groups() {
+    std::map<std::string, std::pair<int, int>> members; // bodies in all, and those that move freely
+    for (const BodyDescription& body : scene_.bodies)
+        if (!body.group.empty()) {
+            ++members[body.group].first;
+            members[body.group].second += body.type == BodyType::dynamic ? 1 : 0;
+        }
+    const auto meets = [&](const std::string& group) { return members[group].first > 1 && members[group].second > 0; };
+    for (BodyDescription& body : scene_.bodies)
+        if (!body.group.empty() && !meets(body.group)) body.group.clear();
+    for (const auto& [group, count] : members)
+        if (meets(group)) scene_.ignored_groups.push_back({group, group});
 }
 
 TriangleMesh RigidIpcReader::inline_mesh(const Json& value, const JsonPlace& at) {
@@ -408,6 +411,7 @@ std::vector<Keyframe> RigidIpcReader::keyframes(const FileBody& file, const Shap
 void RigidIpcReader::add_body(const FileBody& file, const std::string& name) {
     BodyDescription body;
     body.name = name;
+    body.group = file.group;
     body.shape = add_shape(file);
     body.type = file.type;
     body.position = z_up(file.position);
@@ -454,6 +458,7 @@ std::string RigidIpcReader::place_of(const std::string& where) const {
 
 /// What the values mean, with every problem once.
 void RigidIpcReader::check() {
+    list_groups();
     ErrorList problems(errors().source());
     check_description(scene_, problems);
     for (const InputProblem& p : problems.problems()) {

@@ -264,16 +264,16 @@ TEST(RigidIpc, WhatChangesTheOutcomeIsRefusedWithItsPlace) {
         refusal(scene(
             R"({"vertices": [[0,0,0],[1,0,0],[0,0,1],[1,0,1]], "faces": [[0,1,2],[1,3,2]], "edges": [[0,1],[3,0]]})")),
         at + ": has edges beside its faces, which are not supported");
-    EXPECT_EQ(refusal(scene(brick(R"("group_id": 3)") + ", " + brick(R"("group_id": 3, "position": [9,0,0])"))),
-              "f.json: /rigid_body_problem/rigid_bodies/1/group_id: is that of /rigid_body_problem/rigid_bodies/0 as "
-              "well: groups of bodies that "
-              "pass through each other are not supported");
     EXPECT_EQ(refusal("{\"scene_type\": \"particles_problem\", \"rigid_body_problem\": {}}")
                   .find("f.json: /scene_type: \"particles_problem\" is not supported"),
               0U);
 }
 
 TEST(RigidIpc, GroupsOfWhatNeverMeetsChangeNothing) {
+    const auto ghosts =
+        read(scene(brick(R"("group_id": 3)") + ", " + brick(R"("group_id": 3, "position": [9,0,0])"))).scene;
+    EXPECT_EQ(ghosts.bodies[0].group, "group 3");
+    EXPECT_EQ(ghosts.ignored_groups, (std::vector<NamedPair>{{"group 3", "group 3"}}));
     const auto [s, origin] = read(scene(brick(R"("group_id": 0, "type": "static")") + ", " +
                                         brick(R"("group_id": 0, "is_dof_fixed": true)") + ", " +
                                         brick(R"("group_id": 1, "position": [9,0,0])")));
