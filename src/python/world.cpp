@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "python/bind.hpp"
+#include "python/world_class.hpp"
 #include "python/world_options.hpp"
 
 namespace flotilla::python {
@@ -30,6 +31,21 @@ py::array of_bodies(const PythonWorld& w, Get&& get) {
 template <auto Member>
 py::array field(const PythonWorld& w) {
     return of_bodies(w, [](const World& world, std::size_t i) { return world.body(i).*Member; });
+}
+
+/// Whether the place has a body.
+bool present(const World& world, std::size_t place) {
+    return world.contains({static_cast<std::int32_t>(place), world.generation(place)});
+}
+
+/// What `get` gives of the description of each present body, by place.
+template <class Value, class Get>
+std::vector<Value> of_places(const PythonWorld& w, Get&& get) {
+    const World& world = w.world();
+    std::vector<Value> values(world.size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (present(world, i)) values[i] = get(world.description(world.id(i)));
+    return values;
 }
 
 py::dtype structured(const py::list& names, const py::list& formats, const py::list& offsets, std::size_t size) {
@@ -100,8 +116,6 @@ std::string text_of(const PythonWorld& w) {
     return text;
 }
 
-using WorldClass = py::class_<PythonWorld>;
-
 void bind_motion(WorldClass& type) {
     type.def("__len__", [](const PythonWorld& w) { return w.world().size(); });
     type.def_property_readonly("positions", &field<&BodyState::position>,
@@ -128,21 +142,15 @@ void bind_motion(WorldClass& type) {
 void bind_knowledge(WorldClass& type) {
     type.def_property_readonly(
         "names",
-        [](const PythonWorld& w) {
-            std::vector<std::string> names;
-            for (const BodyDescription& b : w.start().bodies) names.push_back(b.name);
-            return names;
-        },
-        "of the bodies, in their order");
+        [](const PythonWorld& w) { return of_places<std::string>(w, [](const BodyDescription& b) { return b.name; }); },
+        "of the bodies, in their order; empty for the places of removed ones");
     type.def_property_readonly(
         "types",
         [](const PythonWorld& w) {
-            std::vector<std::string_view> types;
-            for (const BodyDescription& b : w.start().bodies)
-                types.push_back(kBodyTypes[static_cast<std::size_t>(b.type)]);
-            return types;
+            return of_places<std::string_view>(
+                w, [](const BodyDescription& b) { return kBodyTypes[static_cast<std::size_t>(b.type)]; });
         },
-        "dynamic, static or kinematic, by body");
+        "dynamic, static or kinematic, by body; empty for the places of removed ones");
     type.def_property_readonly(
         "steps", [](const PythonWorld& w) { return w.world().steps(); }, "made so far");
     type.def_property_readonly(
@@ -185,6 +193,11 @@ PythonWorld::PythonWorld(const NamedScene& scene, const WorldOptions& options,
       options_(options),
       world_(make_world(scene_, source_, options_, snapshot)) {}
 
+World& PythonWorld::edit() {
+    static_cast<void>(world());
+    return world_;
+}
+
 const World& PythonWorld::world() const {
     if (stepping_) throw Error("the World is in a step of another thread");
     return world_;
@@ -213,27 +226,54 @@ StepReport PythonWorld::step(std::int64_t n) {
 
 void PythonWorld::restore(const std::string& snapshot) {
     static_cast<void>(world());
-    world_ = make_world(scene_, source_, options_, snapshot);
+    world_.restore(std::as_bytes(std::span(snapshot)));
+}
+
+PythonWorld::PythonWorld(const PythonWorld& other, World&& world)
+    : scene_(other.scene_),
+      added_(other.added_),
+      source_(other.source_),
+      options_(other.options_),
+      world_(std::move(world)) {}
+
+std::unique_ptr<PythonWorld> PythonWorld::clone() const {
+    return std::unique_ptr<PythonWorld>(new PythonWorld(*this, world().clone(options_)));
+}
+
+std::int32_t PythonWorld::add_shape(const ShapeDescription& shape) {
+    const std::int32_t number = edit().add_shape(shape);
+    added_.resize(static_cast<std::size_t>(number) -
+                  scene_.shapes.size()); // those after a snapshot went with its return
+    added_.push_back(shape);
+    return number;
 }
 
 SceneDescription PythonWorld::scene_now() const {
-    SceneDescription now = scene_;
     const World& w = world();
-    for (std::size_t i = 0; i < now.bodies.size(); ++i) {
-        BodyDescription& body = now.bodies[i];
+    SceneDescription now = scene_;
+    now.gravity = w.gravity();
+    now.shapes.insert(now.shapes.end(), added_.begin(), added_.end());
+    now.bodies.clear();
+    for (std::size_t i = 0; i < w.size(); ++i) {
+        if (!present(w, i)) continue;
+        BodyDescription body = w.description(w.id(i));
+        if (static_cast<std::size_t>(body.shape) >= now.shapes.size())
+            throw Error("scene_now: shape " + std::to_string(body.shape) + " was added to another World");
         const BodyState state = w.body(i);
         body.position = state.position;
         body.rotation = state.rotation;
         body.keyframes.clear();
         if (body.type == BodyType::kinematic) body.type = BodyType::fixed;
-        if (body.type != BodyType::dynamic) continue;
-        body.velocity = state.velocity;
-        body.angular_velocity = state.angular_velocity;
+        const bool moves = body.type == BodyType::dynamic;
+        body.velocity = moves ? state.velocity : Vec3{};
+        body.angular_velocity = moves ? state.angular_velocity : Vec3{};
+        now.bodies.push_back(std::move(body));
     }
     return now;
 }
 
 void bind_world(py::module_& m) {
+    bind_edit_values(m);
     WorldClass type(m, "World",
                     "A scene in motion. No two of its bodies intersect at the end of a step: a step that could not be "
                     "proved throws "
@@ -256,10 +296,11 @@ void bind_world(py::module_& m) {
         "Goes on from a snapshot of a World of the same scene and settings. On an error nothing changes.");
     bind_motion(type);
     bind_knowledge(type);
+    bind_edits(type);
     type.def("__repr__", &text_of);
-    type.def("__copy__", [](const PythonWorld& w) { return unpickle(pickle(w)); });
+    type.def("__copy__", [](const PythonWorld& w) { return w.clone(); });
     type.def(
-        "__deepcopy__", [](const PythonWorld& w, const py::dict&) { return unpickle(pickle(w)); }, py::arg("memo"));
+        "__deepcopy__", [](const PythonWorld& w, const py::dict&) { return w.clone(); }, py::arg("memo"));
     type.def(py::pickle(&pickle, &unpickle));
 }
 

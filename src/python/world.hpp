@@ -2,9 +2,11 @@
 // A World of Python's: with its scene, and safe beside a step on another thread.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <flotilla/world.hpp>
 
@@ -22,16 +24,23 @@ class PythonWorld {
     StepReport step(std::int64_t n);
     /// Goes on from the snapshot. On an error everything is as it was.
     void restore(const std::string& snapshot);
+    /// Another World in the same state.
+    [[nodiscard]] std::unique_ptr<PythonWorld> clone() const;
+    std::int32_t add_shape(const ShapeDescription& shape);
 
-    /// Error while a step runs.
+    /// Error while a step runs; so does edit().
     [[nodiscard]] const World& world() const;
+    [[nodiscard]] World& edit();
     [[nodiscard]] const SceneDescription& start() const { return scene_; }
     [[nodiscard]] const WorldOptions& options() const { return options_; }
     /// The scene with the bodies where they are; kinematic ones stand still.
     [[nodiscard]] SceneDescription scene_now() const;
 
   private:
-    SceneDescription scene_; ///< as it started: the caller's may change
+    PythonWorld(const PythonWorld& other, World&& world);
+
+    SceneDescription scene_;              ///< as it started: the caller's may change
+    std::vector<ShapeDescription> added_; ///< shapes, by number after the scene's
     std::string source_;
     WorldOptions options_;
     World world_;

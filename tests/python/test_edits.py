@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+"""Worlds that change between steps."""
+import copy
+import gc
+import pickle
+
+import numpy
+import pytest
+
+import flotilla
+
+
+@pytest.fixture
+def world(falling):
+    return flotilla.World(falling, threads=1)
+
+
+def test_bodies_come_and_go(world, plate):
+    shape = world.add_shape(plate, surface_density=5)
+    first = world.add_body(shape, position=(0, 0, 1), velocity=(0, 0, -1))
+    assert isinstance(first, flotilla.BodyId) and (first.index, first.generation) == (2, 0)
+    assert len(world) == world.num_bodies == 3 and world.types == ["static", "dynamic", "dynamic"]
+    named = world.add_body(1, name="second", position=(0, 0, 2), friction=0.7)
+    assert world.find("second") == named == world.id(3) and world.names[3] == "second"
+    world.step(10)
+    world.remove_body(first)
+    assert not world.contains(first) and world.contains(named)
+    assert len(world) == 4 and world.num_bodies == 3 and world.names[2] == "" and world.types[2] == ""
+    again = world.add_body(shape, position=(0, 0, 9))
+    assert again.index == first.index and again.generation == 1 and again != first
+    with pytest.raises(flotilla.InputError):
+        world.remove_body(first)
+    assert world.step(5).step == 15
+
+
+def test_an_edit_that_is_refused_changes_nothing(world):
+    before = world.state_hash
+    with pytest.raises(flotilla.OverlapError) as caught:
+        world.add_body(1, position=(0, 0, 0))
+    assert caught.value.pairs
+    with pytest.raises(flotilla.OverlapError):
+        world.set_pose(world.id(1), (0, 0, 0))
+    for wrong in (lambda: world.add_body(9), lambda: world.set_type(world.id(1), "statik"),
+                  lambda: world.find("nobody"), lambda: world.wake(flotilla.BodyId(7)), lambda: world.set_material(world.id(1), -1, 0)):
+        with pytest.raises(flotilla.InputError):
+            wrong()
+    for wrong in (lambda: world.wake(1), lambda: world.add_body(1, colour="red"), lambda: world.set_gravity("down")):
+        with pytest.raises(TypeError):
+            wrong()
+    assert world.state_hash == before and len(world) == 2
+
+
+def test_forces_move_bodies_as_newton_says(plate):
+    scene = flotilla.Scene(gravity=(0, 0, 0), settings={"time_step": 0.01})
+    scene.add_body(scene.add_shape(plate, mass=2))
+    world = flotilla.World(scene, threads=1)
+    body, centre = world.id(0), world.centers_of_mass[0]
+    world.set_force(body, (4, 0, 0))
+    world.step(10)  # 4 N on 2 kg for 0.1 s
+    assert world.velocities[0] == pytest.approx((0.2, 0, 0), abs=1e-12)
+    world.set_force(body, (0, 0, 0))
+    world.apply_force(body, (0, 200, 0), world.centers_of_mass[0])
+    world.step(2)  # one step of 200 N
+    assert world.velocities[0] == pytest.approx((0.2, 1, 0), abs=1e-12)
+    world.apply_impulse(body, (0, 0, 6), world.centers_of_mass[0])
+    assert world.velocities[0] == pytest.approx((0.2, 1, 3), abs=1e-12)
+    world.apply_torque(body, (0, 0, 1))
+    world.step()
+    assert world.angular_velocities[0, 2] > 0
+    world.set_velocity(body, (0, 0, 0))
+    assert not world.velocities.any() and not world.angular_velocities.any()
+    world.set_gravity((0, 0, -10))
+    world.step(10)
+    assert world.gravity[2] == -10 and world.velocities[0, 2] == pytest.approx(-1, abs=1e-12)
+    assert world.step().energy == pytest.approx(world.energy, rel=1e-12)
+    assert (centre[:2] > 0).all()
+
+
+def test_questions_about_bodies(world):
+    hit = world.ray((0.4, 0.4, 5), (0, 0, -2), 10)
+    assert hit.body == world.find("falls") and hit.point == pytest.approx((0.4, 0.4, 0.1), abs=1e-12)
+    assert hit.distance == pytest.approx(4.9, abs=1e-12) and hit.normal == pytest.approx((0, 0, 1), abs=1e-12)
+    assert world.ray((50, 0, 5), (0, 0, -1), 10) is None
+    assert world.closest(world.id(0), world.id(1)).distance == pytest.approx(0.1, abs=1e-12)
+    assert world.overlapping(1, (0, 0, 0.1)) == [world.id(1)] and world.overlapping(1, (0, 0, 3)) == []
+    assert world.bodies_in((0, 0, 0.05), (1, 1, 0.2)) == [world.id(1)]
+    assert {world.id(0), world.id(1), world.id(1)} == {flotilla.BodyId(0), flotilla.BodyId(1)}
+    with pytest.raises(flotilla.InputError):
+        world.ray((0, 0, 0), (0, 0, 0), 1)
+
+
+def test_arrays_outlive_edits(world):
+    kept = world.positions
+    before = kept.copy()
+    for k in range(50):
+        world.add_body(1, position=(0, 0, 1 + k))
+    del world
+    gc.collect()
+    assert (kept == before).all()
+
+
+@pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda world: pickle.loads(pickle.dumps(world))])
+def test_copies_of_edited_worlds_have_their_bits(world, plate, duplicate):
+    world.add_body(world.add_shape(plate, mass=1), position=(0, 0, 1))
+    world.step(3)
+    other = duplicate(world)
+    assert world.step(8).state_hash == other.step(8).state_hash
+    assert (world.positions == other.positions).all()
+
+
+def test_snapshots_hold_edits(world, plate):
+    empty = world.snapshot()
+    shape = world.add_shape(plate, mass=1)
+    world.add_body(shape, position=(0, 0, 1))
+    world.step(4)
+    edited = world.snapshot()
+    expected = world.step(4).state_hash
+    world.restore(empty)
+    assert len(world) == 2
+    world.restore(edited)
+    assert len(world) == 3 and world.step(4).state_hash == expected
+
+
+def test_the_scene_of_the_moment_has_what_came_and_not_what_went(world, plate, tmp_path):
+    world.add_body(world.add_shape(plate, mass=1), name="new", position=(0, 0, 1))
+    world.remove_body(world.find("falls"))
+    world.set_gravity((0, 0, -1))
+    now = world.scene_now()
+    assert [body.name for body in now.bodies] == ["body0", "new"] and len(now.shapes) == 3
+    assert (now.gravity == (0, 0, -1)).all() and (now.bodies[1].position == (0, 0, 1)).all()
+    report = flotilla.picture(world, tmp_path / "p.png", width=64, height=48, sun_samples=1, sky_samples=4)
+    assert report.bodies == 2
+    assert numpy.isfinite(world.positions).all()
