@@ -40,6 +40,33 @@ template <std::size_t M, std::size_t N>
            (as.low - bs.high > margin && ae.low - be.high > margin);
 }
 
+/// The same along a direction that goes straight from d_s to d_e. Each difference of two points along it is a quadratic
+/// in time, which is at least the least of its Bernstein coefficients; the direction is never longer than the longer of
+/// both.
+template <std::size_t M, std::size_t N>
+[[nodiscard]] bool separated_on_the_way(const Vec3& d_s, const Vec3& d_e, const std::array<Vec3, M>& a_s,
+                                        const std::array<Vec3, N>& b_s, const std::array<Vec3, M>& a_e,
+                                        const std::array<Vec3, N>& b_e, const Slack& slack) {
+    const auto norm_1 = [](const Vec3& d) { return std::abs(d.x) + std::abs(d.y) + std::abs(d.z); };
+    const double margin = 1.0001 * std::max(length(d_s), length(d_e)) * slack.straying +
+                          slack.rounding * std::max(norm_1(d_s), norm_1(d_e));
+    const auto middle = [&](const auto& at_s, const auto& at_e) {
+        const auto value = [&](std::size_t k) { return 0.5 * (dot(at_e[k], d_s) + dot(at_s[k], d_e)); };
+        Span span{value(0), value(0)};
+        for (std::size_t k = 1; k < at_s.size(); ++k)
+            span = {std::min(span.low, value(k)), std::max(span.high, value(k))};
+        return span;
+    };
+    const std::array as{project(a_s, d_s), middle(a_s, a_e), project(a_e, d_e)},
+        bs{project(b_s, d_s), middle(b_s, b_e), project(b_e, d_e)};
+    bool ahead = true, behind = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+        ahead = ahead && bs[k].low - as[k].high > margin;
+        behind = behind && as[k].low - bs[k].high > margin;
+    }
+    return ahead || behind;
+}
+
 /// d scaled to a largest component of 1, so that nothing over- or underflows; zero where it cannot be.
 [[nodiscard]] inline Vec3 scaled(const Vec3& d) {
     const double m = max_component(abs(d));

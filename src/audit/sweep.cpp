@@ -53,7 +53,7 @@ class Bisection {
         if (find_direction(s, e, middle, slack)) return true;
         if (exact::triangles_intersect(middle.a, middle.b)) return fail(SweepVerdict::crossing, middle);
         apart = features_apart(apart, s, middle, e, slack);
-        if (apart == kAllFeaturePairs) return true;
+        if (apart == kAllFeaturePairs || turning_direction(s, e, slack)) return true;
         if (depth == kMaxDepth || ++intervals_ == kMaxIntervals) return fail(SweepVerdict::unproved, middle);
         return prove(s, middle, depth + 1, apart) && prove(middle, e, depth + 1, apart);
     }
@@ -91,6 +91,26 @@ class Bisection {
             if (accept(cross(normal_b, v))) return true;
         const ClosestPoints closest = closest_points(m.a, m.b);
         return accept(closest.on_b - closest.on_a);
+    }
+
+    /// Whether a direction that turns with the triangles keeps them apart: of bodies that turn as one by an angle
+    /// theta, at a distance g, that needs intervals of sqrt(g) / theta, where one direction for each needs g / theta, and
+    /// parallel edges have no determinant.
+    static bool turning_direction(const Snapshot& s, const Snapshot& e, const Slack& slack) {
+        const auto normal = [](const Corners& c) { return cross(c[1] - c[0], c[2] - c[1]); };
+        const auto edge = [](const Corners& c, std::size_t k) { return c[(k + 1) % 3] - c[k]; };
+        const auto keep = [&](const Vec3& d_s, const Vec3& d_e) {
+            const Vec3 from = scaled(d_s), to = scaled(d_e);
+            if (from == Vec3{} || to == Vec3{}) return false;
+            return separated_on_the_way(from / length(from), to / length(to), s.a, s.b, e.a, e.b, slack);
+        };
+        const Vec3 a_s = normal(s.a), a_e = normal(e.a), b_s = normal(s.b), b_e = normal(e.b);
+        if (keep(a_s, a_e) || keep(b_s, b_e)) return true;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (keep(cross(a_s, edge(s.a, k)), cross(a_e, edge(e.a, k))) ||
+                keep(cross(b_s, edge(s.b, k)), cross(b_e, edge(e.b, k))))
+                return true;
+        return false;
     }
 
     const BodyPath &path_a_, &path_b_;

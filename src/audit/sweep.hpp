@@ -8,7 +8,8 @@
 // triangles at every t between. Where no d among the candidates does, the interval is halved; delta falls with the square of
 // its length. Candidates are the axes and, in the middle of the interval, the separating axes of two triangles and the line
 // of their closest points, so that for triangles a positive distance apart some d works once the interval is short enough.
-// Faces that turn together at a tiny gap would need very short ones; audit/feature_sweep proves those at once.
+// Faces that turn together at a tiny gap would need very short ones; audit/feature_sweep proves those at once, or a
+// direction that turns with them does (separated_on_the_way()).
 //
 // delta for a body that turns at angular speed w about its moving centre, all points within r of it: r (w (e-s))^2 / 8,
 // because |x''| <= r w^2 and linear interpolation of x errs by at most |x''| (e-s)^2 / 8; and never more than 2 r,

@@ -243,6 +243,18 @@ TEST(AuditMotion, ProvesFacesThatTurnTogetherAtATinyGap) {
     }
 }
 
+TEST(AuditMotion, ProvesBoxesSideBySideThatTurnAsOneAtATinyGap) {
+    const Scene scene = scene_of({box(0.5, 0.5, 0.5), box(0.5, 0.5, 0.5)});
+    const auto turned = [](double share, double gap) {
+        const Vec3 turn = share * Vec3{-0.004, -0.055, 0.038};
+        return std::vector{pose({}, turn), pose(rotate(rotation_from_vector(turn), {1 + gap, 0, 0}), turn)};
+    };
+    for (const double gap : {2e-6, 1e-8}) {
+        EXPECT_TRUE(motion(scene, turned(0, gap), turned(1, gap)).passages.empty()) << gap;
+        EXPECT_FALSE(motion(scene, turned(0, gap), turned(1, -gap)).passages.empty()) << gap;
+    }
+}
+
 TEST(AuditMotion, ProvesFarFromTheOriginWhatItProvesNearIt) {
     const Scene scene = scene_of({plate(), plate()});
     const double gap = 0x1p-23; // one unit of the last place there
