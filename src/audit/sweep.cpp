@@ -94,8 +94,8 @@ class Bisection {
     }
 
     /// Whether a direction that turns with the triangles keeps them apart: of bodies that turn as one by an angle
-    /// theta, at a distance g, that needs intervals of sqrt(g) / theta, where one direction for each needs g / theta, and
-    /// parallel edges have no determinant.
+    /// theta, at a distance g, that needs intervals of sqrt(g) / theta, where one direction for each needs g / theta,
+    /// and parallel edges have no determinant.
     static bool turning_direction(const Snapshot& s, const Snapshot& e, const Slack& slack) {
         const auto normal = [](const Corners& c) { return cross(c[1] - c[0], c[2] - c[1]); };
         const auto edge = [](const Corners& c, std::size_t k) { return c[(k + 1) % 3] - c[k]; };
