@@ -67,6 +67,8 @@ class Options : public ::testing::Test {
             "bodies": [{"name": "block", "shape": "block", "position": [0, 0, 0.05], "velocity": [1, 0.5, 0]},
                        {"name": "other", "shape": "block", "position": [0.2, 0.1, 1.2]},
                        {"name": "ground", "shape": "ground", "type": "static"}]})");
+        folder_.write("ipc.json", R"({"rigid_body_problem": {"rigid_bodies": [
+            {"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]}]}})");
         folder_.write("edits.json", R"({"flotilla_edits": 1, "edits": [{"step": 2, "set_gravity": [1, 0, -9]}]})");
         std::string overlap = io::read_text(at("scene.json"));
         overlap.replace(overlap.find("[0.2, 0.1, 1.2]"), 15, "[0.2, 0.1, 0.1]");
@@ -290,6 +292,10 @@ Options::Rows Options::rows_of(const std::string& command) {
                 {"--frame-every", {report, report + " --frame-every 3", written("r.html")}},
                 {"--threads", {report + " --threads 1", report + " --threads 3", threads_started()}},
                 {"--quiet", {report, report + " --quiet", how_much_is_printed}}};
+    }
+    if (command == "import") {
+        const std::string import = "import " + at("ipc.json");
+        return {{"--output", {import, import + " --output " + at("files/scene.json"), new_files()}}};
     }
     if (command == "scene") {
         const std::string boats = "scene boats-in-bowl --bodies 4";
