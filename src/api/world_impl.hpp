@@ -60,6 +60,8 @@ struct World::Impl {
     /// Checks a body's description, as if it were alone in the scene, with the lengths of all.
     void check_description(BodyDescription& body, const char* doing) const;
     [[nodiscard]] FilteredBodies filtered() const;
+    [[nodiscard]] FilteredBodies filter_with(std::size_t place, const BodyDescription& body) const;
+    void describe(std::size_t place, BodyDescription body);
     /// Gives a body another description, where it stays.
     void change(std::size_t body, BodyDescription description);
     void apply_filter(EditedBodies changed, const std::string& doing);

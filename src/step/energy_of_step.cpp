@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// The step's account of energy (energy_account.hpp), and what slows down or holds islands that it cannot afford.
+#include <algorithm>
+#include <cmath>
+
+#include "state/loads.hpp"
+#include "step/stepper.hpp"
+
+namespace flotilla {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+} // namespace
+
+/// The step's account of energy, after stage 1.
+void Stepper::open_account() {
+    energy_.start(team_, model_, state_.pose, state_.motion);
+    for (const std::int32_t i : model_.active) energy_.add_work(i, clusters_.work(i));
+    join_contacts();
+    join_pushed();
+}
+
+/// Marks the bodies of islands that stage 3 would raise by more than they have. Bodies pressed together closer than their rest distance
+/// then stay as near as they are, until they can afford to part. Whether there are any.
+bool Stepper::mark_level(std::span<const Motion> half) {
+    for (const std::int32_t i : model_.active) way_[at(i)] = model_.settings.time_step * half[at(i)].velocity;
+    const std::span<const std::int32_t> bodies = energy_.overdrawn(model_, way_, state_.lift);
+    if (bodies.empty()) return false;
+    level_.assign(model_.size(), 0);
+    for (const std::int32_t body : bodies) level_[static_cast<std::size_t>(body)] = 1;
+    return true;
+}
+
+/// Bodies of islands that stages 3 and 5 raised by more than all their energy.
+std::span<const std::int32_t> Stepper::overdrawn() {
+    join_pushed();
+    for (const std::int32_t i : model_.active) way_[at(i)] = trajectories_.end_pose(at(i)).com - state_.pose[at(i)].com;
+    return energy_.overdrawn(model_, way_, state_.lift);
+}
+
+/// Halves the half velocities of what stages 3 and 5 could not move as a whole, where no script pays for it or is in its way; whether
+/// there is any. These are islands that were raised by more than all their energy: a body that falls on others in the step pushes them
+/// up with all its speed from the start on, and they keep theirs to the end, so that they rise by m g dt v for the m v^2 / 2 that they
+/// got. A slower one pushes less, or does not get there yet. And they are bodies that the failsafe held: half the way is more than none.
+bool Stepper::slow_down(std::span<Motion> half) {
+    const std::span<const std::int32_t> raised = overdrawn();
+    std::vector<std::int32_t> bodies(raised.begin(), raised.end());
+    for (const std::int32_t body : model_.active)
+        if (clusters_[clusters_.of(at(body))].rung == Rung::held && !energy_.touches_script(body))
+            bodies.push_back(body);
+    std::sort(bodies.begin(), bodies.end());
+    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+    for (const std::int32_t body : bodies) {
+        const auto i = static_cast<std::size_t>(body);
+        half[i] = {0.5 * half[i].velocity, 0.5 * half[i].momentum};
+        slowed_[i] = 1;
+    }
+    return !bodies.empty();
+}
+
+/// Islands that are raised too far even so stay where they were, and the failsafe goes on around them. Each round holds a body more at
+/// least.
+void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
+    while (true) {
+        const std::span<const std::int32_t> bodies = overdrawn();
+        if (bodies.empty()) return;
+        for (const std::int32_t body : bodies) {
+            const std::int32_t id = clusters_.of(static_cast<std::size_t>(body));
+            if (!clusters_[id].infinite()) clusters_.hold(id, trajectories_), ++failsafe.rung_changes;
+        }
+        const FailsafeStats more = run_failsafe(d);
+        failsafe.merges += more.merges;
+        failsafe.rung_changes += more.rung_changes;
+        for (const DelayedScript& script : more.delayed_scripts) { // of a way that an earlier round may have shortened
+            auto& all = failsafe.delayed_scripts;
+            const auto known =
+                std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.body == script.body; });
+            if (known == all.end())
+                all.push_back(script);
+            else
+                known->share *= script.share;
+        }
+        std::sort(failsafe.delayed_scripts.begin(), failsafe.delayed_scripts.end());
+    }
+}
+
+/// Bodies that had an impulse in stages 1 and 5, or are of one cluster, are of one island.
+void Stepper::join_pushed() {
+    for (const auto& worker : workers_)
+        for (const CandidatePair& p : worker->pushed) energy_.join(model_, p.a, p.b);
+    for (const std::int32_t id : model_.active)
+        for (const std::int32_t member : clusters_[id].members)
+            if (member != id) energy_.join(model_, id, member);
+}
+
+/// Bodies in contact are of one island.
+void Stepper::join_contacts() {
+    const Contact* last = nullptr; // they come pair by pair
+    for (const Contact& c : contacts_.contacts) {
+        if (last == nullptr || last->a != c.a || last->b != c.b) energy_.join(model_, c.a, c.b);
+        last = &c;
+    }
+}
+
+/// J, of a body's own force and torque in the step.
+double Stepper::load_work(std::size_t i, const Motion& collided, const Pose& end) const {
+    const Pose& start = state_.pose[i];
+    return work_of_loads(model_, i, start.rotation, collided, end.com - start.com, trajectories_.turn(i));
+}
+
+/// The account of the step's energy, after stage 7 (energy_account.hpp).
+void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
+    join_contacts();
+    for (std::size_t k = 0; has_scripts_ && k < static_.selected.size(); ++k) { // of scripted bodies in stage 7
+        const Contact& c = static_.selected[k];
+        for (const std::int32_t body : {c.a, c.b}) {
+            if (!model_.bodies[static_cast<std::size_t>(body)].scripted()) continue;
+            const Motion& m = motion[static_cast<std::size_t>(body)];
+            const Vec3 v = m.velocity + cross(m.momentum, c.point - end[static_cast<std::size_t>(body)].com);
+            const Vec3 impulse = body == c.a ? static_.impulses[k] : -static_.impulses[k];
+            energy_.add_work(body == c.a ? c.b : c.a, dot(impulse, v));
+        }
+    }
+    for (const std::int32_t i : model_.active)
+        if (model_.bodies[at(i)].movable() && model_.bodies[at(i)].driven())
+            energy_.add_loads(i, load_work(at(i), buffers_.collided[at(i)], end[at(i)]));
+    const EnergyCorrections made = energy_.settle(team_, model_, end, motion, state_.lift);
+    report.energy_corrections = made.islands;
+    report.energy_removed = made.removed;
+    report.lift = made.lift + sleepers_.lift;
+}
+
+} // namespace flotilla

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// What v^ becomes at the end of a step where contact turned bodies, or the failsafe held them.
+#include <algorithm>
+#include <cmath>
+
+#include "state/loads.hpp"
+#include "step/stepper.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr std::size_t kBodyGrain = 16; // bodies of a task
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+} // namespace
+
+/// Angular momentum turns with the body where contact turned it. v^{n+1} has the angular momentum of v^, which belongs to the
+/// orientation that the body would have reached alone. Contact in stages 3 and 5 may have turned it otherwise, and with the momentum
+/// kept in the world its energy would be that of another orientation: for a bar of aspect 1,000 many times as much. The further turn
+/// is O(dt^2) where contact acts steadily, so the momentum turned with it is as exact as the scheme, and the energy is kept.
+void Stepper::turn_momenta(std::span<const Motion> collided, std::span<Motion> motion) {
+    const double dt = model_.settings.time_step;
+    team_.for_each("turn momenta", model_.active.size(), kBodyGrain, [&](std::size_t k, int) {
+        const std::size_t i = at(model_.active[k]);
+        if (!model_.bodies[i].movable()) return;
+        const Cluster& c = clusters_[clusters_.of(i)];
+        const Body& body = model_.bodies[i];
+        if (num_free(body.locked.rotation) < 2) return; // about a hinge a momentum is that of any orientation
+        const Vec3& before = collided[i].momentum;
+        const bool driven = body.torque != Vec3{};
+        const Vec3 added = driven ? dt * turning_torque(model_, i) : Vec3{};
+        const Vec3 mean = driven ? before + 0.5 * added : before;
+        if (c.members.size() == 1 && c.rung == Rung::free && clusters_.motion()[i].momentum == mean) return;
+        const Quat &start = state_.pose[i].rotation, &end = trajectories_.end_pose(i).rotation;
+        const WorldInertia inertia = world_inertia(model_.shape_of(i), body.locked.rotation, start);
+        const Quat alone = normalized(rotate_free(inertia, body.locked.rotation, mean, dt).rotation * start);
+        const Vec3 turned_on = rotate(end, rotate(conjugate(alone), before));
+        motion[i].momentum = body.locked.rotation == 0 ? turned_on : within_energy(i, before, turned_on);
+        if (driven) motion[i].momentum += added;
+    });
+}
+
+/// With two free axes not all of a momentum turns on: what of it is about them, with no more than the energy at x^n.
+Vec3 Stepper::within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const {
+    const Vec3 momentum = free_part(model_.bodies[i].locked.rotation, turned_on);
+    const auto energy = [&](const Quat& rotation, const Vec3& l) {
+        return dot(l, angular_velocity(model_, i, rotation, l));
+    };
+    const double allowed = energy(state_.pose[i].rotation, before);
+    const double has = energy(trajectories_.end_pose(i).rotation, momentum);
+    return has > allowed ? std::sqrt(allowed / has) * momentum : momentum;
+}
+
+/// A body that the failsafe kept from falling must not go on accelerating: a cluster takes the velocity of the motion it really
+/// made if that holds less kinetic energy than what it would have (DESIGN 4.5). Beyond that rule: the failsafe moves bodies in ways
+/// that neither velocity knows of, so the velocities taken are scaled to at most the kinetic energy of v^ plus the work of gravity
+/// on the way really made; otherwise a body that was held up would keep the energy of a fall that it did not make.
+void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
+                              StepReport& report) {
+    const double dt = model_.settings.time_step;
+    const auto kinetic = [&](std::size_t i, const Motion& m) {
+        const Vec3 omega = angular_velocity(model_, i, end[i].rotation, m.momentum);
+        return 0.5 * model_.bodies[i].mass * length_sq(m.velocity) + 0.5 * dot(omega, m.momentum);
+    };
+    const auto kinetic_at_start = [&](std::size_t i) {
+        const Vec3 omega = angular_velocity(model_, i, state_.pose[i].rotation, collided[i].momentum);
+        return 0.5 * model_.bodies[i].mass * length_sq(collided[i].velocity) + 0.5 * dot(omega, collided[i].momentum);
+    };
+    for (const std::int32_t id : model_.active) {
+        const Cluster& c = clusters_[id];
+        if (c.members.empty() || failsafe_bodies_[at(id)] == 0) continue;
+        double planned = 0, real = 0, allowed = 0;
+        std::vector<Motion> made;
+        for (std::int32_t m : c.members) {
+            const auto i = static_cast<std::size_t>(m);
+            const Pose& start = trajectories_.start_pose(i);
+            const Mat3 inertia = turned(model_.shape_of(i).inertia, end[i].rotation);
+            const Body& body = model_.bodies[i];
+            const Vec3 way = end[i].com - start.com, &turn = trajectories_.turn(i);
+            made.push_back({way / dt + 0.5 * dt * acceleration(model_, i),
+                            free_part(body.locked.rotation, inertia * (turn / dt))});
+            if (body.torque != Vec3{}) made.back().momentum += 0.5 * dt * turning_torque(model_, i);
+            planned += kinetic(i, motion[i]);
+            real += kinetic(i, made.back());
+            allowed += kinetic_at_start(i) + body.mass * dot(model_.gravity, way);
+            if (body.driven()) allowed += load_work(i, collided[i], end[i]);
+        }
+        const auto member = [&](std::size_t k) { return static_cast<std::size_t>(c.members[k]); };
+        if (real < planned)
+            for (std::size_t k = 0; k < c.members.size(); ++k) motion[member(k)] = made[k];
+        const double taken = std::min(real, planned);
+        if (taken > allowed) {
+            const double share = std::sqrt(std::max(0.0, allowed) / taken);
+            for (std::size_t k = 0; k < c.members.size(); ++k) {
+                motion[member(k)].velocity = share * motion[member(k)].velocity;
+                motion[member(k)].momentum = share * motion[member(k)].momentum;
+            }
+        }
+        if (real < planned || taken > allowed) report.warnings |= kReboundLost;
+    }
+    for (auto* impulses : {&state_.warm_half, &state_.warm_final})
+        std::erase_if(*impulses, [&](const WarmImpulse& w) {
+            return failsafe_bodies_[static_cast<std::size_t>(w.a)] != 0 ||
+                   failsafe_bodies_[static_cast<std::size_t>(w.b)] != 0;
+        });
+}
+
+} // namespace flotilla
