@@ -57,7 +57,7 @@ FilteredBodies World::Impl::filtered() const { return make_filter(now.bodies, no
 
 std::vector<std::int32_t> World::Impl::overlapping(std::size_t place, const BodyDescription& body,
                                                    const FilteredBodies& filter) const {
-    refresh();
+    stepper->place_changed();
     const Model& model = stepper->model();
     const RigidShape& shape = model.shapes[at(shape_of[at(body.shape)])];
     PlacedBody there;
@@ -393,7 +393,7 @@ BodyId World::Impl::operator()(const edits::SetGravity& edit) {
 
 /// Bodies that met each other no longer must be apart where they are.
 void World::Impl::apply_filter(EditedBodies changed, const std::string& doing) {
-    refresh();
+    stepper->place_changed();
     const FilteredBodies filter = make_filter(changed.bodies, changed.ignored_groups, changed.ignored_bodies);
     const Model& model = stepper->model();
     for (std::size_t i = 0; i < model.size(); ++i)

@@ -79,7 +79,7 @@ std::optional<RayHit> World::ray(const Vec3& origin, const Vec3& direction, doub
     const double norm = length(direction);
     if (!(norm > 0) || !std::isfinite(norm)) throw InputError("the direction of a ray must not be zero");
     if (!(reach >= 0)) throw InputError("the reach of a ray must not be negative");
-    impl_->refresh();
+    impl_->stepper->place_changed();
     const Vec3 unit = direction / norm;
     std::optional<RayHit> best;
     for (std::size_t i = 0; i < size(); ++i) {
@@ -95,7 +95,7 @@ ClosestPoints World::closest(BodyId a, BodyId b) const {
     const DefaultFloatingPoint environment;
     const std::size_t i = impl_->place(a), k = impl_->place(b);
     if (i == k) throw InputError("the distance of a body from itself");
-    impl_->refresh();
+    impl_->stepper->place_changed();
     const ShapeDistance d = body_distance(impl_->placed(i), impl_->placed(k));
     return {d.distance, d.a, d.b, d.triangle_a, d.triangle_b};
 }
@@ -122,7 +122,7 @@ std::vector<BodyId> World::bodies_in(const Vec3& lower, const Vec3& upper) const
     require_finite("the upper corner of a box", upper);
     if (!(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z))
         throw InputError("the lower corner of a box must not be above the upper one");
-    impl_->refresh();
+    impl_->stepper->place_changed();
     std::vector<BodyId> out;
     for (std::size_t i = 0; i < size(); ++i)
         if (impl_->now.present[i] != 0 && meets_box(impl_->placed(i), {lower, upper})) out.push_back(impl_->id(i));

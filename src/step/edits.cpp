@@ -83,6 +83,7 @@ void Stepper::place_anew(std::int32_t body, const Pose& pose) {
     state_.lift[i] = 0;
     if (!state_.searched.empty()) state_.searched[i] = {pose, state_.step};
     moved_[i] = 1;
+    unplaced_.push_back(body);
     mark_changed(body);
 }
 
@@ -162,19 +163,32 @@ void Stepper::wake(std::int32_t body) {
     woken_ = true;
 }
 
-/// The body's island and those of all bodies that it touches: what it held up may fall.
+/// The body's island and those of all bodies near it: what it held up may fall. By where bodies are, and not by contacts, which are known
+/// or not as somebody asked for them.
 void Stepper::wake_neighbours(std::int32_t body) {
     wake(body);
-    for (const auto* list : {&contacts_.contacts, &sleeping_contacts_})
-        for (const Contact& c : *list)
-            if (c.a == body || c.b == body) wake(c.a == body ? c.b : c.a);
+    place_changed();
+    const auto box = [&](std::size_t i) -> const Box& { return *trajectories_.at_start(i).at0.box; };
+    const double reach = body_lengths(model_, at(body)).proximity;
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        if (!model_.bodies[i].dynamic() || i == at(body)) continue;
+        if (boxes_overlap(box(at(body)), box(i), std::max(reach, body_lengths(model_, i).proximity)))
+            wake(static_cast<std::int32_t>(i));
+    }
+}
+
+/// Vertices and boxes of bodies that came or were placed.
+void Stepper::place_changed() {
+    if (unplaced_.empty()) return;
+    trajectories_.grow(model_);
+    for (const std::int32_t body : unplaced_) trajectories_.place(model_, at(body), state_.pose[at(body)]);
+    unplaced_.clear();
 }
 
 void Stepper::forget_pairs_of(std::int32_t body) {
     erase_of(state_.rest_distances, body);
     for (auto* list : {&state_.warm_half, &state_.warm_final, &state_.waiting_half, &state_.waiting_final})
         erase_of(*list, body);
-    // Who asks for neighbours before the next step shall not meet it here.
     erase_of(sleeping_contacts_, body);
     contacts_.keep([&](std::size_t i) { return contacts_.contacts[i].a != body && contacts_.contacts[i].b != body; });
 }
@@ -192,15 +206,14 @@ void Stepper::refresh() {
     } else {
         team_.region([&] { refresh_changed(); });
     }
+    unplaced_.clear();
     stale_ = woken_ = any_changed_ = false;
     std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
 }
 
 /// What prepare() makes, where all is known but of some dynamic bodies, and of others that woke.
 void Stepper::refresh_changed() {
-    trajectories_.grow(model_);
-    for (std::size_t i = 0; i < changed_.size(); ++i)
-        if (changed_[i] != 0) trajectories_.place(model_, i, state_.pose[i]);
+    place_changed();
     pairs_.forget(changed_);
     mark_asleep();
     take_woken_contacts();

@@ -83,6 +83,8 @@ class Stepper {
     void wake(std::int32_t body);
     /// Makes all anew that follows from the model and the state, where they were changed; step() does so too.
     void refresh();
+    /// Of all that, the vertices and boxes of trajectories() alone.
+    void place_changed();
     /// The place that add_body() would take, maybe the one after the last.
     [[nodiscard]] std::int32_t free_place() const;
 
@@ -196,6 +198,7 @@ class Stepper {
     bool stale_ = false, woken_ = false;
     std::vector<std::uint8_t> changed_; ///< by body
     bool any_changed_ = false;
+    std::vector<std::int32_t> unplaced_; ///< those whose vertices are where they were before
     std::vector<std::uint8_t> moved_; ///< by body: placed since contacts were last searched for at the start of a step
     Scripts scripts_;
     bool has_scripts_ = false;

@@ -87,6 +87,29 @@ TEST(EditedRuns, KeepEveryPromiseWhileGravityTurnsInEveryStep) {
     }
 }
 
+// What an edit wakes goes by where bodies are: not by what was asked for before.
+TEST(EditedRuns, QuestionsBetweenEditsOfOneStepChangeNothing) {
+    World world(tub(), "scene", {1});
+    StepReport report;
+    for (int step = 0; step < 400 && report.sleeping < 12; ++step) report = world.step();
+    ASSERT_EQ(report.sleeping, 12) << "all at rest";
+    const std::vector<std::byte> rest = world.snapshot();
+    std::uint64_t hashes[2] = {};
+    for (const bool asked : {false, true}) {
+        world.restore(rest);
+        const BodyId lowest = world.find("body5");
+        BodyDescription above;
+        above.shape = 1;
+        above.position = world.body(static_cast<std::size_t>(lowest.index)).position;
+        for (above.position.z += 0.5; !world.overlapping(1, above.position, {}).empty();) above.position.z += 0.01;
+        const BodyId added = world.add_body(above);
+        if (asked) (void)world.contacts(), (void)world.snapshot(), (void)world.state_hash();
+        world.remove_body(added);
+        for (int step = 0; step < 5; ++step) hashes[asked ? 1 : 0] = world.step().state_hash;
+    }
+    EXPECT_EQ(hashes[0], hashes[1]);
+}
+
 TEST(EditedRuns, ClonesGoOnAlike) {
     World world(tub(), "scene", {1});
     RandomEdits edits(11, 2.4, 4, 24);
