@@ -3,7 +3,6 @@
 // double's range, and a bound on nesting.
 #pragma once
 
-#include <cstdlib>
 #include <new>
 #include <string>
 #include <string_view>
@@ -37,10 +36,8 @@ struct JsonPlace {
 class MemoryForTheEnd {
   public:
     /// Of a document of so many characters: of what it holds, siblings along one path wait in the list at most.
-    explicit MemoryForTheEnd(std::size_t characters) : block_(std::malloc(4 * characters + 65536)) {
-        if (block_ == nullptr) throw std::bad_alloc();
-    }
-    ~MemoryForTheEnd() { std::free(block_); }
+    explicit MemoryForTheEnd(std::size_t characters) : block_(::operator new(4 * characters + 65536)) {}
+    ~MemoryForTheEnd() { ::operator delete(block_); }
     MemoryForTheEnd(const MemoryForTheEnd&) = delete;
     MemoryForTheEnd& operator=(const MemoryForTheEnd&) = delete;
 

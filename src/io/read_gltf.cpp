@@ -97,7 +97,7 @@ class GltfReader {
     void check_requirements() const;
     [[nodiscard]] std::vector<std::uint64_t> roots() const;
     [[nodiscard]] Affine transform(const Json& node, const std::string& where) const;
-    void visit(const Visit& v, std::string_view wanted, std::vector<Visit>& todo);
+    void visit(const Visit& v, std::string_view wanted, std::vector<Visit>& waiting);
     void show(std::uint64_t mesh, const Affine& to_scene, const std::string& asked_at);
     [[nodiscard]] const Json& primitives(std::uint64_t mesh) const;
     struct Arrays {
@@ -299,7 +299,7 @@ void GltfReader::add_primitive(const Arrays& arrays, const std::string& where, c
     add_corners(order, arrays.mode, first);
 }
 
-void GltfReader::visit(const Visit& v, std::string_view wanted, std::vector<Visit>& todo) {
+void GltfReader::visit(const Visit& v, std::string_view wanted, std::vector<Visit>& waiting) {
     const std::string where = "/nodes/" + std::to_string(v.node);
     const Json& node = object("nodes", v.node, where);
     if (visited_[v.node]) refuse(where, "hangs on more than one node, or on itself");
@@ -314,20 +314,21 @@ void GltfReader::visit(const Visit& v, std::string_view wanted, std::vector<Visi
     if (const std::uint64_t mesh = number(node, where, "mesh", kNone); taken && mesh != kNone)
         show(mesh, to_scene, where + "/mesh");
     const std::vector<std::uint64_t> children = numbers(node, where, "children");
-    for (auto child = children.rbegin(); child != children.rend(); ++child) todo.push_back({*child, to_scene, taken});
+    for (auto child = children.rbegin(); child != children.rend(); ++child)
+        waiting.push_back({*child, to_scene, taken});
 }
 
 TriangleMesh GltfReader::read(std::string_view node) {
     check_requirements();
     const bool all = node.empty();
     visited_.resize(list("nodes").size());
-    std::vector<Visit> todo; // the next one at the end
+    std::vector<Visit> waiting; // the next one at the end
     const std::vector<std::uint64_t> first = roots();
-    for (auto root = first.rbegin(); root != first.rend(); ++root) todo.push_back({*root, {}, all});
-    while (!todo.empty()) {
-        const Visit next = todo.back();
-        todo.pop_back();
-        visit(next, node, todo);
+    for (auto root = first.rbegin(); root != first.rend(); ++root) waiting.push_back({*root, {}, all});
+    while (!waiting.empty()) {
+        const Visit next = waiting.back();
+        waiting.pop_back();
+        visit(next, node, waiting);
     }
     if (visited_.empty() && all) // meshes alone
         for (std::size_t i = 0; i < list("meshes").size(); ++i) show(i, {}, "/meshes/" + std::to_string(i));
@@ -350,6 +351,7 @@ TriangleMesh read_gltf(const std::filesystem::path& path, std::string_view data,
     const Chunks chunks = split_chunks(path, data);
     ErrorList errors(path.string());
     const Json document = parse_json(chunks.json, errors);
+    const MemoryForTheEnd memory(chunks.json.size());
     errors.throw_if_any();
     if (!document.is_object()) refuse_gltf(path, "", "must be an object, got " + kind_of(document));
     return GltfReader(path, document, chunks.binary).read(node);
