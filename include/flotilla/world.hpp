@@ -93,7 +93,7 @@ class World {
     StepReport step();
 
     // Changes between steps. What cannot be done is refused by InputError or OverlapError, and then nothing has changed; bodies that an edit
-    // concerns wake, with those that they touch. Every edit counts in state_hash(), and a snapshot holds them all.
+    // concerns wake, with those near them. Every edit counts in state_hash(), and a snapshot holds them all.
 
     /// Every other function of this section is a short form of this one.
     /// Returns the body of an AddBody or of the edit, the shape's number as `index` of an AddShape, and nobody of others.
@@ -127,7 +127,8 @@ class World {
     /// Called after stages 1, 3, 5 and 7 of a step, or of each inner one, on the thread that calls step(). Where it returns false, or throws, everything is as it was before
     /// the step, and step() throws StepCancelled, or what it threw. Costs a copy of the state in every step. Empty: none.
     void set_observer(std::function<bool(Phase)> observer);
-    /// Takes one line for what is worth a look: warnings of the scene and of steps, and edits that were refused. Empty: nobody.
+    /// Takes one line for what is worth a look: warnings of a step that the step before did not have, and edits that were refused. Empty:
+    /// nobody.
     void set_log(std::function<void(const std::string&)> log);
     /// Keeps the edits from now on, in order, with the step after which each was made.
     void record_edits(bool record);

@@ -2,6 +2,7 @@
 #include "api/edited_bodies.hpp"
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <string_view>
 
@@ -10,13 +11,14 @@
 #include "base/byte_stream.hpp"
 #include "base/error_list.hpp"
 #include "base/hasher.hpp"
+#include "base/vec3.hpp"
 #include "scene/description_checks.hpp"
 
 namespace flotilla {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x544944454c464c46; // "FLFLEDIT"
-constexpr std::uint64_t kVersion = 1;
+constexpr std::uint64_t kVersion = 2;
 
 static_assert(sizeof(Keyframe) == 8 * sizeof(double) && sizeof(EditedBodies::Push) == 7 * sizeof(double));
 static_assert(sizeof(Triangle) == 12 && sizeof(Vec3) == 24);
@@ -43,6 +45,17 @@ void optional_part(Stream& s, std::optional<T>& value) {
     part(s, *value);
 }
 
+/// As bytes, for not every byte is a bool.
+template <class Stream>
+void flags(Stream& s, std::array<bool, 3>& values) {
+    for (bool& value : values) {
+        std::uint8_t byte = value ? 1 : 0;
+        part(s, byte);
+        if (byte > 1) damaged();
+        value = byte != 0;
+    }
+}
+
 template <class Stream, class T, class Each>
 void list(Stream& s, std::vector<T>& values, Each&& each) {
     if constexpr (requires { s.add(std::uint64_t{}); })
@@ -64,7 +77,7 @@ void visit(Stream& s, BodyDescription& body) {
     part(s, body.name), part(s, body.shape), part(s, body.type), part(s, body.position), part(s, body.rotation);
     part(s, body.velocity), part(s, body.angular_velocity), part(s, body.friction), part(s, body.restitution);
     part(s, body.keyframes), part(s, body.group);
-    part(s, body.locked_translation), part(s, body.locked_rotation), part(s, body.force), part(s, body.torque);
+    flags(s, body.locked_translation), flags(s, body.locked_rotation), part(s, body.force), part(s, body.torque);
 }
 
 template <class Stream>
@@ -72,7 +85,7 @@ void visit(Stream& s, EditedBodies& e, std::vector<ShapeDescription>& added) {
     part(s, e.hash), part(s, e.gravity);
     list(s, added, [&](ShapeDescription& shape) { visit(s, shape); });
     list(s, e.bodies, [&](BodyDescription& body) { visit(s, body); });
-    part(s, e.present), part(s, e.generation), part(s, e.user_data), part(s, e.pushes);
+    part(s, e.present), part(s, e.generation), part(s, e.user_data), part(s, e.pushes), part(s, e.moved);
     const auto names = [&](NamedPair& pair) { part(s, pair.a), part(s, pair.b); };
     list(s, e.ignored_groups, names), list(s, e.ignored_bodies, names);
 }
@@ -80,10 +93,17 @@ void visit(Stream& s, EditedBodies& e, std::vector<ShapeDescription>& added) {
 /// What edits keep true.
 void check(const EditedBodies& e) {
     const std::size_t n = e.bodies.size();
-    if (e.hash == 0 || e.present.size() != n || e.generation.size() != n || e.user_data.size() != n) damaged();
+    if (e.hash == 0 || e.present.size() != n || e.generation.size() != n || e.user_data.size() != n ||
+        e.moved.size() != n)
+        damaged();
     SceneDescription scene;
-    scene.gravity = e.gravity;
-    scene.shapes = e.shapes;
+    if (!is_finite(e.gravity) || max_component(abs(e.gravity)) > kMaxGravity) damaged();
+    for (const ShapeDescription& shape : e.shapes) {
+        if (shape.mass_kind > MassKind::mass) damaged();
+        scene.shapes.emplace_back();
+        scene.shapes.back().name = shape.name;
+        scene.shapes.back().mass_kind = shape.mass_kind;
+    }
     ErrorList errors("damaged snapshot");
     std::set<std::string_view> names;
     for (std::size_t i = 0; i < n; ++i) {
@@ -98,9 +118,14 @@ void check(const EditedBodies& e) {
         check_body(copy, scene, element_path("bodies", i), errors);
     }
     errors.throw_if_any();
-    for (const EditedBodies::Push& p : e.pushes)
-        if (p.body < 0 || static_cast<std::size_t>(p.body) >= n || e.present[static_cast<std::size_t>(p.body)] == 0)
-            damaged();
+    std::int32_t last = -1;
+    for (const EditedBodies::Push& p : e.pushes) {
+        const auto i = static_cast<std::size_t>(p.body);
+        if (p.body <= last || i >= n || e.present[i] == 0 || e.bodies[i].type != BodyType::dynamic) damaged();
+        if (!(max_component(abs(p.force)) <= kMaxForce) || !is_finite(p.force)) damaged();
+        if (!(max_component(abs(p.torque)) <= kMaxForce) || !is_finite(p.torque)) damaged();
+        last = p.body;
+    }
 }
 
 // Hashes of edits. Names of bodies and shapes change no bit.
@@ -171,7 +196,7 @@ std::uint64_t chained_with_step(std::uint64_t hash, const Edit& edit) {
 }
 
 std::vector<std::byte> join_snapshot(const EditedBodies& bodies, std::span<const std::byte> state) {
-    EditedBodies copy = bodies;
+    EditedBodies copy = bodies; // one list of members reads and writes
     std::vector<ShapeDescription> added(copy.shapes.begin() + static_cast<std::ptrdiff_t>(copy.scene_shapes),
                                         copy.shapes.end());
     ByteWriter edited;

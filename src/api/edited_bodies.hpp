@@ -29,7 +29,8 @@ struct EditedBodies {
         Vec3 force, torque;
     };
     std::vector<Push> pushes;
-    std::uint64_t hash = 0; ///< of all edits, one after the other; 0: there was none
+    std::vector<std::uint8_t> moved; ///< by place: placed since the last step; of a snapshot alone
+    std::uint64_t hash = 0;          ///< of all edits, one after the other; 0: there was none
 };
 
 /// The hash of one edit more.

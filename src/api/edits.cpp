@@ -31,6 +31,22 @@ Shape lengths_of(const RigidShape& shape) {
     return out;
 }
 
+/// A description of a body that stands at a pose, and that nothing moves or locks.
+BodyDescription alone_at(const Pose& pose, BodyDescription body) {
+    body.position = pose.origin, body.rotation = pose.rotation;
+    body.velocity = body.angular_velocity = body.force = body.torque = {};
+    body.locked_translation = body.locked_rotation = {};
+    body.keyframes.clear();
+    return body;
+}
+
+/// Where a body's push is, or would be.
+template <class Pushes>
+auto push_of(Pushes& pushes, std::int32_t body) {
+    return std::lower_bound(pushes.begin(), pushes.end(), body,
+                            [](const EditedBodies::Push& p, std::int32_t b) { return p.body < b; });
+}
+
 void require_finite(const char* what, const Vec3& v, double most, const char* unit) {
     if (is_finite(v) && max_component(abs(v)) <= most) return;
     throw InputError(std::string(what) + " must be finite and below " + to_text(most) + " " + unit);
@@ -53,7 +69,18 @@ PlacedShape World::Impl::placed(std::size_t body) const {
     return {&stepper->model().shape_of(body), stepper->trajectories().at_start(body).at0};
 }
 
-FilteredBodies World::Impl::filtered() const { return make_filter(now.bodies, now.ignored_groups, now.ignored_bodies); }
+FilteredBodies World::Impl::filtered() const {
+    if (now.bodies.empty()) return {};
+    return filter_with(0, now.bodies.front());
+}
+
+BodyDescription World::Impl::as_it_stands(std::size_t body) const {
+    BodyDescription out = now.bodies[body];
+    const Pose& pose = stepper->state().pose[body];
+    if (out.type != BodyType::kinematic) out.position = pose.origin, out.rotation = pose.rotation;
+    out.velocity = out.angular_velocity = {};
+    return out;
+}
 
 std::vector<std::int32_t> World::Impl::overlapping(std::size_t place, const BodyDescription& body,
                                                    const FilteredBodies& filter) const {
@@ -185,7 +212,7 @@ BodyId World::Impl::operator()(const edits::AddBody& edit) {
     const FilteredBodies filter = filter_with(i, body);
     refuse_overlaps(body, i, filter);
 
-    if (!filter.group.empty()) added.group = filter.group[i];
+    added.group = filter.group[i];
     Motion motion;
     if (added.dynamic())
         motion = {body.velocity,
@@ -194,17 +221,27 @@ BodyId World::Impl::operator()(const edits::AddBody& edit) {
     if (added.scripted())
         body.position = body.keyframes.front().position, body.rotation = body.keyframes.front().rotation;
     describe(i, std::move(body));
-    if (!filter.group.empty()) stepper->set_filter(filter);
+    take_filter(filter);
     return id(i);
 }
 
-/// The filter as it is with another body at a place; empty where nothing is ignored.
 FilteredBodies World::Impl::filter_with(std::size_t place, const BodyDescription& body) const {
-    if (now.ignored_groups.empty() && now.ignored_bodies.empty()) return {};
+    if (now.ignored_groups.empty() && now.ignored_bodies.empty())
+        return {{}, std::vector<std::int32_t>(std::max(now.bodies.size(), place + 1), -1)};
     std::vector<BodyDescription> bodies = now.bodies;
     bodies.resize(std::max(bodies.size(), place + 1));
     bodies[place] = body;
     return make_filter(bodies, now.ignored_groups, now.ignored_bodies);
+}
+
+/// A filter that says the same of everybody who is there changes nothing, and wakes nobody.
+void World::Impl::take_filter(const FilteredBodies& filter) {
+    const Model& model = stepper->model();
+    const auto same_group = [&](const Body& b) {
+        return b.group == filter.group[static_cast<std::size_t>(&b - model.bodies.data())];
+    };
+    if (filter.filter == model.filter && std::all_of(model.bodies.begin(), model.bodies.end(), same_group)) return;
+    stepper->set_filter(filter);
 }
 
 /// Notes a body that came to a place.
@@ -234,7 +271,7 @@ BodyId World::Impl::operator()(const edits::RemoveBody& edit) {
     now.bodies[i].type = BodyType::fixed;
     std::erase_if(now.ignored_bodies, [&](const NamedPair& p) { return p.a == name || p.b == name; });
     std::erase_if(now.pushes, [&](const EditedBodies::Push& p) { return p.body == edit.body.index; });
-    if (!stepper->model().filter.empty()) stepper->set_filter(filtered());
+    take_filter(filtered());
     return {};
 }
 
@@ -248,7 +285,7 @@ BodyId World::Impl::operator()(const edits::SetPose& edit) {
     body.velocity = {};
     body.angular_velocity = {};
     check_description(body, "placing");
-    refuse_overlaps(body, i, stepper->model().filter.empty() ? FilteredBodies{} : filtered());
+    refuse_overlaps(body, i, filtered());
     stepper->place_body(edit.body.index, pose_at_origin(stepper->model().shape_of(i), body.position, body.rotation));
     now.bodies[i].position = body.position;
     now.bodies[i].rotation = body.rotation;
@@ -257,14 +294,13 @@ BodyId World::Impl::operator()(const edits::SetPose& edit) {
 
 BodyId World::Impl::operator()(const edits::SetVelocity& edit) {
     const std::size_t i = place(edit.body);
-    BodyDescription body = now.bodies[i];
+    BodyDescription body = as_it_stands(i);
     body.velocity = edit.velocity;
     body.angular_velocity = edit.angular_velocity;
-    const Pose& pose = stepper->state().pose[i];
-    if (body.type != BodyType::kinematic) body.position = pose.origin, body.rotation = pose.rotation;
     check_description(body, "setting the velocity of");
+    const Quat& rotation = stepper->state().pose[i].rotation;
     stepper->set_motion(edit.body.index,
-                        make_motion(stepper->model(), i, pose.rotation, edit.velocity, edit.angular_velocity));
+                        make_motion(stepper->model(), i, rotation, edit.velocity, edit.angular_velocity));
     return edit.body;
 }
 
@@ -274,17 +310,11 @@ BodyId World::Impl::operator()(const edits::SetType& edit) {
     if (edit.type == BodyType::kinematic)
         throw InputError("body " + in_quotes(body.name) + " becomes kinematic by a script (SetScript)");
     if (edit.type == body.type) return edit.body;
-    const Pose& pose = stepper->state().pose[i];
+    body = alone_at(stepper->state().pose[i], std::move(body));
     body.type = edit.type;
-    body.position = pose.origin, body.rotation = pose.rotation;
-    body.velocity = body.angular_velocity = {};
-    body.keyframes.clear();
-    body.locked_translation = body.locked_rotation = {};
-    body.force = body.torque = {};
     check_description(body, "setting the type of");
     // Bodies of infinite mass may intersect each other.
-    if (edit.type == BodyType::dynamic)
-        refuse_overlaps(body, i, stepper->model().filter.empty() ? FilteredBodies{} : filtered());
+    if (edit.type == BodyType::dynamic) refuse_overlaps(body, i, filtered());
     change(i, std::move(body));
     return edit.body;
 }
@@ -298,11 +328,8 @@ BodyId World::Impl::operator()(const edits::SetScript& edit) {
             throw InputError("script of body " + in_quotes(body.name) + ": a keyframe at " + to_text(k.time) +
                              " s is not later than the time, " + to_text(time) + " s");
     const Pose& pose = stepper->state().pose[i];
+    body = alone_at(pose, std::move(body));
     body.type = BodyType::kinematic;
-    body.locked_translation = body.locked_rotation = {};
-    body.force = body.torque = {};
-    body.velocity = body.angular_velocity = {};
-    body.position = pose.origin, body.rotation = pose.rotation;
     body.keyframes = {{0, pose.origin, pose.rotation}};
     if (time > 0) body.keyframes.push_back({time, pose.origin, pose.rotation});
     body.keyframes.insert(body.keyframes.end(), edit.keyframes.begin(), edit.keyframes.end());
@@ -313,23 +340,25 @@ BodyId World::Impl::operator()(const edits::SetScript& edit) {
 
 BodyId World::Impl::operator()(const edits::SetMaterial& edit) {
     const std::size_t i = place(edit.body);
-    BodyDescription body = now.bodies[i];
-    const Pose& pose = stepper->state().pose[i];
+    BodyDescription body = as_it_stands(i);
     body.friction = edit.friction;
     body.restitution = edit.restitution;
-    if (body.type != BodyType::kinematic) body.position = pose.origin, body.rotation = pose.rotation;
     check_description(body, "setting the material of");
+    body = now.bodies[i]; // a hinge goes on turning from where it was placed
+    body.friction = edit.friction;
+    body.restitution = edit.restitution;
     change(i, std::move(body));
     return edit.body;
 }
 
 BodyId World::Impl::operator()(const edits::SetForce& edit) {
     const std::size_t i = place(edit.body);
-    BodyDescription body = now.bodies[i];
+    BodyDescription body = as_it_stands(i);
     body.force = edit.force;
     body.torque = edit.torque;
     check_description(body, "setting the force on");
-    now.bodies[i] = std::move(body);
+    now.bodies[i].force = edit.force;
+    now.bodies[i].torque = edit.torque;
     stepper->wake(edit.body.index);
     push(edit.body.index);
     return edit.body;
@@ -339,8 +368,7 @@ BodyId World::Impl::operator()(const edits::ApplyForce& edit) {
     const std::size_t i = place(edit.body);
     if (!stepper->model().bodies[i].dynamic())
         throw InputError("body " + in_quotes(now.bodies[i].name) + " is not dynamic: nothing pushes it");
-    const auto push_of = [](const EditedBodies::Push& p, std::int32_t body) { return p.body < body; };
-    auto p = std::lower_bound(now.pushes.begin(), now.pushes.end(), edit.body.index, push_of);
+    auto p = push_of(now.pushes, edit.body.index);
     const bool known = p != now.pushes.end() && p->body == edit.body.index;
     const Vec3 force = known ? p->force + edit.force : edit.force,
                torque = known ? p->torque + edit.torque : edit.torque;
@@ -357,8 +385,8 @@ BodyId World::Impl::operator()(const edits::ApplyForce& edit) {
 /// Tells the solver what acts on a body in the next step.
 void World::Impl::push(std::int32_t body) {
     Vec3 force = now.bodies[at(body)].force, torque = now.bodies[at(body)].torque;
-    for (const EditedBodies::Push& p : now.pushes)
-        if (p.body == body) force += p.force, torque += p.torque;
+    if (const auto p = push_of(now.pushes, body); p != now.pushes.end() && p->body == body)
+        force += p->force, torque += p->torque;
     stepper->set_force(body, force, torque);
 }
 
@@ -391,62 +419,79 @@ BodyId World::Impl::operator()(const edits::SetGravity& edit) {
     return {};
 }
 
-/// Bodies that met each other no longer must be apart where they are.
-void World::Impl::apply_filter(EditedBodies changed, const std::string& doing) {
+/// Bodies that were let through each other and shall meet must be apart where they are. `body`: it is about its pairs alone.
+void World::Impl::check_filter(const FilteredBodies& filter, const std::string& doing,
+                               std::optional<std::size_t> body) const {
     stepper->place_changed();
-    const FilteredBodies filter = make_filter(changed.bodies, changed.ignored_groups, changed.ignored_bodies);
     const Model& model = stepper->model();
-    for (std::size_t i = 0; i < model.size(); ++i)
-        for (std::size_t k = i + 1; k < model.size(); ++k) {
-            const bool meet = model.bodies[i].present && model.bodies[k].present &&
-                              (model.bodies[i].dynamic() || model.bodies[k].dynamic());
-            if (!meet || !model.ignores(static_cast<std::int32_t>(i), static_cast<std::int32_t>(k)) ||
-                filter.ignores(i, k) || !bodies_overlap(placed(i), placed(k)))
-                continue;
-            const std::string &a = now.bodies[i].name, &b = now.bodies[k].name;
-            throw OverlapError(doing + ": bodies " + in_quotes(a) + " and " + in_quotes(b) + " intersect",
-                               {{{static_cast<std::int32_t>(i), static_cast<std::int32_t>(k), a, b}, 0}});
-        }
-    now = std::move(changed);
-    stepper->set_filter(filter);
+    const auto check_pair = [&](std::size_t i, std::size_t k) {
+        const bool meet = model.bodies[i].present && model.bodies[k].present &&
+                          (model.bodies[i].dynamic() || model.bodies[k].dynamic());
+        if (i == k || !meet || !model.ignores(static_cast<std::int32_t>(i), static_cast<std::int32_t>(k)) ||
+            filter.ignores(i, k) || !bodies_overlap(placed(i), placed(k)))
+            return;
+        const BodyNames names =
+            pair(static_cast<std::int32_t>(std::min(i, k)), static_cast<std::int32_t>(std::max(i, k)));
+        throw OverlapError(doing + ": bodies " + in_quotes(names.name_a) + " and " + in_quotes(names.name_b) +
+                               " intersect",
+                           {{names, 0}});
+    };
+    if (model.filter.empty()) return; // everybody met
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        if (body)
+            check_pair(*body, i);
+        else
+            for (std::size_t k = i + 1; k < model.size(); ++k) check_pair(i, k);
+    }
 }
 
 BodyId World::Impl::operator()(const edits::SetGroup& edit) {
-    EditedBodies changed = now;
+    const std::size_t i = place(edit.body);
+    const std::string doing = "group of body " + in_quotes(now.bodies[i].name);
     if (!edit.group.empty()) {
-        ErrorList errors("group of body " + in_quotes(now.bodies[place(edit.body)].name));
+        ErrorList errors(doing);
         check_name(edit.group, "", errors);
         errors.throw_if_any();
     }
-    changed.bodies[place(edit.body)].group = edit.group;
-    apply_filter(std::move(changed), "group of body " + in_quotes(now.bodies[place(edit.body)].name));
+    BodyDescription body = now.bodies[i];
+    body.group = edit.group;
+    const FilteredBodies filter = filter_with(i, body);
+    check_filter(filter, doing, i);
+    now.bodies[i].group = edit.group;
+    take_filter(filter);
     return edit.body;
 }
 
 namespace {
 
-void set_ignored(std::vector<NamedPair>& list, const std::string& a, const std::string& b, bool ignored) {
+std::vector<NamedPair> with_pair(std::vector<NamedPair> list, const std::string& a, const std::string& b,
+                                 bool ignored) {
     const NamedPair pair{std::min(a, b), std::max(a, b)};
     std::erase_if(list, [&](const NamedPair& p) { return p == pair || p == NamedPair{pair.b, pair.a}; });
     if (ignored) list.push_back(pair);
+    return list;
 }
 
 } // namespace
 
 BodyId World::Impl::operator()(const edits::IgnoreGroups& edit) {
     if (edit.a.empty() || edit.b.empty()) throw InputError("a group to be ignored needs a name");
-    EditedBodies changed = now;
-    set_ignored(changed.ignored_groups, edit.a, edit.b, edit.ignored);
-    apply_filter(std::move(changed), "groups " + in_quotes(edit.a) + " and " + in_quotes(edit.b));
+    std::vector<NamedPair> groups = with_pair(now.ignored_groups, edit.a, edit.b, edit.ignored);
+    const FilteredBodies filter = make_filter(now.bodies, groups, now.ignored_bodies);
+    check_filter(filter, "groups " + in_quotes(edit.a) + " and " + in_quotes(edit.b), {});
+    now.ignored_groups = std::move(groups);
+    take_filter(filter);
     return {};
 }
 
 BodyId World::Impl::operator()(const edits::IgnorePair& edit) {
     const std::size_t a = place(edit.a), b = place(edit.b);
     if (a == b) throw InputError("body " + in_quotes(now.bodies[a].name) + " cannot meet itself");
-    EditedBodies changed = now;
-    set_ignored(changed.ignored_bodies, now.bodies[a].name, now.bodies[b].name, edit.ignored);
-    apply_filter(std::move(changed), "a pair that shall meet");
+    std::vector<NamedPair> pairs = with_pair(now.ignored_bodies, now.bodies[a].name, now.bodies[b].name, edit.ignored);
+    const FilteredBodies filter = make_filter(now.bodies, now.ignored_groups, pairs);
+    check_filter(filter, "a pair that shall meet", a);
+    now.ignored_bodies = std::move(pairs);
+    take_filter(filter);
     return {};
 }
 

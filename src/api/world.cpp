@@ -153,6 +153,7 @@ World::Impl::Impl(const Impl& other, const WorldOptions& given)
     model.settings = settings;
     stepper = std::make_unique<Stepper>(model, other.stepper->state(), stepper_options(given));
     stepper->set_edits_hash(now.hash);
+    stepper->set_moved(other.stepper->moved());
     name_places();
 }
 
@@ -166,6 +167,7 @@ void World::Impl::go_to(Model model, std::span<const std::byte> snapshot) {
     auto restarted = std::make_unique<Stepper>(model, std::move(state), stepper_options(options));
     now = split.edited ? std::move(split.bodies) : start;
     restarted->set_edits_hash(now.hash);
+    if (split.edited) restarted->set_moved(std::move(now.moved));
     stepper = std::move(restarted);
     shape_of = std::move(shapes);
     name_places();
@@ -212,18 +214,22 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step() {
-    if (impl_->force_callback && impl_->whole) impl_->force_callback(*this);
+    if (impl_->force_callback && impl_->whole) {
+        const auto callback = impl_->force_callback; // it may set another one
+        callback(*this);
+    }
     const DefaultFloatingPoint environment;
     Impl& w = *impl_;
     if (!std::exchange(w.whole, false))
         throw Error("step " + std::to_string(steps() + 1) +
                     ": an earlier call failed half-way; the World cannot go on, a snapshot taken before can");
     try {
-        StepReport report = w.stepper->step(w.observer);
+        const auto observer = w.observer; // as above
+        StepReport report = w.stepper->step(observer);
         w.clear_pushes();
         w.whole = true;
         w.contacts_of_step = -1;
-        if (report.warnings != 0) w.say_warnings(report);
+        w.say_warnings(report);
         return report;
     } catch (const CertificateError& e) {
         const BodyNames pair = w.pair(e.pair.a, e.pair.b);
@@ -249,7 +255,7 @@ StepReport World::step() {
     }
 }
 
-/// Each once in a run of steps that have it.
+/// Those that the step before did not have.
 void World::Impl::say_warnings(const StepReport& report) {
     constexpr std::array<std::pair<StepWarning, std::string_view>, 6> kTexts{
         {{kCollisionLimit, "stage 1 ended at collision_iterations"},
@@ -258,8 +264,10 @@ void World::Impl::say_warnings(const StepReport& report) {
          {kScriptDelayed, "a scripted body was held, as bodies were in its way"},
          {kReboundLost, "a body that the failsafe held lost a rebound"},
          {kStaticLetOff, "a contact solve of a resting jam ended up to ten times above its tolerance"}}};
+    const std::uint32_t fresh = report.warnings & ~last_warnings;
+    last_warnings = report.warnings;
     for (const auto& [bit, text] : kTexts)
-        if ((report.warnings & bit) != 0) say("step " + std::to_string(report.step) + ": " + std::string(text));
+        if ((fresh & bit) != 0) say("step " + std::to_string(report.step) + ": " + std::string(text));
 }
 
 std::size_t World::size() const { return impl_->now.bodies.size(); }
@@ -273,7 +281,7 @@ BodyState World::body(std::size_t index) const {
     const State& state = impl_->stepper->state();
     const Pose& pose = state.pose[index];
     const Motion& motion = state.motion[index];
-    const Vec3 omega = impl_->stepper->model().bodies[index].movable()
+    const Vec3 omega = impl_->stepper->model().bodies[index].dynamic()
                            ? angular_velocity(impl_->stepper->model(), index, pose.rotation, motion.momentum)
                            : motion.momentum;
     return {pose.origin, pose.rotation, pose.com, motion.velocity, omega};
@@ -356,7 +364,10 @@ std::vector<std::byte> World::snapshot() const {
     if (!impl_->whole) throw Error("a step failed half-way: there is no whole state to take a snapshot of");
     impl_->refresh(); // distances of bodies that were placed belong to the state
     std::vector<std::byte> state = write_snapshot(impl_->stepper->state(), impl_->scene_hash);
-    return impl_->now.hash == 0 ? state : join_snapshot(impl_->now, state);
+    if (impl_->now.hash == 0) return state;
+    EditedBodies edited = impl_->now;
+    edited.moved = impl_->stepper->moved();
+    return join_snapshot(edited, state);
 }
 
 World World::clone(const WorldOptions& options) const {

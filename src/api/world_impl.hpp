@@ -60,11 +60,15 @@ struct World::Impl {
     /// Checks a body's description, as if it were alone in the scene, with the lengths of all.
     void check_description(BodyDescription& body, const char* doing) const;
     [[nodiscard]] FilteredBodies filtered() const;
+    /// The filter as it would be with another body at a place.
     [[nodiscard]] FilteredBodies filter_with(std::size_t place, const BodyDescription& body) const;
     void describe(std::size_t place, BodyDescription body);
     /// Gives a body another description, where it stays.
     void change(std::size_t body, BodyDescription description);
-    void apply_filter(EditedBodies changed, const std::string& doing);
+    /// A body's description where it stands, for checks.
+    [[nodiscard]] BodyDescription as_it_stands(std::size_t body) const;
+    void check_filter(const FilteredBodies& filter, const std::string& doing, std::optional<std::size_t> body) const;
+    void take_filter(const FilteredBodies& filter);
     void push(std::int32_t body);
     void clear_pushes();
     void go_to(Model model, std::span<const std::byte> snapshot);
@@ -88,6 +92,8 @@ struct World::Impl {
     std::unordered_map<std::string, std::int32_t> place_of; ///< by name, of present bodies
     std::vector<ContactState> contact_list;
     std::int64_t contacts_of_step = -1; ///< that contact_list is of; -1: it is not up to date
+
+    std::uint32_t last_warnings = 0;
 
     std::function<void(World&)> force_callback;
     std::function<bool(Phase)> observer;

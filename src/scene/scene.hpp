@@ -40,6 +40,7 @@ struct PairFilter {
     std::vector<std::pair<std::int32_t, std::int32_t>> groups, bodies;
 
     [[nodiscard]] bool empty() const { return groups.empty() && bodies.empty(); }
+    friend bool operator==(const PairFilter&, const PairFilter&) = default;
     /// Of two bodies and their groups, -1 where they have none.
     [[nodiscard]] bool ignores(std::int32_t a, std::int32_t group_a, std::int32_t b, std::int32_t group_b) const;
 };

@@ -74,7 +74,7 @@ void Stepper::place_body(std::int32_t body, const Pose& pose) {
     place_anew(body, pose);
 }
 
-/// Nothing is known of a body there.
+/// Nothing is known of a body there; who is near has another neighbour now.
 void Stepper::place_anew(std::int32_t body, const Pose& pose) {
     const std::size_t i = at(body);
     state_.pose[i] = pose;
@@ -85,6 +85,7 @@ void Stepper::place_anew(std::int32_t body, const Pose& pose) {
     moved_[i] = 1;
     unplaced_.push_back(body);
     mark_changed(body);
+    wake_neighbours(body);
 }
 
 /// Its pairs are to be looked at anew. Sleeping bodies are in no list of a step: what does not move, and may touch one, is not looked at
@@ -103,7 +104,12 @@ void Stepper::set_motion(std::int32_t body, const Motion& motion) {
 void Stepper::change_body(std::int32_t body, const Body& changed) {
     wake_neighbours(body);
     mark_changed(body); // as it was
-    model_.bodies[at(body)] = changed;
+    Body& own = model_.bodies[at(body)];
+    if (own.type != changed.type) { // the lengths of its pairs are others, and so is what they are near for
+        moved_[at(body)] = 1;
+        state_.lift[at(body)] = 0;
+    }
+    own = changed;
     mark_changed(body); // and as it is
     state_.script_delay[at(body)] = 0;
 }
@@ -193,9 +199,21 @@ void Stepper::forget_pairs_of(std::int32_t body) {
     contacts_.keep([&](std::size_t i) { return contacts_.contacts[i].a != body && contacts_.contacts[i].b != body; });
 }
 
+void Stepper::set_moved(std::vector<std::uint8_t> moved) {
+    moved_ = std::move(moved);
+    stale_ = std::find(moved_.begin(), moved_.end(), 1) != moved_.end();
+}
+
+/// Those are noted anew (note_rest_distances()).
+void Stepper::forget_moved_distances() {
+    std::erase_if(state_.rest_distances,
+                  [&](const RestDistance& r) { return (moved_[at(r.a)] | moved_[at(r.b)]) != 0; });
+}
+
 void Stepper::refresh() {
     if (!stale_ && !woken_ && !any_changed_) return;
     size_buffers();
+    for (std::size_t i = 0; i < moved_.size(); ++i) changed_[i] |= moved_[i];
     inner_.clear();
     if (stale_) {
         broadphase_ = {};
@@ -214,6 +232,7 @@ void Stepper::refresh() {
 /// What prepare() makes, where all is known but of some dynamic bodies, and of others that woke.
 void Stepper::refresh_changed() {
     place_changed();
+    forget_moved_distances();
     pairs_.forget(changed_);
     mark_asleep();
     take_woken_contacts();

@@ -188,8 +188,8 @@ void ContactSet::append(const ContactSet& part, std::size_t begin, std::size_t e
 
 void ContactSet::merge(const ContactSet& others) {
     if (others.size() == 0) return;
-    const ContactSet own = std::exchange(*this, {});
-    near = own.near, keeps_near = own.keeps_near, min_distance = own.min_distance, counters = own.counters;
+    ContactSet own = std::exchange(*this, {});
+    near = std::move(own.near), keeps_near = own.keeps_near, min_distance = own.min_distance, counters = own.counters;
     const auto pair_of = [](const ContactSet& set, std::size_t i) {
         return CandidatePair{set.contacts[i].a, set.contacts[i].b};
     };

@@ -113,6 +113,7 @@ void Stepper::size_buffers() {
 
 /// Everything that follows from the state.
 void Stepper::prepare() {
+    forget_moved_distances();
     mark_asleep();
     pairs_.clear();
     trajectories_.resize(model_);
@@ -139,7 +140,6 @@ bool Stepper::note_rest_distances() {
         else
             list.push_back({c.a, c.b, c.distance});
     }
-    std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
     if (std::ssize(list) == before) return false;
     const auto by_bodies = [](const RestDistance& x, const RestDistance& y) {
         return std::pair(x.a, x.b) < std::pair(y.a, y.b);
@@ -181,7 +181,8 @@ StepReport Stepper::step(const std::function<bool(Phase)>& observer) {
     report.time = static_cast<double>(report.step) * time_step_;
     observer_ = observer ? &observer : nullptr;
     if (observer || (has_scripts_ && model_.settings.unsatisfiable_script == UnsatisfiableScript::error))
-        before_ = {state_, turns_, activity_, inner_};
+        before_ = {state_, turns_, activity_, inner_, moved_};
+    std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
     contact_visits_ = 0;
     inner_.resize(static_cast<std::size_t>(substeps_) - 1);
     try {
@@ -203,6 +204,7 @@ void Stepper::undo_step() {
     turns_ = before_.turns;
     activity_ = before_.activity;
     inner_ = before_.inner;
+    moved_ = before_.moved;
     team_.region([&] { prepare(); });
 }
 

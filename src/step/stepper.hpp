@@ -68,8 +68,8 @@ class Stepper {
     /// CancelledStep is thrown.
     StepReport step(const std::function<bool(Phase)>& observer = {});
 
-    // Changes between steps: of bodies that there are, which are not checked here. Whom they concern wakes, with everybody that it
-    // touches.
+    // Changes between steps: of bodies that there are, which are not checked here. Whom they concern wakes, with everybody near
+    // it.
     std::int32_t add_shape(RigidShape shape);
     /// At the lowest free place; apart from all others.
     std::int32_t add_body(const Body& body, const Pose& pose, const Motion& motion);
@@ -85,6 +85,9 @@ class Stepper {
     void refresh();
     /// Of all that, the vertices and boxes of trajectories() alone.
     void place_changed();
+    /// Bodies that were placed since the last step, as flags: part of what a snapshot between edits must hold.
+    [[nodiscard]] const std::vector<std::uint8_t>& moved() const { return moved_; }
+    void set_moved(std::vector<std::uint8_t> moved);
     /// The place that add_body() would take, maybe the one after the last.
     [[nodiscard]] std::int32_t free_place() const;
 
@@ -128,6 +131,7 @@ class Stepper {
   private:
     void size_buffers();
     void prepare();
+    void forget_moved_distances();
     bool note_rest_distances();
     void place_anew(std::int32_t body, const Pose& pose);
     void mark_changed(std::int32_t body);
@@ -190,6 +194,7 @@ class Stepper {
         std::vector<Vec3> turns;
         std::vector<BodyActivity> activity;
         std::vector<InnerState> inner;
+        std::vector<std::uint8_t> moved;
     };
     Before before_;                                        ///< the step under way, where that may have to be undone
     const std::function<bool(Phase)>* observer_ = nullptr; ///< of the step under way
@@ -199,7 +204,9 @@ class Stepper {
     std::vector<std::uint8_t> changed_; ///< by body
     bool any_changed_ = false;
     std::vector<std::int32_t> unplaced_; ///< those whose vertices are where they were before
-    std::vector<std::uint8_t> moved_; ///< by body: placed since contacts were last searched for at the start of a step
+    /// By body: placed since the last step. What their pairs are near for is looked at as often as anything follows anew, so that it does not
+    /// go by what was asked for between edits.
+    std::vector<std::uint8_t> moved_;
     Scripts scripts_;
     bool has_scripts_ = false;
     Trajectories trajectories_;

@@ -17,12 +17,14 @@ namespace flotilla::test {
 /// Of a World in a box of +- `extent` m around the origin, whose shapes are all of about 1 m, with masses.
 class RandomEdits {
   public:
-    RandomEdits(std::uint64_t seed, double extent, std::int32_t shapes, std::size_t most_bodies)
-        : random_(seed), extent_(extent), shapes_(shapes), most_(most_bodies) {}
+    /// `with_work`: scripts and forces too, after which nothing bounds the energy.
+    RandomEdits(std::uint64_t seed, double extent, std::int32_t shapes, std::size_t most_bodies, bool with_work = true)
+        : random_(seed), extent_(extent), shapes_(shapes), most_(most_bodies), with_work_(with_work) {}
 
     Edit draw(const World& world) {
         const std::vector<BodyId> bodies = present(world);
-        const std::uint64_t kind = random_.below(17);
+        std::uint64_t kind = random_.below(17);
+        if (!with_work_ && (kind == 8 || kind == 14 || kind == 15)) kind = 5;
         if (bodies.empty() || (kind < 3 && bodies.size() < most_)) return {0, add()};
         const BodyId body = bodies[random_.below(bodies.size())], other = bodies[random_.below(bodies.size())];
         switch (kind) {
@@ -74,6 +76,7 @@ class RandomEdits {
     double extent_;
     std::int32_t shapes_;
     std::size_t most_;
+    bool with_work_;
 };
 
 /// What may pass through what, as the World's own descriptions and the edits made so far say.
