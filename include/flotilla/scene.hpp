@@ -17,10 +17,13 @@ enum class MassKind : std::uint8_t {
     none,            ///< only for shapes of static or kinematic bodies
     surface_density, ///< kg/m^2, thin shell
     density,         ///< kg/m^3, closed mesh
-    mass,            ///< kg, spread over the surface
+    mass,            ///< kg, spread over the surface; over the segments where there is no area, or the points
+    line_density,    ///< kg/m, segments alone
 };
 
-/// One mesh, shared by all its bodies. Vertices are in the mesh's own coordinates, already multiplied by `scale`.
+/// One mesh, shared by all its bodies. Segments and points may be among its triangles, or all there is (segment_element(),
+/// point_element()): nets, rods, clouds. They hold other bodies off as any other edge or vertex does; two points, or a point and a
+/// segment, never meet but by chance, and may pass each other at less than the rest distance unnoticed. Vertices are in the mesh's own coordinates, already multiplied by `scale`.
 struct ShapeDescription {
     std::string name;
     std::string mesh_path; ///< as written in the scene file; empty for an inline mesh

@@ -42,7 +42,11 @@ struct Motion {
                   ///< zero about locked axes
 };
 
-/// Vertex indices of a triangle.
+/// Vertex indices of a triangle; of a segment, where one is there twice; of a point, where all are the same.
 using Triangle = std::array<std::int32_t, 3>;
+/// The segment from vertex `a` to vertex `b`, as an element of ShapeDescription::triangles.
+[[nodiscard]] constexpr Triangle segment_element(std::int32_t a, std::int32_t b) { return {a, b, b}; }
+/// The point at vertex `a`, likewise.
+[[nodiscard]] constexpr Triangle point_element(std::int32_t a) { return {a, a, a}; }
 
 } // namespace flotilla

@@ -99,7 +99,7 @@ void check(const EditedBodies& e) {
     SceneDescription scene;
     if (!is_finite(e.gravity) || max_component(abs(e.gravity)) > kMaxGravity) damaged();
     for (const ShapeDescription& shape : e.shapes) {
-        if (shape.mass_kind > MassKind::mass) damaged();
+        if (shape.mass_kind > MassKind::line_density) damaged();
         scene.shapes.emplace_back();
         scene.shapes.back().name = shape.name;
         scene.shapes.back().mass_kind = shape.mass_kind;

@@ -158,6 +158,7 @@ void World::Impl::check_description(BodyDescription& body, const char* doing) co
         other.velocity = {};
         add(model.shape_of(*i), other);
     }
+    check_line(body, model.shapes[at(shape_of[at(body.shape)])].line, "", errors);
     check_lengths(scene, errors);
     errors.throw_if_any();
 }

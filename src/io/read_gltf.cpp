@@ -226,10 +226,26 @@ Affine GltfReader::transform(const Json& node, const std::string& where) const {
     return t;
 }
 
+/// How many elements so many corners make.
+std::size_t elements_of(std::size_t corners, std::uint64_t mode) {
+    constexpr std::array<std::size_t, 7> kLeast{1, 2, 2, 2, 3, 3, 3};
+    if (corners < kLeast[mode]) return 0;
+    switch (mode) {
+    case 1: return corners / 2;
+    case 2: return corners;
+    case 4: return corners / 3;
+    default: return corners + 1 - kLeast[mode];
+    }
+}
+
+/// Points, lines, loop, strip of lines; triangles, strip, fan.
 void GltfReader::add_corners(const std::vector<std::uint32_t>& corners, std::uint64_t mode, std::size_t first) {
     const auto at = [&](std::size_t i) { return static_cast<std::int32_t>(first + corners[i]); };
-    const std::size_t count = mode == 4 ? corners.size() / 3 : corners.size() < 3 ? 0 : corners.size() - 2;
+    const std::size_t count = elements_of(corners.size(), mode);
     for (std::size_t i = 0; i < count; ++i) {
+        if (mode == 0) mesh_.triangles.push_back(point_element(at(i)));
+        if (mode == 1) mesh_.triangles.push_back(segment_element(at(2 * i), at(2 * i + 1)));
+        if (mode == 2 || mode == 3) mesh_.triangles.push_back(segment_element(at(i), at((i + 1) % corners.size())));
         const std::size_t odd = i % 2; // every second triangle of a strip faces the other way
         if (mode == 4) mesh_.triangles.push_back({at(3 * i), at(3 * i + 1), at(3 * i + 2)});
         if (mode == 5) mesh_.triangles.push_back({at(i), at(i + 1 + odd), at(i + 2 - odd)});
@@ -248,7 +264,6 @@ GltfReader::Arrays GltfReader::arrays(const Json& primitive, const std::string& 
     if (!primitive.is_object()) refuse(where, "must be an object, got " + kind_of(primitive));
     Arrays a{number(primitive, where, "mode", 4)};
     if (a.mode > 6) refuse(where + "/mode", "must be at most 6, got " + std::to_string(a.mode));
-    if (a.mode < 4) return a; // points and lines
     const auto attributes = primitive.find("attributes");
     if (attributes == primitive.end() || !attributes->is_object()) refuse(where + "/attributes", "must be an object");
     a.positions = number(*attributes, where + "/attributes", "POSITION", kNone);
@@ -341,7 +356,7 @@ TriangleMesh GltfReader::read(std::string_view node) {
         }
     }
     if (mesh_.triangles.empty())
-        refuse("", all ? "the file has no triangles" : "node " + in_quotes(node) + " has no triangles");
+        refuse("", all ? "the file has no geometry" : "node " + in_quotes(node) + " has no geometry");
     return without_unused_vertices(merge_equal_vertices(mesh_));
 }
 

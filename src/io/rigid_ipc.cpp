@@ -307,22 +307,23 @@ TriangleMesh RigidIpcReader::inline_mesh(const Json& value, const JsonPlace& at)
     TriangleMesh mesh;
     get(mesh.vertices, value, at, "vertices");
     get(mesh.triangles, value, at, "faces");
-    if (mesh.triangles.empty()) throw InputError("has no faces: bodies of edges or points are not supported");
     const auto is_vertex = [&](std::int32_t i) { return static_cast<std::size_t>(i) < mesh.vertices.size(); };
     for (const Triangle& t : mesh.triangles)
         if (!std::all_of(t.begin(), t.end(), is_vertex))
             throw InputError("a face names a vertex that does not exist; there are " +
                              std::to_string(mesh.vertices.size()));
-    refuse_loose_points(mesh);
     const Topology topology = build_topology(mesh);
     if (const Json* edges = member(value, at, "edges"); edges != nullptr && edges->is_array())
         for (const Json& edge : *edges) {
             if (!edge.is_array() || edge.size() != 2 || !edge[0].is_number_integer() || !edge[1].is_number_integer())
                 throw InputError("an edge must be an array of 2 vertex numbers");
             const auto [a, b] = std::minmax({edge[0].get<std::int32_t>(), edge[1].get<std::int32_t>()});
+            if (a < 0 || a == b || !is_vertex(b)) throw InputError("an edge must join two of the vertices");
             if (!std::binary_search(topology.edges.begin(), topology.edges.end(), Edge{a, b}))
-                throw InputError("has edges beside its faces, which are not supported");
+                mesh.triangles.push_back(segment_element(a, b));
         }
+    add_loose_points(mesh);
+    if (mesh.triangles.empty()) throw InputError("has neither a mesh nor vertices");
     return mesh;
 }
 
@@ -360,13 +361,23 @@ bool RigidIpcReader::read_geometry(const Json& value, const JsonPlace& at, FileB
     return true;
 }
 
+/// The density is per volume, area, length or point, by what the body is made of.
+void set_mass(const FileBody& file, ShapeDescription& shape) {
+    const ElementKind highest = highest_element(file.mesh.triangles);
+    shape.mass_kind = highest == ElementKind::point     ? MassKind::mass
+                      : highest == ElementKind::segment ? MassKind::line_density
+                      : closedness(file.mesh).oriented  ? MassKind::density
+                                                        : MassKind::surface_density;
+    const double points = highest == ElementKind::point ? static_cast<double>(file.mesh.triangles.size()) : 1;
+    shape.mass_value = points * file.density;
+}
+
 std::int32_t RigidIpcReader::add_shape(const FileBody& file) {
     ShapeDescription shape;
     shape.triangles = file.mesh.triangles;
     for (const Vec3& v : file.mesh.vertices) shape.vertices.push_back(z_up(v));
     if (file.type == BodyType::dynamic) {
-        shape.mass_kind = closedness(file.mesh).oriented ? MassKind::density : MassKind::surface_density;
-        shape.mass_value = file.density;
+        set_mass(file, shape);
     }
     const auto same = [&](const ShapeDescription& known) {
         return known.vertices == shape.vertices && known.triangles == shape.triangles &&
@@ -374,9 +385,11 @@ std::int32_t RigidIpcReader::add_shape(const FileBody& file) {
     };
     const auto found = std::find_if(scene_.shapes.begin(), scene_.shapes.end(), same);
     if (found != scene_.shapes.end()) return static_cast<std::int32_t>(found - scene_.shapes.begin());
-    if (shape.mass_kind == MassKind::surface_density && !warnings_.any_at(file.at))
-        warnings_.add(file.at, "its mesh bounds no volume: the density " + to_text(file.density) +
-                                   " is taken as kg/m^2 of a shell");
+    if (shape.mass_kind != MassKind::none && shape.mass_kind != MassKind::density && !warnings_.any_at(file.at))
+        warnings_.add(file.at, "its mesh bounds no volume: the density " + to_text(file.density) + " is taken as " +
+                                   (shape.mass_kind == MassKind::surface_density ? "kg/m^2 of a shell"
+                                    : shape.mass_kind == MassKind::line_density  ? "kg/m of its edges"
+                                                                                 : "kg of each point"));
     shape.name = file.stem + "-" + std::to_string(scene_.shapes.size());
     scene_.shapes.push_back(std::move(shape));
     shape_places_.push_back(file.at);
@@ -390,7 +403,7 @@ std::vector<Keyframe> RigidIpcReader::keyframes(const FileBody& file, const Shap
     const bool closed = closedness(mesh).oriented;
     if (file.poses.empty()) {
         const MassProperties mass =
-            closed ? solid_mass_properties(mesh, 1, shape.name) : shell_mass_properties(mesh, 1, shape.name);
+            closed ? solid_mass_properties(mesh, 1, shape.name) : spread_mass_properties(mesh, 1, shape.name);
         return constant_motion_keyframes(start, {z_up(file.velocity), z_up(file.angular_velocity)}, mass.center_of_mass,
                                          step, end);
     }
@@ -452,7 +465,7 @@ std::string RigidIpcReader::place_of(const std::string& where) const {
         second == std::string::npos ? "" : where.substr(second + 1, where.find('/', second + 1) - second - 1);
     if (key == "friction") return top + "/coefficient_friction";
     if (key == "velocity") return at + "/linear_velocity";
-    if (key == "surface_density") return at + "/density";
+    if (key == "surface_density" || key == "line_density" || key == "mass") return at + "/density";
     return std::find(kSame.begin(), kSame.end(), key) != kSame.end() ? at + "/" + key : at;
 }
 

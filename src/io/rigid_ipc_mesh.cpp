@@ -15,16 +15,6 @@
 
 namespace flotilla::io {
 
-namespace {
-
-void refuse_lines_and_points(const ObjElements& count) {
-    if (count.faces == 0) throw InputError("has no faces: bodies of edges or points are not supported");
-    if (count.lines > 0) throw InputError("has edges beside its faces, which are not supported");
-    if (count.points > 0) throw InputError("has points beside its faces, which are not supported");
-}
-
-} // namespace
-
 RigidIpcMeshes::RigidIpcMeshes(const std::filesystem::path& folder)
     : folder_(std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal()) {}
 
@@ -43,23 +33,17 @@ const TriangleMesh& RigidIpcMeshes::read(const std::string& name) {
     const auto known = meshes_.find(name);
     if (known != meshes_.end()) return known->second;
     const std::filesystem::path path = find(name);
-    TriangleMesh mesh;
-    if (lower_case_extension(path) == ".obj") {
-        const std::string text = read_text(path);
-        refuse_lines_and_points(count_obj_elements(text));
-        mesh = read_obj(path, text);
-    } else {
-        mesh = read_mesh(path);
-    }
-    refuse_loose_points(mesh);
+    TriangleMesh mesh = lower_case_extension(path) == ".obj" ? read_obj_cloud(path, read_text(path)) : read_mesh(path);
+    add_loose_points(mesh);
     return meshes_[name] = std::move(mesh);
 }
 
-void refuse_loose_points(const TriangleMesh& mesh) {
-    const auto loose = mesh.vertices.size() - without_unused_vertices(mesh).vertices.size();
-    if (loose > 0)
-        throw InputError("has " + std::to_string(loose) +
-                         " points that belong to no face and would collide by themselves, which is not supported");
+void add_loose_points(TriangleMesh& mesh) {
+    std::vector<bool> used(mesh.vertices.size());
+    for (const Triangle& t : mesh.triangles)
+        for (const std::int32_t i : t) used[static_cast<std::size_t>(i)] = true;
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (!used[i]) mesh.triangles.push_back(point_element(static_cast<std::int32_t>(i)));
 }
 
 Vec3 scale_to(const TriangleMesh& mesh, const Vec3& dimensions) {

@@ -16,8 +16,7 @@ class RigidIpcMeshes {
   public:
     explicit RigidIpcMeshes(const std::filesystem::path& folder);
 
-    /// Throws InputError where the mesh is not found, or has edges or points that hang on no triangle; IoError where it
-    /// cannot be read.
+    /// With its loose points. Throws InputError where the mesh is not found; IoError where it cannot be read.
     const TriangleMesh& read(const std::string& name);
 
   private:
@@ -27,8 +26,8 @@ class RigidIpcMeshes {
     std::map<std::string, TriangleMesh> meshes_;
 };
 
-/// Throws InputError where some vertex belongs to no triangle.
-void refuse_loose_points(const TriangleMesh& mesh);
+/// Vertices that no face or edge has are points that collide by themselves.
+void add_loose_points(TriangleMesh& mesh);
 
 /// Per axis, what makes the mesh's box as long as `dimensions`; 1 along axes in which it has no extent.
 [[nodiscard]] Vec3 scale_to(const TriangleMesh& mesh, const Vec3& dimensions);

@@ -52,6 +52,8 @@ class SceneReader : io::JsonReader {
     bool to(Quat& out, const Json& value, const JsonPlace& at);
     bool to(Keyframe& out, const Json& value, const JsonPlace& at);
     bool to(NamedPair& out, const Json& value, const JsonPlace& at);
+    bool to(std::int32_t& out, const Json& value, const JsonPlace& at);
+    bool to(std::array<std::int32_t, 2>& out, const Json& value, const JsonPlace& at);
     template <class Value>
     bool to(std::vector<Value>& out, const Json& value, const JsonPlace& at);
     template <class Value>
@@ -60,6 +62,7 @@ class SceneReader : io::JsonReader {
     void read_version(const Json& document, const JsonPlace& at);
     void read_settings(const Json& value, const JsonPlace& at, Settings& settings);
     void read_surface(const Json& value, const JsonPlace& at, ShapeDescription& shape);
+    void read_segments_and_points(const Json& value, const JsonPlace& at, ShapeDescription& shape);
     void read_mesh_file(const JsonPlace& at, ShapeDescription& shape);
     void read_mass(const Json& value, const JsonPlace& at, ShapeDescription& shape);
     void read_inertia(const Json& value, const JsonPlace& at, ShapeDescription& shape);
@@ -95,6 +98,23 @@ bool SceneReader::to(NamedPair& out, const Json& value, const JsonPlace& at) {
         return false;
     }
     return to(out.a, value[0], at.element(0)) && to(out.b, value[1], at.element(1));
+}
+
+bool SceneReader::to(std::int32_t& out, const Json& value, const JsonPlace& at) {
+    const bool good = value.is_number_unsigned() && value.get<std::uint64_t>() <= 0x7fffffffU;
+    if (good)
+        out = value.get<std::int32_t>();
+    else
+        problem(at, "must be a vertex number counted from 0, got " + kind_of(value));
+    return good;
+}
+
+bool SceneReader::to(std::array<std::int32_t, 2>& out, const Json& value, const JsonPlace& at) {
+    if (!value.is_array() || value.size() != 2) {
+        problem(at, "must be an array of 2 vertex numbers, got " + kind_of(value));
+        return false;
+    }
+    return to(out[0], value[0], at.element(0)) && to(out[1], value[1], at.element(1));
 }
 
 bool SceneReader::to(Keyframe& out, const Json& value, const JsonPlace& at) {
@@ -165,15 +185,41 @@ void SceneReader::read_mesh_file(const JsonPlace& at, ShapeDescription& shape) {
     }
 }
 
+/// Both follow the triangles.
+void SceneReader::read_segments_and_points(const Json& value, const JsonPlace& at, ShapeDescription& shape) {
+    std::vector<std::array<std::int32_t, 2>> segments;
+    std::vector<std::int32_t> points;
+    if (!get(segments, value, at, "segments")) segments.clear();
+    if (!get(points, value, at, "points")) points.clear();
+    const auto exists = [&](std::int32_t v, const char* key, std::size_t i) {
+        const bool good = static_cast<std::size_t>(v) < shape.vertices.size();
+        if (!good)
+            problem(at.member(key).element(i), "vertex " + std::to_string(v) + " does not exist; there are " +
+                                                   std::to_string(shape.vertices.size()));
+        return good;
+    };
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        const auto [a, b] = segments[i];
+        if (a == b)
+            problem(at.member("segments").element(i), "has both ends at vertex " + std::to_string(a));
+        else if (exists(a, "segments", i) && exists(b, "segments", i))
+            shape.triangles.push_back(segment_element(a, b));
+    }
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (exists(points[i], "points", i)) shape.triangles.push_back(point_element(points[i]));
+}
+
 void SceneReader::read_surface(const Json& value, const JsonPlace& at, ShapeDescription& shape) {
     const bool has_mesh = value.contains("mesh");
-    const bool has_inline = value.contains("vertices") || value.contains("triangles");
+    const bool has_elements = value.contains("segments") || value.contains("points");
+    const bool has_inline = value.contains("vertices") || value.contains("triangles") || has_elements;
     if (has_mesh && has_inline) problem(at.member("mesh"), "give either a mesh or vertices and triangles, not both");
     if (!has_mesh && !has_inline)
         problem(at.member("mesh"), "is missing: a shape needs a mesh, or vertices and triangles");
     if (has_inline) {
         get(shape.vertices, value, at, "vertices", true);
-        get(shape.triangles, value, at, "triangles", true);
+        get(shape.triangles, value, at, "triangles", !has_elements);
+        read_segments_and_points(value, at, shape);
     } else if (has_mesh && get(shape.mesh_path, value, at, "mesh")) {
         read_mesh_file(at, shape);
     }
@@ -184,12 +230,13 @@ void SceneReader::read_surface(const Json& value, const JsonPlace& at, ShapeDesc
 
 void SceneReader::read_mass(const Json& value, const JsonPlace& at, ShapeDescription& shape) {
     constexpr std::array kKinds{std::pair{"surface_density"sv, MassKind::surface_density},
-                                std::pair{"density"sv, MassKind::density}, std::pair{"mass"sv, MassKind::mass}};
+                                std::pair{"density"sv, MassKind::density}, std::pair{"mass"sv, MassKind::mass},
+                                std::pair{"line_density"sv, MassKind::line_density}};
     for (const auto& [key, kind] : kKinds) {
         double given = 0;
         if (!get(given, value, at, key)) continue;
         if (shape.mass_kind != MassKind::none) {
-            problem(at.member(key), "give only one of surface_density, density and mass");
+            problem(at.member(key), "give only one of surface_density, density, line_density and mass");
             continue;
         }
         shape.mass_kind = kind;

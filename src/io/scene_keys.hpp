@@ -11,9 +11,9 @@ using std::string_view_literals::operator""sv;
 
 inline constexpr std::array kSceneKeys{"flotilla_scene"sv, "gravity"sv, "settings"sv,
                                        "shapes"sv,         "bodies"sv,  "ignore"sv};
-inline constexpr std::array kShapeKeys{"name"sv,      "mesh"sv,          "scale"sv,           "vertices"sv,
-                                       "triangles"sv, "density"sv,       "surface_density"sv, "mass"sv,
-                                       "inertia"sv,   "center_of_mass"sv};
+inline constexpr std::array kShapeKeys{
+    "name"sv, "mesh"sv,    "scale"sv,          "vertices"sv, "triangles"sv, "density"sv,     "surface_density"sv,
+    "mass"sv, "inertia"sv, "center_of_mass"sv, "segments"sv, "points"sv,    "line_density"sv};
 inline constexpr std::array kBodyKeys{
     "name"sv,   "shape"sv, "type"sv,   "position"sv,  "rotation"sv,    "velocity"sv,         "friction"sv,
     "locked"sv, "force"sv, "torque"sv, "keyframes"sv, "restitution"sv, "angular_velocity"sv, "group"sv};

@@ -15,6 +15,7 @@
 #include "io/json_document.hpp"
 #include "io/scene_keys.hpp"
 #include "io/scene_parts.hpp"
+#include "mesh/triangle_mesh.hpp"
 #include "scene/settings_table.hpp"
 
 namespace flotilla {
@@ -36,9 +37,11 @@ std::string json_numbers(std::span<const double> values) {
 
 std::string json(const Vec3& v) { return json_numbers(std::array{v.x, v.y, v.z}); }
 std::string json(const Quat& q) { return json_numbers(std::array{q.w, q.x, q.y, q.z}); }
-std::string json(const Triangle& t) {
+std::string json(std::int32_t i) { return std::to_string(i); }
+template <std::size_t N>
+std::string json(const std::array<std::int32_t, N>& indices) {
     std::string text = "[";
-    for (std::size_t i = 0; i < t.size(); ++i) (text += i > 0 ? ", " : "") += std::to_string(t[i]);
+    for (std::size_t i = 0; i < N; ++i) (text += i > 0 ? ", " : "") += std::to_string(indices[i]);
     return text += ']';
 }
 
@@ -72,11 +75,35 @@ void write_mass(std::ostream& out, const ShapeDescription& shape) {
     switch (shape.mass_kind) {
     case MassKind::surface_density: out << ", \"surface_density\": " << json(shape.mass_value); break;
     case MassKind::density: out << ", \"density\": " << json(shape.mass_value); break;
+    case MassKind::line_density: out << ", \"line_density\": " << json(shape.mass_value); break;
     case MassKind::mass: out << ", \"mass\": " << json(shape.mass_value); break;
     case MassKind::none: break;
     }
     if (shape.inertia) out << ", \"inertia\": " << json_numbers(shape.inertia->m);
     if (shape.center_of_mass) out << ", \"center_of_mass\": " << json(*shape.center_of_mass);
+}
+
+/// The lists that a reader appends to each other, or all as triangles where that would be other elements or another order.
+void write_elements(std::ostream& out, const std::vector<Triangle>& triangles) {
+    std::vector<Triangle> faces, elements;
+    std::vector<std::array<std::int32_t, 2>> segments;
+    std::vector<std::int32_t> points;
+    for (const Triangle& t : triangles) {
+        if (element_of(t) == ElementKind::triangle) faces.push_back(t);
+        if (element_of(t) == ElementKind::segment) segments.push_back(segment_ends(t));
+        if (element_of(t) == ElementKind::point) points.push_back(t[0]);
+    }
+    elements = faces;
+    for (const auto& [a, b] : segments) elements.push_back(segment_element(a, b));
+    for (const std::int32_t i : points) elements.push_back(point_element(i));
+    const bool apart = elements == triangles;
+    if (!apart || !faces.empty() || elements.empty()) {
+        out << ",\n     \"triangles\": ";
+        write_list(out, apart ? faces : triangles);
+    }
+    if (!apart) return;
+    if (!segments.empty()) write_list(out << ",\n     \"segments\": ", segments);
+    if (!points.empty()) write_list(out << ",\n     \"points\": ", points);
 }
 
 void write_shape(std::ostream& out, const ShapeDescription& shape) {
@@ -89,8 +116,7 @@ void write_shape(std::ostream& out, const ShapeDescription& shape) {
         write_mass(out, shape);
         out << ",\n     \"vertices\": ";
         write_list(out, shape.vertices);
-        out << ",\n     \"triangles\": ";
-        write_list(out, shape.triangles);
+        write_elements(out, shape.triangles);
     }
     out << '}';
 }

@@ -45,12 +45,7 @@ template <class Add>
 Moments integrate(const TriangleMesh& mesh, const std::array<double, 3>& divisors, Add&& add) {
     Moments m;
     m.reference = center(bounding_box(mesh));
-    for (const Triangle& t : mesh.triangles) {
-        const Vec3& a = mesh.vertices[static_cast<std::size_t>(t[0])];
-        const Vec3& b = mesh.vertices[static_cast<std::size_t>(t[1])];
-        const Vec3& c = mesh.vertices[static_cast<std::size_t>(t[2])];
-        if (!is_zero_area(a, b, c)) add(m, a, b, c);
-    }
+    for (const Triangle& t : mesh.triangles) add(m, t);
     m.zeroth = m.zeroth / DoubleDouble(divisors[0]);
     for (DoubleDouble& x : m.first) x = x / DoubleDouble(divisors[1]);
     for (DdVec3& row : m.second)
@@ -58,9 +53,19 @@ Moments integrate(const TriangleMesh& mesh, const std::array<double, 3>& divisor
     return m;
 }
 
+const Vec3& vertex(const TriangleMesh& mesh, std::int32_t i) { return mesh.vertices[static_cast<std::size_t>(i)]; }
+
+template <class Add>
+Moments integrate_triangles(const TriangleMesh& mesh, const std::array<double, 3>& divisors, Add&& add) {
+    return integrate(mesh, divisors, [&](Moments& m, const Triangle& t) {
+        const Vec3 &a = vertex(mesh, t[0]), &b = vertex(mesh, t[1]), &c = vertex(mesh, t[2]);
+        if (!is_zero_area(a, b, c)) add(m, a, b, c);
+    });
+}
+
 /// Weighted by twice the area.
 Moments surface_moments(const TriangleMesh& mesh) {
-    return integrate(mesh, {2, 6, 24}, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
+    return integrate_triangles(mesh, {2, 6, 24}, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
         const DdVec3 n = doubled_area_vector(va, vb, vc);
         const DoubleDouble weight = sqrt(dot(n, n));
         const DdVec3 a = exact_difference(va, m.reference), b = exact_difference(vb, m.reference),
@@ -71,9 +76,35 @@ Moments surface_moments(const TriangleMesh& mesh) {
     });
 }
 
+/// Weighted by the length.
+Moments segment_moments(const TriangleMesh& mesh) {
+    return integrate(mesh, {1, 2, 6}, [&](Moments& m, const Triangle& t) {
+        if (element_of(t) != ElementKind::segment) return;
+        const auto [i, k] = segment_ends(t);
+        const DdVec3 d = exact_difference(vertex(mesh, k), vertex(mesh, i));
+        const DoubleDouble weight = sqrt(dot(d, d));
+        const DdVec3 a = exact_difference(vertex(mesh, i), m.reference),
+                     b = exact_difference(vertex(mesh, k), m.reference), s = a + b;
+        m.zeroth += weight;
+        m.first += weight * s;
+        for (const DdVec3& x : {a, b, s}) add_outer(m.second, weight, x);
+    });
+}
+
+/// Each weighs the same.
+Moments point_moments(const TriangleMesh& mesh) {
+    return integrate(mesh, {1, 1, 1}, [&](Moments& m, const Triangle& t) {
+        if (element_of(t) != ElementKind::point) return;
+        const DdVec3 a = exact_difference(vertex(mesh, t[0]), m.reference);
+        m.zeroth += DoubleDouble(1);
+        m.first += a;
+        add_outer(m.second, 1, a);
+    });
+}
+
 /// Weighted by the determinant, six times the volume.
 Moments volume_moments(const TriangleMesh& mesh) {
-    return integrate(mesh, {6, 24, 120}, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
+    return integrate_triangles(mesh, {6, 24, 120}, [](Moments& m, const Vec3& va, const Vec3& vb, const Vec3& vc) {
         const DdVec3 a = exact_difference(va, m.reference), b = exact_difference(vb, m.reference),
                      c = exact_difference(vc, m.reference), s = a + b + c;
         const DoubleDouble weight = dot(a, cross(b, c));
@@ -154,7 +185,8 @@ Mat3 rounded(const DdMat3& a) {
 }
 
 /// Rounds to double, finds the principal axes and checks that the result is one a body can have.
-MassProperties finish(const DoubleDouble& mass, const DdVec3& com, const DdMat3& inertia, const std::string& name) {
+MassProperties finish(const DoubleDouble& mass, const DdVec3& com, const DdMat3& inertia, const std::string& name,
+                      bool of_elements = false) {
     MassProperties p;
     p.mass = to_double(mass);
     p.center_of_mass = to_double(com);
@@ -165,11 +197,16 @@ MassProperties finish(const DoubleDouble& mass, const DdVec3& com, const DdMat3&
     const bool finite = std::isfinite(p.mass) && is_finite(p.center_of_mass) && is_finite(p.principal_inertia) &&
                         std::all_of(p.inertia.m.begin(), p.inertia.m.end(), [](double x) { return std::isfinite(x); });
     if (!finite) refuse(name, "mass properties are out of the range of numbers: its size or density is too large");
+    if (of_elements && p.mass > 0 && p.principal_inertia.z == 0)
+        refuse(name, "all its points lie at one place: it has no size");
     if (!(p.mass > 0) || !(p.principal_inertia.z > 0))
         refuse(name, "mass properties are out of the range of numbers: its size or density is too small");
-    if (!(p.principal_inertia.x > kMinInertiaRatio * p.principal_inertia.z))
+    if (p.principal_inertia.x > kMinInertiaRatio * p.principal_inertia.z) return p;
+    if (!of_elements)
         refuse(name, "all its triangles lie on one line: it has no inertia about that line (give \"inertia\" and "
                      "\"center_of_mass\", or make it wider)");
+    p.line = rotate(p.principal_axes, {1, 0, 0});
+    p.principal_inertia.x = 0;
     return p;
 }
 
@@ -184,7 +221,8 @@ void drop_noise(DdMat3& inertia) {
 
 /// Inertia from integrals: density times (trace(C) 1 - C) with C the second moments about the centre of mass. The
 /// diagonal is a sum of two non-negative second moments, so no cancellation makes it negative.
-MassProperties from_moments(const Moments& m, const DoubleDouble& density, const std::string& name) {
+MassProperties from_moments(const Moments& m, const DoubleDouble& density, const std::string& name,
+                            bool of_elements = false) {
     const DdVec3 shift = (DoubleDouble(1) / m.zeroth) * m.first;
     DdMat3 c = m.second;
     add_outer(c, -m.zeroth, shift);
@@ -194,7 +232,14 @@ MassProperties from_moments(const Moments& m, const DoubleDouble& density, const
             inertia[i][j] = density * (i == j ? c[(i + 1) % 3][(i + 1) % 3] + c[(i + 2) % 3][(i + 2) % 3] : -c[i][j]);
     drop_noise(inertia);
     const DdVec3 com = shift + DdVec3{m.reference.x, m.reference.y, m.reference.z};
-    return finish(density * m.zeroth, com, inertia, name);
+    return finish(density * m.zeroth, com, inertia, name, of_elements);
+}
+
+/// Of segments or points, which may lie on a line.
+MassProperties of_elements(const Moments& m, double mass, const std::string& name) {
+    MassProperties p = from_moments(m, DoubleDouble(mass) / m.zeroth, name, true);
+    p.mass = mass;
+    return p;
 }
 
 Moments checked_surface_moments(const TriangleMesh& mesh, const std::string& name) {
@@ -228,8 +273,22 @@ MassProperties shell_mass_properties(const TriangleMesh& mesh, double surface_de
     return from_moments(checked_surface_moments(mesh, name), surface_density, name);
 }
 
-MassProperties shell_mass_properties_total(const TriangleMesh& mesh, double mass, const std::string& name) {
+MassProperties line_mass_properties(const TriangleMesh& mesh, double line_density, const std::string& name) {
+    require_positive(line_density, "line_density", name);
+    if (highest_element(mesh.triangles) == ElementKind::triangle)
+        refuse(name,
+               "line_density needs a shape of segments alone, this one has triangles (use surface_density or mass)");
+    const Moments m = segment_moments(mesh);
+    if (!(m.zeroth.hi > 0)) refuse(name, "its segments have no length");
+    return from_moments(m, line_density, name, true);
+}
+
+MassProperties spread_mass_properties(const TriangleMesh& mesh, double mass, const std::string& name) {
     require_positive(mass, "mass", name);
+    if (highest_element(mesh.triangles) != ElementKind::triangle) {
+        if (const Moments m = segment_moments(mesh); m.zeroth.hi > 0) return of_elements(m, mass, name);
+        if (const Moments m = point_moments(mesh); m.zeroth.hi > 0) return of_elements(m, mass, name);
+    }
     const Moments m = checked_surface_moments(mesh, name);
     MassProperties p = from_moments(m, DoubleDouble(mass) / m.zeroth, name);
     p.mass = mass;

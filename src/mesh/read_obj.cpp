@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Wavefront OBJ: v and f are read, o and g where one object or group is asked for; texture, normal, material, line and
-// point statements are skipped; anything else is refused.
+// Wavefront OBJ: v, f, l (segments) and p (points) are read, o and g where one object or group is asked for; texture, normal and
+// material statements are skipped; anything else is refused.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -12,9 +12,8 @@
 namespace flotilla {
 namespace {
 
-constexpr std::array<std::string_view, 15> kSkipped{"vt",     "vn",     "vp",    "s",        "mg",
-                                                    "usemtl", "mtllib", "l",     "p",        "lod",
-                                                    "usemap", "maplib", "bevel", "c_interp", "d_interp"};
+constexpr std::array<std::string_view, 13> kSkipped{"vt",  "vn",     "vp",     "s",     "mg",       "usemtl",  "mtllib",
+                                                    "lod", "usemap", "maplib", "bevel", "c_interp", "d_interp"};
 
 /// A face may name a vertex that only follows later in the file: such indices are checked at the end.
 struct ForwardReference {
@@ -74,7 +73,7 @@ struct ObjReader {
     TriangleMesh mesh{};
     std::vector<ForwardReference> forward{};
 
-    void read() {
+    void read(bool may_be_cloud = false) {
         while (const auto line = in.next_line()) {
             std::string_view rest = line->substr(0, line->find('#'));
             statement(take_word(rest), rest);
@@ -83,13 +82,15 @@ struct ObjReader {
             if (f.index > static_cast<std::int64_t>(mesh.vertices.size()))
                 in.fail_at(f.line, out_of_range_text(f.index, mesh.vertices.size()));
         if (!part.found()) in.fail(part.refusal());
-        if (mesh.triangles.empty())
-            in.fail(part.wanted().empty() ? "the file has no faces" : in_quotes(part.wanted()) + " has no faces");
+        if (mesh.triangles.empty() && !(may_be_cloud && !mesh.vertices.empty()))
+            in.fail((part.wanted().empty() ? "the file" : in_quotes(part.wanted())) + " has no faces, lines or points");
     }
 
     void statement(std::string_view keyword, std::string_view rest) {
         if (keyword == "v") return vertex(rest);
         if (keyword == "f") return face(rest);
+        if (keyword == "l") return line(rest);
+        if (keyword == "p") return points(rest);
         if (keyword == "o") return part.object(rest);
         if (keyword == "g") return part.groups(rest);
         if (keyword.empty() || std::find(kSkipped.begin(), kSkipped.end(), keyword) != kSkipped.end()) return;
@@ -116,6 +117,27 @@ struct ObjReader {
             const std::int32_t next = corner(w2);
             if (part.taken()) mesh.triangles.push_back({first, previous, next});
             previous = next;
+        }
+    }
+
+    void line(std::string_view rest) {
+        std::int32_t previous = corner(take_word(rest));
+        std::string_view word = take_word(rest);
+        if (word.empty()) in.fail("a line needs at least 2 ends");
+        for (; !word.empty(); word = take_word(rest)) {
+            const std::int32_t next = corner(word);
+            if (next == previous) in.fail("a line from a vertex to itself");
+            if (part.taken()) mesh.triangles.push_back(segment_element(previous, next));
+            previous = next;
+        }
+    }
+
+    void points(std::string_view rest) {
+        std::string_view word = take_word(rest);
+        if (word.empty()) in.fail("needs at least 1 vertex");
+        for (; !word.empty(); word = take_word(rest)) {
+            const std::int32_t at = corner(word);
+            if (part.taken()) mesh.triangles.push_back(point_element(at));
         }
     }
 
@@ -153,24 +175,16 @@ TriangleMesh read_obj(const std::filesystem::path& path, const std::string& data
     return std::move(reader.mesh);
 }
 
+TriangleMesh read_obj_cloud(const std::filesystem::path& path, const std::string& data) {
+    ObjReader reader{TextInput(path, data), PartChoice({})};
+    reader.read(true);
+    return std::move(reader.mesh);
+}
+
 TriangleMesh read_obj_part(const std::filesystem::path& path, const std::string& data, std::string_view part) {
     ObjReader reader{TextInput(path, data), PartChoice(part)};
     reader.read();
     return without_unused_vertices(reader.mesh);
-}
-
-ObjElements count_obj_elements(std::string_view data) {
-    ObjElements count;
-    while (!data.empty()) {
-        const std::size_t end = std::min(data.find('\n'), data.size() - 1);
-        std::string_view line = data.substr(0, end);
-        const std::string_view keyword = take_word(line);
-        if (keyword == "f") ++count.faces;
-        if (keyword == "l") ++count.lines;
-        if (keyword == "p") ++count.points;
-        data.remove_prefix(end + 1);
-    }
-    return count;
 }
 
 } // namespace flotilla

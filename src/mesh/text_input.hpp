@@ -21,17 +21,13 @@ namespace flotilla {
 
 /// Parts of a mesh that a reader collects; one function per format. `data` is the whole file.
 [[nodiscard]] TriangleMesh read_obj(const std::filesystem::path& path, const std::string& data);
-/// The faces of one object or group.
+/// The same of a file that may have vertices alone.
+[[nodiscard]] TriangleMesh read_obj_cloud(const std::filesystem::path& path, const std::string& data);
+/// The elements of one object or group.
 [[nodiscard]] TriangleMesh read_obj_part(const std::filesystem::path& path, const std::string& data,
                                          std::string_view part);
 [[nodiscard]] TriangleMesh read_stl(const std::filesystem::path& path, const std::string& data);
 [[nodiscard]] TriangleMesh read_ply(const std::filesystem::path& path, const std::string& data);
-
-/// How many elements of each kind an OBJ file lists.
-struct ObjElements {
-    std::int64_t faces = 0, lines = 0, points = 0;
-};
-[[nodiscard]] ObjElements count_obj_elements(std::string_view data);
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 

@@ -89,10 +89,22 @@ std::string_view mass_key(MassKind kind) {
     switch (kind) {
     case MassKind::surface_density: return "surface_density";
     case MassKind::density: return "density";
+    case MassKind::line_density: return "line_density";
     case MassKind::mass: return "mass";
     case MassKind::none: break;
     }
     return "mass";
+}
+
+const char* mass_unit(MassKind kind) {
+    switch (kind) {
+    case MassKind::surface_density: return "kg/m^2";
+    case MassKind::density: return "kg/m^3";
+    case MassKind::line_density: return "kg/m";
+    case MassKind::mass:
+    case MassKind::none: break;
+    }
+    return "kg";
 }
 
 void check_vertices(const ShapeDescription& shape, const Checker& check, const std::string& path, ErrorList& errors) {
@@ -110,7 +122,8 @@ void check_vertices(const ShapeDescription& shape, const Checker& check, const s
 
 void check_triangles(const ShapeDescription& shape, const Checker& check, const std::string& path, ErrorList& errors) {
     if (check.broken("triangles") || check.broken("vertices") || check.broken("mesh")) return;
-    if (shape.triangles.empty()) check.problem("triangles", "must hold at least one triangle");
+    if (shape.triangles.empty())
+        check.problem("triangles", "must hold at least one triangle, unless there are segments or points");
     const auto count = static_cast<std::int64_t>(shape.vertices.size());
     for (std::size_t i = 0; i < shape.triangles.size(); ++i)
         for (const std::int32_t v : shape.triangles[i])
@@ -126,11 +139,9 @@ void check_shape(const ShapeDescription& shape, const std::string& path, ErrorLi
     check_triangles(shape, check, path, errors);
     if (shape.mass_kind != MassKind::none)
         check.range(mass_key(shape.mass_kind), shape.mass_value, kMinMassValue, kMaxMassValue,
-                    shape.mass_kind == MassKind::mass      ? "kg"
-                    : shape.mass_kind == MassKind::density ? "kg/m^3"
-                                                           : "kg/m^2");
+                    mass_unit(shape.mass_kind));
     else if (shape.inertia && !errors.any_under(path))
-        check.problem("inertia", "needs one of surface_density, density and mass");
+        check.problem("inertia", "needs one of surface_density, density, line_density and mass");
     if (shape.center_of_mass) check.magnitude("center_of_mass", *shape.center_of_mass, kMaxCoordinate, "m");
     if (shape.mass_kind == MassKind::none || errors.any_under(path)) return;
     try {
@@ -216,7 +227,7 @@ void check_body_shape(const BodyDescription& body, const SceneDescription& scene
     if (needs_mass && scene.shapes[index].mass_kind == MassKind::none &&
         !errors.any_under(element_path("shapes", index)))
         check.problem("shape", "shape " + in_quotes(scene.shapes[index].name) +
-                                   " has no mass: a dynamic body needs surface_density, density or mass");
+                                   " has no mass: a dynamic body needs surface_density, density, line_density or mass");
 }
 
 /// Pairs of names that there are.
@@ -262,6 +273,18 @@ void check_body(BodyDescription& body, const SceneDescription& scene, const std:
     } else if (!body.keyframes.empty()) {
         check.problem("keyframes", "only a kinematic body has keyframes");
     }
+}
+
+void check_line(const BodyDescription& body, const Vec3& line, const std::string& path, ErrorList& errors) {
+    std::vector<int> free;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!body.locked_rotation[static_cast<std::size_t>(axis)]) free.push_back(axis);
+    if (line == Vec3{} || free.size() == 3 || free.empty()) return;
+    const double along = component(rotate(body.rotation, line), free.front());
+    if (free.size() == 1 && 1 - along * along > kMinInertiaRatio) return;
+    Checker(path, errors)
+        .problem("locked", "a straight line has no inertia about itself: its turns may be locked about all axes, or "
+                           "about all but one that is not along it (or give the shape an inertia)");
 }
 
 std::string default_body_name(std::size_t place, std::uint32_t generation) {

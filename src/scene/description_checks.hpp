@@ -31,6 +31,8 @@ void check_description(SceneDescription& scene, ErrorList& errors);
 
 /// Of one body; of its shape `scene` tells the name and whether it has a mass.
 void check_body(BodyDescription& body, const SceneDescription& scene, const std::string& path, ErrorList& errors);
+/// Of a body whose shape lies on the direction `line` (MassProperties::line): what of its turns may be locked.
+void check_line(const BodyDescription& body, const Vec3& line, const std::string& path, ErrorList& errors);
 /// Adds to `errors` what no name may be: empty, long, with control characters.
 void check_name(const std::string& name, const std::string& path, ErrorList& errors);
 

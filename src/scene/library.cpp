@@ -132,6 +132,9 @@ constexpr std::array kEntries{
     Entry{{"household", 102, 10, kMaxBodies,
            "mugs, bowls, plates, stools, pallets, gears, rings and loose triangles fall into a large bowl"},
           library::household},
+    Entry{{"wires", 101, 2, kMaxBodies,
+           "rods, hoops and frames of segments and clouds of points, without any surface, fall into a bowl"},
+          library::wires},
     Entry{
         {"triangles-on-pegs", 186, 6, kMaxBodies, "flat triangles fall on fixed pegs and the ground (paper, figure 1)"},
         library::triangles_on_pegs},

@@ -24,10 +24,11 @@ MassProperties plain_mass_properties(const ShapeDescription& shape, const Triang
     switch (shape.mass_kind) {
     case MassKind::surface_density: return shell_mass_properties(mesh, shape.mass_value, shape.name);
     case MassKind::density: return solid_mass_properties(mesh, shape.mass_value, shape.name);
+    case MassKind::line_density: return line_mass_properties(mesh, shape.mass_value, shape.name);
     case MassKind::mass:
     case MassKind::none: break;
     }
-    return shell_mass_properties_total(mesh, shape.mass_value, shape.name);
+    return spread_mass_properties(mesh, shape.mass_value, shape.name);
 }
 
 /// Of a shape whose vertices and triangles are in `mesh`.
@@ -215,7 +216,9 @@ void check_loads(const Scene& scene, ErrorList& errors) {
         const auto& mass = scene.shapes[static_cast<std::size_t>(body.shape)].mass;
         if (body.type != BodyType::dynamic || !mass) continue;
         const double linear = length(body.force) / mass->mass;
-        const double angular = length(body.torque) / mass->principal_inertia.x * scene.settings.time_step;
+        const Vec3& inertia = mass->principal_inertia;
+        const double least = mass->line == Vec3{} ? inertia.x : inertia.y;
+        const double angular = length(body.torque) / least * scene.settings.time_step;
         if (!(linear <= kMaxGravity))
             errors.add(element_path("bodies", i) + "/force",
                        "accelerates the body by " + to_text(linear) + " m/s^2, more than " + to_text(kMaxGravity));
@@ -240,6 +243,9 @@ Scene build_scene(SceneDescription description, const std::string& source) {
     for (BodyDescription& body : scene.bodies) body.shape = scene.shape_of[static_cast<std::size_t>(body.shape)];
     scene.filtered = make_filter(scene.bodies, description.ignored_groups, description.ignored_bodies);
     check_loads(scene, errors);
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+        if (const auto& mass = scene.shapes[static_cast<std::size_t>(scene.bodies[i].shape)].mass)
+            check_line(scene.bodies[i], mass->line, element_path("bodies", i), errors);
     check_lengths(scene, errors);
     errors.throw_if_any();
     warn_of_far_bodies(scene, scene.warnings);

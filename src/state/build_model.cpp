@@ -6,8 +6,9 @@
 namespace flotilla {
 namespace {
 
-/// Inverse of a symmetric positive definite matrix from its principal form: R diag(1/d) R^T.
+/// Inverse of a symmetric positive definite matrix from its principal form: R diag(1/d) R^T. That of a line (MassProperties::line).
 Mat3 inverse_of(const MassProperties& m) {
+    if (m.line != Vec3{}) return (1 / m.principal_inertia.z) * identity();
     const Mat3 r = matrix(m.principal_axes);
     const Vec3& d = m.principal_inertia;
     return r * (diagonal({1 / d.x, 1 / d.y, 1 / d.z}) * transpose(r));
@@ -31,6 +32,7 @@ RigidShape make_shape(const Shape& shape) {
         out.mass = shape.mass->mass;
         out.inertia = shape.mass->inertia;
         out.inverse_inertia = inverse_of(*shape.mass);
+        out.line = shape.mass->line;
     }
     return out;
 }

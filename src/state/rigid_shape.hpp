@@ -17,6 +17,7 @@ struct RigidShape {
     double mass = 0;         ///< kg; 0 where the shape has none (static and scripted bodies only)
     Mat3 inertia;            ///< about the centre of mass, mesh axes, kg m^2
     Mat3 inverse_inertia;    ///< zero where the shape has no mass
+    Vec3 line;               ///< MassProperties::line
     SupportPoints outline;   ///< of the vertices, mesh coordinates
     double size = 0;         ///< m, diameter of the bounding sphere
     double extent = 0;       ///< m, which the lengths of its pairs go by (Shape::extent)

@@ -52,6 +52,17 @@ Vec3 Stepper::within_energy(std::size_t i, const Vec3& before, const Vec3& turne
     return has > allowed ? std::sqrt(allowed / has) * momentum : momentum;
 }
 
+/// A line has no momentum about itself (MassProperties::line); impulses at places within the step, where it lay otherwise, gave it some.
+void Stepper::drop_line_spin(std::span<const Pose> end, std::span<Motion> motion) const {
+    for (const std::int32_t id : model_.active) {
+        const std::size_t i = at(id);
+        const Vec3& line = model_.shape_of(i).line;
+        if (line == Vec3{} || !model_.bodies[i].movable() || model_.bodies[i].locked.rotation != 0) continue;
+        const Vec3 along = rotate(end[i].rotation, line);
+        motion[i].momentum -= dot(along, motion[i].momentum) * along;
+    }
+}
+
 /// A body that the failsafe kept from falling must not go on accelerating: a cluster takes the velocity of the motion it really
 /// made if that holds less kinetic energy than what it would have (DESIGN 4.5). Beyond that rule: the failsafe moves bodies in ways
 /// that neither velocity knows of, so the velocities taken are scaled to at most the kinetic energy of v^ plus the work of gravity

@@ -186,6 +186,23 @@ void ContactSet::append(const ContactSet& part, std::size_t begin, std::size_t e
     copy(part.ahead, ahead);
 }
 
+void ContactSet::list_pairs(std::vector<CandidatePair>& out) const {
+    out.clear();
+    for (std::size_t i = 0; i < size(); ++i) {
+        const CandidatePair pair{contacts[i].a, contacts[i].b};
+        if (ahead[i] == 0 && (out.empty() || !(out.back() == pair))) out.push_back(pair);
+    }
+}
+
+void ContactSet::mark_processed(std::span<const CandidatePair> pairs) {
+    auto pair = pairs.begin();
+    for (std::size_t i = 0; i < size(); ++i) {
+        const CandidatePair of_contact{contacts[i].a, contacts[i].b};
+        while (pair != pairs.end() && *pair < of_contact) ++pair;
+        if (pair != pairs.end() && *pair == of_contact) processed[i] = 1;
+    }
+}
+
 void ContactSet::merge(const ContactSet& others) {
     if (others.size() == 0) return;
     ContactSet own = std::exchange(*this, {});

@@ -17,7 +17,7 @@ namespace flotilla {
 struct ContactSet {
     std::vector<Contact> contacts;       ///< targets unset
     std::vector<double> rest;            ///< m, rest distance of each contact's pair
-    std::vector<std::uint8_t> processed; ///< stage 1 examined the pair
+    std::vector<std::uint8_t> processed; ///< stage 1 examined the pair, near at the start or the end of its motion
     std::vector<std::uint8_t> ahead;     ///< found by what the bodies would do (look_ahead.hpp)
     std::vector<CandidatePair> near;     ///< pairs whose boxes come within the reach of gravity, sorted; if kept
     bool keeps_near = false;             ///< for look_ahead.hpp
@@ -28,6 +28,10 @@ struct ContactSet {
     void clear();
     void resize(std::size_t size);
     void add(const Contact& contact, double rest_distance, bool was_processed, bool is_ahead);
+    /// The pairs of its contacts, without those that are only ahead.
+    void list_pairs(std::vector<CandidatePair>& out) const;
+    /// Takes pairs for processed, given in the order of the contacts.
+    void mark_processed(std::span<const CandidatePair> pairs);
     /// Writes the contacts of `part` over those from `place` on.
     void put(std::size_t place, const ContactSet& part);
     /// Appends those of `part` from `begin` to `end`.

@@ -278,13 +278,16 @@ void Stepper::advance(StepReport& report) {
                     if (!model_.bodies[at(i)].movable()) next[at(i)] = clusters_.motion()[at(i)];
             turn_momenta(collided, next);
             held_velocities(collided, next, end, report);
+            drop_line_spin(end, next);
         }
         { // 7) static contact on v^{n+1}, contacts at x^{n+1}
             const PhaseWatch watch(report, Phase::static_contact, team_);
             {
                 const PhaseWatch detection(report, Phase::static_detection, team_);
                 note_strays(report.step);
+                contacts_.list_pairs(start_pairs_);
                 find_contacts(d, report.step, search_, contacts_);
+                contacts_.mark_processed(start_pairs_);
                 set_counters(contacts_.counters, report);
             }
             static_contact(d, next, end, true, report);

@@ -165,6 +165,7 @@ class Stepper {
     [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;
     [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
     void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
+    void drop_line_spin(std::span<const Pose> end, std::span<Motion> motion) const;
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                          StepReport& report);
     void open_account();
@@ -227,6 +228,10 @@ class Stepper {
     std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() did it
     std::vector<std::uint8_t> level_;  ///< see mark_level(); empty but in stage 3
     ContactSearchScratch search_;
+    /// With contacts at x^n. Stage 1 examined how they move from there, so that stage 7 misses no collision of theirs; left to a bounce in the
+    /// next step, what passes a corner or a wire by less than the rest distance would keep the velocity that stages 3 and 5 do not let
+    /// it follow, in every step.
+    std::vector<CandidatePair> start_pairs_;
     ContactSet contacts_;
     std::vector<Contact> sleeping_contacts_; ///< found when their bodies fell asleep: nobody looks at them again
     bool looks_ahead_ = false;               ///< may_look_ahead()

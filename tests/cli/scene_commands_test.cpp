@@ -199,9 +199,10 @@ TEST(ImportCommand, RefusesWhatItCannotKeepAndWhatIsNone) {
     const CommandOutput refused = run_flotilla("import " + points);
     EXPECT_EQ(refused.exit_code, 2);
     EXPECT_EQ(refused.out, "");
-    EXPECT_EQ(refused.err,
-              "flotilla: " + points +
-                  ": /rigid_body_problem/rigid_bodies/0: has no faces: bodies of edges or points are not supported\n");
+    EXPECT_EQ(
+        refused.err,
+        "flotilla: " + points +
+            ": /rigid_body_problem/rigid_bodies/0: shape 'body-0': all its points lie at one place: it has no size\n");
     EXPECT_EQ(run_flotilla("import " + folder.write("own.json", run_flotilla("scene stack").out)).exit_code, 2);
     EXPECT_EQ(run_flotilla("import " + (folder.path() / "none.json").string()).exit_code, 5);
     const std::string file = folder.write("foreign.json", kForeign);

@@ -189,7 +189,7 @@ void hash_mass_properties(Generator& g, BitHash& hash) {
     }
     soup.vertices = closed.vertices;
     for (const MassProperties& m :
-         {shell_mass_properties(soup, 10.0, "soup"), shell_mass_properties_total(closed, 3.0, "closed")}) {
+         {shell_mass_properties(soup, 10.0, "soup"), spread_mass_properties(closed, 3.0, "closed")}) {
         hash.add(m.mass);
         hash.add(m.center_of_mass);
         hash.add(m.inertia);

@@ -121,8 +121,21 @@ TEST(Gltf, StripsFansAndPrimitivesWithoutIndices) {
     EXPECT_EQ(read(json).triangles, (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));
     primitive["mode"] = 6;
     EXPECT_EQ(read(json).triangles, (std::vector<Triangle>{{1, 2, 0}, {2, 3, 0}}));
+    const auto segments = [](std::vector<std::array<std::int32_t, 2>> ends) {
+        std::vector<Triangle> list;
+        for (const auto& [a, b] : ends) list.push_back(segment_element(a, b));
+        return list;
+    };
+    primitive["mode"] = 0;
+    EXPECT_EQ(read(json).triangles, (std::vector<Triangle>{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}}));
     primitive["mode"] = 1;
-    EXPECT_EQ(refusal(json), "a.gltf: the file has no triangles") << "lines are skipped";
+    EXPECT_EQ(read(json).triangles, segments({{0, 1}, {2, 3}}));
+    primitive["mode"] = 2;
+    EXPECT_EQ(read(json).triangles, segments({{0, 1}, {1, 2}, {2, 3}, {3, 0}}));
+    primitive["mode"] = 3;
+    EXPECT_EQ(read(json).triangles, segments({{0, 1}, {1, 2}, {2, 3}}));
+    json["accessors"][0]["count"] = 1;
+    EXPECT_EQ(refusal(json), "a.gltf: the file has no geometry");
 }
 
 TEST(Gltf, IndicesOfEveryWidthAndInterleavedPositions) {

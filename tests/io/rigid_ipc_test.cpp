@@ -253,20 +253,37 @@ TEST(RigidIpc, ImportIsReadBackToTheSameBits) {
 
 TEST(RigidIpc, WhatChangesTheOutcomeIsRefusedWithItsPlace) {
     const std::string at = "f.json: /rigid_body_problem/rigid_bodies/0";
+    EXPECT_EQ(refusal(scene("{}")), at + ": has neither a mesh nor vertices");
     EXPECT_EQ(refusal(scene(R"({"vertices": [[0,0,0]]})")),
-              at + ": has no faces: bodies of edges or points are not supported");
+              at + ": shape 'body-0': all its points lie at one place: it has no size");
+    EXPECT_EQ(refusal(scene(R"({"vertices": [[0,0,0],[1,0,0]], "edges": [[0,2]]})")),
+              at + ": an edge must join two of the vertices");
     EXPECT_EQ(
         refusal(scene(R"({"mesh": "nowhere.obj"})")),
         at + "/mesh: \"nowhere.obj\": was found neither beside the scene nor in a folder \"meshes\" there or above");
-    EXPECT_EQ(refusal(scene(R"({"vertices": [[0,0,0],[1,0,0],[0,0,1],[5,5,5]], "faces": [[0,1,2]]})")),
-              at + ": has 1 points that belong to no face and would collide by themselves, which is not supported");
-    EXPECT_EQ(
-        refusal(scene(
-            R"({"vertices": [[0,0,0],[1,0,0],[0,0,1],[1,0,1]], "faces": [[0,1,2],[1,3,2]], "edges": [[0,1],[3,0]]})")),
-        at + ": has edges beside its faces, which are not supported");
     EXPECT_EQ(refusal("{\"scene_type\": \"particles_problem\", \"rigid_body_problem\": {}}")
                   .find("f.json: /scene_type: \"particles_problem\" is not supported"),
               0U);
+}
+
+TEST(RigidIpc, EdgesAndPointsAreBodiesOfTheirOwn) {
+    const auto [s, origin] = read(scene(
+        R"({"vertices": [[0,0,0],[2,0,0],[0,0,1],[5,5,5]], "faces": [[0,1,2]], "edges": [[0,1],[1,3]], "density": 3},
+                      {"vertices": [[0,9,0],[2,9,0],[2,9,1]], "edges": [[0,1],[2,1]], "density": 3},
+                      {"vertices": [[0,19,0],[2,19,0],[2,19,1]], "density": 3})"));
+    ASSERT_EQ(s.shapes.size(), 3U);
+    EXPECT_EQ(s.shapes[0].triangles, (std::vector<Triangle>{{0, 1, 2}, segment_element(1, 3)}))
+        << "the edge of a face is there already, and a vertex of an edge is no point";
+    EXPECT_EQ(s.shapes[0].mass_kind, MassKind::surface_density);
+    EXPECT_EQ(s.shapes[1].triangles, (std::vector<Triangle>{segment_element(0, 1), segment_element(1, 2)}));
+    EXPECT_EQ(s.shapes[1].mass_kind, MassKind::line_density);
+    EXPECT_EQ(s.shapes[1].mass_value, 3);
+    EXPECT_EQ(s.shapes[2].triangles, (std::vector<Triangle>{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}));
+    EXPECT_EQ(s.shapes[2].mass_kind, MassKind::mass);
+    EXPECT_EQ(s.shapes[2].mass_value, 9) << "of each point";
+    ASSERT_EQ(origin.warnings.size(), 3U);
+    EXPECT_NE(origin.warnings[1].find("the density 3 is taken as kg/m of its edges"), std::string::npos);
+    EXPECT_NE(origin.warnings[2].find("the density 3 is taken as kg of each point"), std::string::npos);
 }
 
 TEST(RigidIpc, GroupsOfWhatNeverMeetsChangeNothing) {
@@ -321,34 +338,26 @@ TEST(RigidIpc, MeshesAreFoundBesideTheSceneAndInFoldersAbove) {
     EXPECT_EQ(s.shapes[0].triangles.size(), 2U);
     EXPECT_EQ(s.bodies[0].name, "quad-0");
     EXPECT_TRUE(s.shapes[0].mesh_path.empty()) << "scaled and turned: the scene holds its vertices";
-    for (const auto& [mesh, reason] :
-         {std::pair{"line.obj", "has no faces"}, std::pair{"both.obj", "has edges beside its faces"}}) {
+    (void)folder.write("meshes/cloud.obj", "v 0 0 0\nv 1 0 0\nv 1 0 1\n");
+    for (const auto& [mesh, elements] :
+         {std::pair{"line.obj", std::vector<Triangle>{segment_element(0, 1)}},
+          std::pair{"both.obj", std::vector<Triangle>{{0, 1, 2}, segment_element(0, 1)}},
+          std::pair{"cloud.obj", std::vector<Triangle>{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}}}) {
         (void)folder.write("fixtures/3D/s.json", scene(std::string(R"({"mesh": ")") + mesh + "\"}"));
-        try {
-            (void)read_scene(file);
-            ADD_FAILURE() << mesh;
-        } catch (const InputError& error) {
-            EXPECT_NE(std::string(error.what()).find(std::string("\": ") + reason), std::string::npos) << error.what();
-        }
+        EXPECT_EQ(read_scene(file).shapes[0].triangles, elements) << mesh;
     }
 }
 
 TEST(RigidIpc, ReadsItsOwnScenes) {
     const std::filesystem::path folder = std::filesystem::path(FLOTILLA_TEST_DATA) / "rigid_ipc" / "fixtures" / "3D";
     if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << folder << " is missing";
-    int read = 0, refused = 0;
+    int read = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
         if (entry.path().extension() != ".json") continue;
-        try {
-            EXPECT_FALSE(read_scene(entry.path()).bodies.empty()) << entry.path();
-            ++read;
-        } catch (const InputError& error) {
-            EXPECT_NE(std::string(error.what()).find("not supported"), std::string::npos) << error.what();
-            ++refused;
-        }
+        EXPECT_FALSE(read_scene(entry.path()).bodies.empty()) << entry.path();
+        ++read;
     }
-    EXPECT_EQ(read, 29);
-    EXPECT_EQ(refused, 2) << "edges alone, points alone";
+    EXPECT_EQ(read, 31);
 }
 
 } // namespace

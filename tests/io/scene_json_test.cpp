@@ -91,6 +91,35 @@ TEST(SceneJson, RoundTripsToTheSameBits) {
     EXPECT_EQ(second.shapes[1].inertia, first.shapes[1].inertia);
 }
 
+TEST(SceneJson, SegmentsAndPointsFollowTheTrianglesAndRoundTrip) {
+    const auto scene = [](const std::string& shape) {
+        return R"({"flotilla_scene": 1, "shapes": [{"name": "s", "vertices": [[0,0,0],[1,0,0],[0,1,0],[2,2,2]], )" +
+               shape + R"(}], "bodies": [{"name": "b", "shape": "s", "type": "static"}]})";
+    };
+    const std::string lists = R"("triangles": [[0, 1, 2]],
+     "segments": [[3, 2], [0, 3]],
+     "points": [3])";
+    const SceneDescription first = parse_scene(scene(lists), "test", ".");
+    EXPECT_EQ(first.shapes[0].triangles,
+              (std::vector<Triangle>{{0, 1, 2}, segment_element(3, 2), segment_element(0, 3), point_element(3)}));
+    EXPECT_NE(written(first).find(lists), std::string::npos) << written(first);
+
+    // What stands among the triangles stays there.
+    for (const char* kept :
+         {R"("triangles": [[0, 0, 3], [0, 1, 2]])", R"("triangles": [[0, 1, 1], [2, 2, 2], [0, 3, 3]])",
+          R"("segments": [[0, 1]])", R"("points": [2])"}) {
+        const SceneDescription s = parse_scene(scene(kept), "test", ".");
+        const SceneDescription again = parse_scene(written(s), "test", ".");
+        EXPECT_EQ(again.shapes[0].triangles, s.shapes[0].triangles);
+        EXPECT_NE(written(s).find(kept), std::string::npos) << written(s);
+    }
+    const SceneDescription wire =
+        parse_scene(scene(R"("segments": [[0, 1], [1, 2]], "line_density": 2.5)"), "test", ".");
+    EXPECT_EQ(wire.shapes[0].mass_kind, MassKind::line_density);
+    EXPECT_EQ(wire.shapes[0].mass_value, 2.5);
+    EXPECT_NE(written(wire).find("\"line_density\": 2.5"), std::string::npos);
+}
+
 std::string with_body(const std::string& fields) {
     return R"({"flotilla_scene": 1, "shapes": [{"name": "s", "mass": 1, "vertices": [[0,0,0],[1,0,0],[0,1,0]],
       "triangles": [[0,1,2]]}], "bodies": [{"name": "b", "shape": "s", )" +

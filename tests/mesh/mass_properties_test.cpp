@@ -187,10 +187,39 @@ TEST(MassProperties, ArePhysicalForEveryShape) {
         const TriangleMesh m = moved(s.mesh, {0.3, -1.1, 0.7}, {3, 2, 1});
         expect_physical(shell_mass_properties(m, 7, s.name));
         if (s.closed) expect_physical(solid_mass_properties(m, 500, s.name));
-        const MassProperties total = shell_mass_properties_total(m, 12.5, s.name);
+        const MassProperties total = spread_mass_properties(m, 12.5, s.name);
         expect_physical(total);
         EXPECT_EQ(total.mass, 12.5);
     }
+}
+
+TEST(MassProperties, OfSegmentsAndPointsAreTheirSums) {
+    // A bent wire: two arms of 3 and 4 at a right angle, and a triangle without area that weighs nothing.
+    const TriangleMesh bent =
+        moved({{{3, 0, 0}, {0, 0, 0}, {0, 4, 0}}, {segment_element(0, 1), {1, 2, 2}}}, {0.4, 0.1, -0.7}, {5, 6, 7});
+    const MassProperties p = line_mass_properties(bent, 2, "bent");
+    EXPECT_NEAR(p.mass, 14, 1e-14);
+    expect_physical(p);
+    const double x = 1.5 * 3 / 7, y = 2.0 * 4 / 7; // of the centre
+    const double about_z = 6 * (9.0 / 12 + (1.5 - x) * (1.5 - x) + y * y) + 8 * (16.0 / 12 + x * x + (2 - y) * (2 - y));
+    EXPECT_NEAR(p.principal_inertia.z, about_z, 1e-13 * about_z);
+    EXPECT_NEAR(p.principal_inertia.x + p.principal_inertia.y, about_z, 1e-13 * about_z) << "flat";
+    EXPECT_EQ(p.line, Vec3{});
+    EXPECT_NEAR(spread_mass_properties(bent, 14, "bent").principal_inertia.z, about_z, 1e-13 * about_z);
+
+    const TriangleMesh cloud =
+        moved({{{1, 0, 0}, {-1, 0, 0}, {0, 2, 0}, {0, -2, 0}}, {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}}},
+              {0.4, 0.1, -0.7}, {5, 6, 7});
+    const MassProperties q = spread_mass_properties(cloud, 8, "cloud");
+    expect_physical(q);
+    EXPECT_EQ(q.mass, 8);
+    EXPECT_NEAR(length(q.principal_inertia - Vec3{4, 16, 20}), 0, 1e-13);
+
+    const TriangleMesh rod =
+        moved({{{0, 0, 0}, {3, 0, 0}, {1, 0, 0}}, {segment_element(0, 2), segment_element(2, 1)}}, {0, 0, 0.5}, {});
+    const MassProperties r = line_mass_properties(rod, 2, "rod");
+    EXPECT_LT(length(r.principal_inertia - Vec3{0, 4.5, 4.5}), 1e-14);
+    EXPECT_NEAR(std::abs(dot(r.line, Vec3{std::cos(0.5), std::sin(0.5), 0})), 1, 1e-15);
 }
 
 TEST(MassProperties, DoNotDependOnTheOrderOfTriangles) {
@@ -318,6 +347,12 @@ TEST(MassProperties, RefuseWhatHasNone) {
     TriangleMesh line{{{0, 0, 0}, {0.1, 0.2, 0.3}, {0.2, 0.4, 0.6}, {7 * 0.1, 7 * 0.2, 7 * 0.3}},
                       {{0, 1, 2}, {0, 1, 3}}};
     const TriangleMesh point{{{1, 2, 3}}, {{0, 0, 0}}};
+    EXPECT_EQ(message_of([&] { (void)spread_mass_properties(point, 1, "s"); }),
+              "shape 's': all its points lie at one place: it has no size");
+    EXPECT_EQ(message_of([&] { (void)line_mass_properties(plate, 1, "s"); }),
+              "shape 's': line_density needs a shape of segments alone, this one has triangles (use surface_density or "
+              "mass)");
+    EXPECT_EQ(message_of([&] { (void)line_mass_properties(point, 1, "s"); }), "shape 's': its segments have no length");
     TriangleMesh folded = plate;
     for (const Triangle& t : plate.triangles) folded.triangles.push_back({t[0], t[2], t[1]});
     const TriangleMesh hair = make_plate(1, 1e-8);
@@ -333,7 +368,7 @@ TEST(MassProperties, RefuseWhatHasNone) {
               "shape 's': surface_density must be positive and finite");
     EXPECT_EQ(message_of([&] { (void)shell_mass_properties(plate, nan, "s"); }),
               "shape 's': surface_density must be positive and finite");
-    EXPECT_EQ(message_of([&] { (void)shell_mass_properties_total(plate, -1, "s"); }),
+    EXPECT_EQ(message_of([&] { (void)spread_mass_properties(plate, -1, "s"); }),
               "shape 's': mass must be positive and finite");
     EXPECT_EQ(message_of([&] { (void)solid_mass_properties(box, std::numeric_limits<double>::infinity(), "s"); }),
               "shape 's': density must be positive and finite");

@@ -160,7 +160,7 @@ TEST_F(MeshFile, ReadsObjWithAllItsWaysOfNamingCorners) {
                  kQuad);
     expect_equal(read("c.obj", "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\n\r\nf -4 -3 -2\r\nf -4/1 -2/1 -1/1\r\n"),
                  kQuad);
-    expect_equal(read("d.obj", "\tf 1 2 3 4\nl 1 2\np 1\n  v 0 0 0\nv\t1 0 0\nv 1 1 0 \nv 0 1 0"), kQuad);
+    expect_equal(read("d.obj", "\tf 1 2 3 4\n  v 0 0 0\nv\t1 0 0\nv 1 1 0 \nv 0 1 0"), kQuad);
 }
 
 TEST_F(MeshFile, ReadsNumbersExactly) {
@@ -238,12 +238,23 @@ TEST_F(MeshFile, ReadsTheSameInALocaleWithDecimalCommas) {
     expect_equal(back, m);
 }
 
+TEST_F(MeshFile, LinesAndPointsOfObjAreElements) {
+    const TriangleMesh m = read("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 3 -3\nl 1/7 2 3\nf 1 2 3\n");
+    EXPECT_EQ(m.triangles,
+              (std::vector<Triangle>{
+                  point_element(2), point_element(0), segment_element(0, 1), segment_element(1, 2), {0, 1, 2}}));
+}
+
 // ---- bad files: the whole message
 
 TEST_F(MeshFile, RefusesBadObj) {
     const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-    EXPECT_EQ(error("a.obj", ""), "a.obj:1: the file has no faces");
-    EXPECT_EQ(error("a.obj", triangle), "a.obj:3: the file has no faces");
+    EXPECT_EQ(error("a.obj", ""), "a.obj:1: the file has no faces, lines or points");
+    EXPECT_EQ(error("a.obj", triangle), "a.obj:3: the file has no faces, lines or points");
+    EXPECT_EQ(error("a.obj", triangle + "l 1\n"), "a.obj:4: a line needs at least 2 ends");
+    EXPECT_EQ(error("a.obj", triangle + "l 1 1\n"), "a.obj:4: a line from a vertex to itself");
+    EXPECT_EQ(error("a.obj", triangle + "p\n"), "a.obj:4: needs at least 1 vertex");
+    EXPECT_EQ(error("a.obj", triangle + "p 4\n"), "a.obj:4: index 4 is out of range, there are 3 vertices");
     EXPECT_EQ(error("a.obj", triangle + "f 1 2\n"), "a.obj:4: a face needs at least 3 corners");
     EXPECT_EQ(error("a.obj", triangle + "f 1 2 4\n"), "a.obj:4: index 4 is out of range, there are 3 vertices");
     EXPECT_EQ(error("a.obj", "f 1 2 4\n" + triangle), "a.obj:1: index 4 is out of range, there are 3 vertices");

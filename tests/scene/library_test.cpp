@@ -47,6 +47,11 @@ TEST(SceneLibrary, TrianglesAndStacksNeverIntersectAtTheStart) {
         expect_valid_and_free(make_scene("falling-boats", bodies, 3), "falling boats");
 }
 
+TEST(SceneLibrary, WiresNeverIntersectAtTheStart) {
+    for (const int bodies : {2, 3, 12, 101, 500})
+        for (const std::uint64_t seed : {0U, 5U}) expect_valid_and_free(make_scene("wires", bodies, seed), "wires");
+}
+
 /// The bowl of a scene whose last bodies are a bowl and the ground.
 struct Bowl {
     std::size_t body = 0;
