@@ -29,8 +29,12 @@ void append_object(std::string& text, const RunShape& shape, const std::string& 
         text += '\n';
     }
     for (const Triangle& t : shape.mesh.triangles) {
-        text += 'f';
-        for (const std::int32_t i : t) {
+        constexpr std::array kKeywords{'p', 'l', 'f'};
+        const auto corners = static_cast<std::size_t>(element_of(t));
+        const auto [a, b] = segment_ends(t);
+        const Triangle elements = corners == 2 ? t : Triangle{a, b, b};
+        text += kKeywords[corners];
+        for (const std::int32_t i : std::span(elements).first(corners + 1)) {
             text += ' ';
             append_number(text, first_vertex + static_cast<std::size_t>(i) + 1);
         }

@@ -8,6 +8,7 @@
 
 #include "base/rotation.hpp"
 #include "io/body_colour.hpp"
+#include "io/drawn_mesh.hpp"
 
 namespace flotilla::picture {
 namespace {
@@ -62,20 +63,28 @@ std::vector<Float3> smooth_normals(const TriangleMesh& mesh, const std::vector<V
     return normals;
 }
 
+void set_normals(MeshData& data) {
+    double outward = 0;
+    const double inv_size = data.radius > 0 ? 1 / data.radius : 1;
+    const std::vector<Vec3> normals = area_normals(*data.mesh, inv_size);
+    for (Index f = 0; f < normals.size(); ++f)
+        outward += dot(normals[f], inv_size * (data.mesh->vertices[at(data.mesh->triangles[f][0])] - data.center));
+    data.inside_out = outward < 0;
+    data.corner_normals = smooth_normals(*data.mesh, normals);
+}
+
 MeshData mesh_data(const TriangleMesh& mesh) {
-    MeshData data{.mesh = &mesh, .corner_normals = {}, .center = {}, .radius = 0, .inside_out = false};
+    MeshData data{.mesh = &mesh, .drawn = {}, .corner_normals = {}, .center = {}, .radius = 0, .inside_out = false};
     if (mesh.vertices.empty()) return data;
     Vec3 low = mesh.vertices.front(), high = low;
     for (const Vec3& v : mesh.vertices) low = min(low, v), high = max(high, v);
     data.center = 0.5 * low + 0.5 * high;
     for (const Vec3& v : mesh.vertices) data.radius = std::max(data.radius, flotilla::length(v - data.center));
-    double outward = 0;
-    const double inv_size = data.radius > 0 ? 1 / data.radius : 1;
-    const std::vector<Vec3> normals = area_normals(mesh, inv_size);
-    for (Index f = 0; f < normals.size(); ++f)
-        outward += dot(normals[f], inv_size * (mesh.vertices[at(mesh.triangles[f][0])] - data.center));
-    data.inside_out = outward < 0;
-    data.corner_normals = smooth_normals(mesh, normals);
+    if (io::has_thin_elements(mesh)) {
+        data.drawn = std::make_shared<TriangleMesh>(io::drawn_mesh(mesh, io::drawn_radius(2 * data.radius)));
+        data.mesh = data.drawn.get();
+    }
+    set_normals(data);
     return data;
 }
 
@@ -160,7 +169,7 @@ void place_vertices(Model& model, std::span<const PictureBody> input, std::span<
         body.radius = static_cast<float>(spheres[i].radius / model.scale);
         const Mat3 r = (1 / model.scale) * matrix(body.rotation);
         const Vec3 offset = (input[i].position - model.origin) / model.scale;
-        for (const Vec3& v : input[i].mesh->vertices) {
+        for (const Vec3& v : model.mesh(body).vertices) {
             const Float3 p = to_float(max(-kFarthest, min(kFarthest, r * v + offset)));
             model.vertices.push_back(p);
             if (!body.in_focus) continue;

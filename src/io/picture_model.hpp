@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace flotilla::picture {
 /// What all bodies of one mesh share.
 struct MeshData {
     const TriangleMesh* mesh = nullptr;
+    std::shared_ptr<const TriangleMesh> drawn; ///< what `mesh` is, where segments and points were made visible
     std::vector<Float3> corner_normals; ///< [triangles][3], unit, mesh axes; smooth across edges below the crease angle
     Vec3 center;                        ///< middle of the bounding box, mesh coordinates
     double radius = 0;                  ///< about center, m

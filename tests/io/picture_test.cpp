@@ -85,6 +85,22 @@ TEST(Picture, HasTheSizeAskedForAndShowsTheTriangleInTheMiddle) {
     EXPECT_GT(hue_distance(middle(image), pixel(image, 1, 1)), 0.1);
 }
 
+TEST(Picture, SegmentsAndPointsAreSeen) {
+    const TriangleMesh cross{{{-1, 0, -1}, {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}},
+                             {segment_element(0, 1), segment_element(2, 3)}};
+    const TriangleMesh cloud{{{-1, 0, -1}, {0, 0, 0}, {1, 0, 1}},
+                             {point_element(0), point_element(1), point_element(2)}};
+    for (const auto& [mesh, least] : {std::pair{cross, 40}, std::pair{cloud, 3}}) {
+        const PictureBody body{.mesh = &mesh, .position = {}, .rotation = {}, .fixed = false, .colour = colours().red};
+        const Image image = render({&body, 1}, small());
+        const Image empty = render({}, small());
+        int drawn = 0;
+        for (std::size_t i = 0; i < image.rgb.size(); i += 3) drawn += image.rgb[i] != empty.rgb[i] ? 1 : 0;
+        EXPECT_GE(drawn, least);
+        EXPECT_LT(drawn, 96 * 64 / 4) << "lines and dots, no more";
+    }
+}
+
 TEST(Picture, NearerBodyHidesTheFartherWhateverTheOrder) {
     const TriangleMesh mesh = square(1);
     const PictureBody low{
