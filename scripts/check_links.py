@@ -13,7 +13,7 @@ import os
 import re
 import sys
 
-SKIPPED_FOLDERS = {"build", "out", "__pycache__", "corpus"}
+SKIPPED_FOLDERS = {"build", "out", "__pycache__"}
 SOURCES = (".hpp", ".cpp", ".py", ".sh", ".txt", ".cmake")
 TOP = ("src", "include", "tests", "bench", "scripts")
 
