@@ -48,8 +48,8 @@ class RoamingArena {
     Roaming roaming_;
 };
 
-/// Arenas that nobody uses, for whoever wants one of the same size next: with every arena that had work and goes, oneTBB (2021.8) loses
-/// 7 kB. So there are as many as were ever in use at once.
+/// Arenas not in use, for the next caller that wants one of the same size: oneTBB (2021.8) leaks 7 kB with every arena
+/// that had work and is destroyed. So there are as many as were ever in use at once.
 class SpareArenas {
   public:
     using Size = std::pair<int, unsigned>; ///< threads, callers
@@ -71,7 +71,7 @@ class SpareArenas {
         }
         return std::make_unique<RoamingArena>(size.first, size.second);
     }
-    /// Where there is no memory to keep it, it goes.
+    /// Where there is no memory to keep it, it is destroyed.
     void give_back(const Size& size, std::unique_ptr<RoamingArena> arena) noexcept {
         const std::lock_guard guard(lock_);
         try {

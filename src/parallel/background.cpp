@@ -12,7 +12,7 @@
 
 namespace flotilla {
 
-/// Waits end: each is for a job that is running. Where none is, who wants the jobs done does them.
+/// Waits end: each is for a job that is running. Where none is, the thread that wants the jobs done does them.
 struct Background::Jobs {
     explicit Jobs(std::size_t most) : most_waiting(most) {}
 
@@ -69,7 +69,7 @@ void Background::add(std::function<void()> job) {
     held.unlock();
     beside_->start([jobs = jobs_] {
         std::unique_lock own(jobs->lock);
-        jobs->called = false; // who adds after this finds it running or calls anew
+        jobs->called = false; // a thread that adds after this finds it running or calls anew
         while (!jobs->waiting.empty() && !jobs->running) jobs->advance(own);
     });
 }

@@ -13,7 +13,8 @@ class Beside;
 /// Used from one thread. No two jobs run at a time; after one that threw, none is begun.
 class Background {
   public:
-    /// At most so many jobs wait: who adds another one waits for the first of them, or, where no thread came for them, does it.
+    /// At most so many jobs wait: add() then waits for the first of them or, where no thread has come for them, does
+    /// it.
     explicit Background(std::size_t most_waiting);
     /// Does what was added and swallows errors; finish() reports them.
     ~Background();

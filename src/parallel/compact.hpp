@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Filling an array whose length is only known when everything has been looked at: by a team, in the order of the plain loop.
+// Order-preserving parallel compaction: an array whose length follows from its items is filled by a team, in the order
+// of the plain loop.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 
 namespace flotilla {
 
-/// How the items are looked at.
+/// The loop over the items, and its scratch.
 struct ListLoop {
     Team* team;                       ///< null: a plain loop
     const char* name;                 ///< of the tasks, for records
@@ -20,8 +21,8 @@ struct ListLoop {
     std::vector<std::size_t>& places; ///< scratch, kept by the caller
 };
 
-/// Goes twice over [0, n) in chunks. count(begin, end) says how many places the chunk fills, resize(total) makes room, and
-/// fill(begin, end, place) fills them from `place` on.
+/// Two passes over [0, n) in chunks, with a prefix sum between them. count(begin, end) returns how many places the
+/// chunk fills, resize(total) makes room, and fill(begin, end, place) fills them from `place` on.
 template <class Count, class Resize, class Fill>
 void compact(const ListLoop& loop, std::size_t n, Count&& count, Resize&& resize, Fill&& fill) {
     const std::size_t chunks = (n + loop.grain - 1) / loop.grain;
@@ -35,8 +36,9 @@ void compact(const ListLoop& loop, std::size_t n, Count&& count, Resize&& resize
     for_each(loop.team, loop.name, chunks, 1, [&](std::size_t k) { fill(begin_of(k), end_of(k), places[k]); });
 }
 
-/// Replaces what `out` holds from place `from` on by item(i) of those i in [0, n) that are kept, in their order. look(i) is called
-/// once for every i and says whether it is kept; kept(i), called afterwards, must say the same. `from` is at most out.size().
+/// Replaces what `out` holds from place `from` on by item(i) of those i in [0, n) that are kept, in their order.
+/// look(i), of the first pass, returns whether i is kept; kept(i), of the second, must return the same. `from` is at
+/// most out.size().
 template <class Look, class Kept, class T, class Item>
 void compact_if(const ListLoop& loop, std::size_t n, Look&& look, Kept&& kept, std::vector<T>& out, std::size_t from,
                 Item&& item) {
@@ -53,7 +55,7 @@ void compact_if(const ListLoop& loop, std::size_t n, Look&& look, Kept&& kept, s
     compact(loop, n, count, resize, fill);
 }
 
-/// The same where one function says it both times.
+/// The same with one predicate for both passes.
 template <class Kept, class T, class Item>
 void compact_if(const ListLoop& loop, std::size_t n, Kept&& kept, std::vector<T>& out, std::size_t from, Item&& item) {
     compact_if(loop, n, kept, kept, out, from, item);

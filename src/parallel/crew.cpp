@@ -29,10 +29,11 @@ void Crew::publish(const Section& section) {
     n.function.store(section.work.function, std::memory_order_release);
     n.object.store(section.work.object, std::memory_order_release);
     n.shares.store(section.shares, std::memory_order_release);
-    n.version.store(version + 2); // before the look at who sleeps
+    n.version.store(version + 2); // before sleepers are searched for
 }
 
-// A value of a later section synchronises with its writing, which comes after the version became odd: the second look sees that.
+// A value of a later section synchronises with its writing, which comes after the version became odd: the second read
+// of the version sees that.
 bool Crew::read(std::uint64_t version, Section& section) const {
     const Notice& n = notice_;
     section.first = n.first.load(std::memory_order_acquire);

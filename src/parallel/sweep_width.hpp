@@ -8,8 +8,8 @@
 
 namespace flotilla {
 
-/// Tasks that a thread needs in the average group for a barrier to pay: a packet of contacts takes some hundreds of nanoseconds, a
-/// barrier of two threads as much. Changes times only, never a bit.
+/// Tasks that a thread needs in the average group for a barrier to pay: a batch of contacts (a packet) takes some
+/// hundreds of nanoseconds, a barrier of two threads as much. Changes times only, never a bit.
 inline constexpr std::size_t kTasksPerSweeper = 4;
 
 /// At most `threads`; `tasks` is the number in all groups together.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tasks in a fixed order of which neighbours may exchange places where they have nothing in common.
+// Tasks in a fixed order, run so that only those wait for one another that use something in common.
 //
 // Each task uses at most two things (in a sweep: the two movable clusters of a pair). A task waits for the last earlier one that
 // uses each of its things. Running the tasks in any order that keeps to these waits gives the bits of the plain loop, if a task is a

@@ -9,8 +9,8 @@
 namespace flotilla {
 namespace {
 
-/// A region whose end waits for late threads for more than this share of it did not pay: the machine is busy with other things. Then some
-/// regions do without helpers, twice as many each time.
+/// A region that waited at its end for late threads for more than this share of its time did not pay: the machine is
+/// busy with other work. Then some regions do without helpers, twice as many each time.
 constexpr double kMostLate = 0.125;
 constexpr int kLongestRest = 32;
 

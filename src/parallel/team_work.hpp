@@ -87,7 +87,7 @@ struct Team::OrderedMemory {
             release();
             return task;
         }
-        std::atomic<std::size_t> count = 0; ///< a hint for who looks; who sleeps has looked after the last push
+        std::atomic<std::size_t> count = 0; ///< a hint for threads that search; sleepers checked after the last push
     };
 
     explicit OrderedMemory(int threads) : ready(static_cast<std::size_t>(threads)) {}
@@ -96,9 +96,10 @@ struct Team::OrderedMemory {
     std::vector<std::uint8_t> waits; ///< by task, counted down
 };
 
-/// One ordered run. A thread without a task waits for one to become ready or for the end. One of both comes: of the tasks left the first
-/// in list order waits for nothing, so it is ready, runs, or ran on a thread that has yet to say so; and who makes a task ready that it
-/// does not run itself at once, or ends the last one, looks for sleepers afterwards (wait.hpp).
+/// One ordered run. A thread without a task waits for one to become ready or for the end. One of both comes: of the
+/// tasks left the first in list order waits for nothing, so it is ready, runs, or ran on a thread that has yet to say
+/// so; and the thread that makes a task ready which it does not run itself at once, or ends the last one, wakes
+/// sleepers afterwards (wait.hpp).
 class Team::Ordered {
   public:
     Ordered(Team& team, const TaskOrder& order, const Task& work, int threads, std::int32_t region)

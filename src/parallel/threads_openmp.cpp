@@ -22,8 +22,8 @@ bool among_workers() { return omp_in_parallel() != 0 || tbb::task::current_conte
 
 namespace {
 
-/// Whether the system has address space for the stacks of so many more threads. OpenMP ends the process where it has not; to be asked
-/// before is the most that one can do.
+/// Whether the system has address space for the stacks of so many more threads. OpenMP ends the process where it has
+/// not; all that can be done is to ask before.
 bool has_room(int threads) {
     constexpr std::size_t kGuard = 1u << 16, kOfOpenMP = 1u << 20; // bytes a thread, and of what describes all of them
     std::size_t stack = 0;

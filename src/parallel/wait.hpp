@@ -37,9 +37,9 @@ template <class Ready>
     return false;
 }
 
-/// Where one thread sleeps. Who makes its ready() true calls wake() afterwards; both use sequentially consistent operations on what
-/// ready() reads, so that in their one order either the sleeper's look comes after the change, or the waker's look after the
-/// sleeper's announcement: no wake-up is lost.
+/// Where one thread sleeps. Who makes its ready() true calls wake() afterwards; both use sequentially consistent
+/// operations on what ready() reads, so that in their one order either the sleeper's check comes after the change, or
+/// the waker's check after the sleeper's announcement: no wake-up is lost.
 class Bed {
   public:
     enum State : int { up, idle, in_run, at_end };
