@@ -37,8 +37,9 @@ class EnergyAccount {
     /// Work of a body's own force and torque, J (state/loads.hpp): that of a step which pulls up is negative.
     void add_loads(std::int32_t body, double work) { loads_[static_cast<std::size_t>(body)] += work; }
 
-    /// Bodies of islands that cannot afford the ways that their centres of mass would make in the step, m, with all their velocities
-    /// given up. Islands that touch a scripted body, whose work pays for that, are left out.
+    /// Bodies of islands whose energy does not pay for the displacements `way` (m) of their centres of mass in the
+    /// step, even with all velocities given up. Islands that touch a scripted body, whose work pays for that, are left
+    /// out.
     [[nodiscard]] std::span<const std::int32_t> overdrawn(const Model& model, std::span<const Vec3> way,
                                                           std::span<const double> lift);
     /// Whether the island of a movable body touches a scripted one, as overdrawn() found it.

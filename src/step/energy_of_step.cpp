@@ -39,10 +39,11 @@ std::span<const std::int32_t> Stepper::overdrawn() {
     return energy_.overdrawn(model_, way_, state_.lift);
 }
 
-/// Halves the half velocities of what stages 3 and 5 could not move as a whole, where no script pays for it or is in its way; whether
-/// there is any. These are islands that were raised by more than all their energy: a body that falls on others in the step pushes them
-/// up with all its speed from the start on, and they keep theirs to the end, so that they rise by m g dt v for the m v^2 / 2 that they
-/// got. A slower one pushes less, or does not get there yet. And they are bodies that the failsafe held: half the way is more than none.
+/// Halves the half velocities of what stages 3 and 5 could not move as a whole, where no script pays for it or blocks
+/// it. Returns whether there is any. These are islands that were raised by more than all their energy: a body that
+/// falls on others in the step pushes them up with all its speed from the start on, and they keep theirs to the end, so
+/// that they rise by m g dt v for the m v^2 / 2 that they got. A slower one pushes less, or does not get there yet. And
+/// they are bodies that the failsafe held: half the displacement is more than none.
 bool Stepper::slow_down(std::span<Motion> half) {
     const std::span<const std::int32_t> raised = overdrawn();
     std::vector<std::int32_t> bodies(raised.begin(), raised.end());
@@ -72,7 +73,7 @@ void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
         const FailsafeStats more = run_failsafe(d);
         failsafe.merges += more.merges;
         failsafe.rung_changes += more.rung_changes;
-        for (const DelayedScript& script : more.delayed_scripts) { // of a way that an earlier round may have shortened
+        for (const DelayedScript& script : more.delayed_scripts) { // maybe shortened by an earlier round
             auto& all = failsafe.delayed_scripts;
             const auto known =
                 std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.body == script.body; });

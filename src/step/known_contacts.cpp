@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How far bodies strayed from where the contacts of their pairs were searched for (contact_reuse): near enough, the features in contact are
-// known (static_stage.cpp).
+// How far bodies have moved since the contacts of their pairs were last searched for (contact_reuse): while that is
+// little, the features in contact are known (static_stage.cpp).
 #include "base/rotation.hpp"
 #include "step/stepper.hpp"
 
@@ -11,14 +11,14 @@ constexpr std::size_t kBodyGrain = 16; // bodies of a task
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// How far points of a body are along any axis from where they were at a pose, m.
+/// A bound on the displacement of any point of a body along any axis, from a pose to the present one, m.
 double stray_from(const Pose& from, const BodyMotion& now) {
     return displacement(*now.shape, {from.origin, matrix(from.rotation)}, matrix_pose(now.at0));
 }
 
 } // namespace
 
-/// Of all bodies, at x^n.
+/// For all bodies, at x^n.
 void Stepper::measure_strays() {
     if (model_.settings.contact_reuse == 0) return;
     if (state_.searched.empty())
@@ -29,7 +29,8 @@ void Stepper::measure_strays() {
     });
 }
 
-/// Of the active bodies, at x^{n+1} of the given step. Pairs are searched anew with whom strayed by half of what a pair may.
+/// For the active bodies, at x^{n+1} of the given step. A body that moved by more than half of what a pair may has its
+/// pairs searched anew.
 void Stepper::note_strays(std::int64_t step) {
     if (state_.searched.empty()) return;
     const std::vector<std::int32_t>& active = model_.active;

@@ -6,11 +6,12 @@
 // corner it sees that corner alone, stage 3 lets the cube turn about it as far as it will, and stage 5 stops it where the next corner
 // meets the ground. So it goes in every step, and the cube never rests.
 //
-// After a solve, bodies near each other that its velocities move that far are therefore searched again, as far as gravity alone may
-// move and turn them in one step. Points that come below their rest distance on their ways become contacts, and the solve is done
-// once more: equation 16 lets each approach by its gap. Stage 3 does so twice, as the second solve turns bodies about what the first look found;
-// what the last one sends elsewhere is left to stage 5 and to the next step. Bodies that gravity moves by less than their proximity
-// distance in a step are left alone: at 1/24 s compact ones of more than 1.4 m.
+// After a solve, bodies near each other that its velocities move that far are therefore searched again, as far as
+// gravity alone may move and turn them in one step. Points that come below their rest distance on their paths become
+// contacts, and the solve is done once more: equation 16 lets each approach by its gap. Stage 3 does so twice, as the
+// second solve turns bodies about what the first round found; what the last solve sends elsewhere is left to stage 5
+// and to the next step. Bodies that gravity moves by less than their proximity distance in a step are left alone: at
+// 1/24 s compact ones of more than 1.4 m.
 #pragma once
 
 #include <vector>

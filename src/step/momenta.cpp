@@ -63,10 +63,11 @@ void Stepper::drop_line_spin(std::span<const Pose> end, std::span<Motion> motion
     }
 }
 
-/// A body that the failsafe kept from falling must not go on accelerating: a cluster takes the velocity of the motion it really
-/// made if that holds less kinetic energy than what it would have (DESIGN 4.5). Beyond that rule: the failsafe moves bodies in ways
-/// that neither velocity knows of, so the velocities taken are scaled to at most the kinetic energy of v^ plus the work of gravity
-/// on the way really made; otherwise a body that was held up would keep the energy of a fall that it did not make.
+/// A body that the failsafe kept from falling must not go on accelerating: a cluster takes the velocity of the motion
+/// it really made if that holds less kinetic energy than what it would have (src/failsafe/README.md). Beyond that rule:
+/// the failsafe displaces bodies as neither velocity knows of, so the velocities taken are scaled to at most the
+/// kinetic energy of v^ plus the work of gravity along the displacement really made; otherwise a body that was held up
+/// would keep the energy of a fall that it did not make.
 void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                               StepReport& report) {
     const double dt = model_.settings.time_step;

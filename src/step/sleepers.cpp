@@ -45,7 +45,7 @@ void Stepper::mark_asleep() {
     }
     model_.list_active();
     ++lists_.still_version;
-    lists_.frozen.pairs = nullptr; // who sleeps pairs with others than who is awake
+    lists_.frozen.pairs = nullptr; // sleeping bodies pair by other rules than awake ones
     const auto waits = [&](const WarmImpulse& w) { return rests(w.a, w.b); };
     const auto is_due = [&](const WarmImpulse& w) { return !rests(w.a, w.b); };
     for (auto [impulses, waiting] :
@@ -89,8 +89,8 @@ void Stepper::put_to_sleep() {
         if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
     if (!fall_asleep(model_, rule, touching_, sleep_, state_)) return;
     mark_asleep();
-    // Contacts of bodies that sleep now are no longer searched for: those at hand would make the next step depend on more than State.
-    // They are put aside, for who asks.
+    // Contacts of bodies that sleep now are no longer searched for: those at hand would make the next step depend on
+    // more than State. They are kept aside for queries.
     const auto before = static_cast<std::ptrdiff_t>(sleeping_contacts_.size());
     contacts_.keep([&](std::size_t i) {
         const Contact& c = contacts_.contacts[i];
@@ -103,7 +103,7 @@ void Stepper::put_to_sleep() {
     std::erase_if(contacts_.near, [&](const CandidatePair& c) { return rests(c.a, c.b); });
 }
 
-/// As the step found them in which they fell asleep: the points of a pair go by its poses alone.
+/// As the step in which they fell asleep found them: the contact points of a pair depend on its poses alone.
 void Stepper::find_sleeping_contacts(StepData& d) {
     sleeping_contacts_.clear();
     if (sleepers_.count == 0) return;
@@ -115,7 +115,7 @@ void Stepper::find_sleeping_contacts(StepData& d) {
     mark_asleep();
     std::copy_if(all.contacts.begin(), all.contacts.end(), std::back_inserter(sleeping_contacts_),
                  [&](const Contact& c) { return rests(c.a, c.b); });
-    pairs_.clear(); // of pairs that steps know nothing of
+    pairs_.clear(); // of pairs that no step lists
 }
 
 } // namespace flotilla

@@ -19,8 +19,8 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// Appends the features to `out` that were in contact in the last step, of a pair that is near enough to where they were searched for.
-/// What is near is a pure function of State: those features are the ones of its impulses.
+/// Appends the features to `out` that were in contact in the last step, of a pair that is near enough to where they
+/// were searched for. Which pairs are is a pure function of State: their features are those of its impulses.
 void list_known_features(const StepData& data, const PairRecord& record, std::int64_t step,
                          std::vector<FeaturePair>& out) {
     const std::vector<Searched>& searched = data.state.searched;
@@ -305,12 +305,14 @@ void VelocityArrays::store(Team* team, const Model& model, std::span<const Vec3>
     });
 }
 
-// A target below the tolerance asks for less than a solve may leave undone, and not in vain: bodies that touch at many points cannot
-// approach each other a little at some of them and not at others, and contacts that hold more than the tiny target allows hand their
-// load to the others so slowly that the sweeps never end. So a contact within tolerance * time step of its rest distance (8 um at
-// the defaults) is at rest, and farther ones go that far. Never more than a share of the rest distance, which is that of the bodies:
-// what keeps small ones off each other must not be lost. What rolls is not at rest: the side that lands next would brake it from where
-// the band begins, so a tolerance above the default one (Settings::tolerance_share) widens no band there.
+// The dead band of equation 16, m/s: targets within it are zero, others lose it. A target below the tolerance asks for
+// less than a solve may leave undone, and would cost many sweeps: bodies that touch at many points cannot approach each
+// other a little at some of them and not at others, and contacts that hold more than the tiny target allows hand their
+// load to the others so slowly that the sweeps never end. So a contact within tolerance * time step of its rest
+// distance (8 um at the defaults) is at rest, and a farther one may come that near. The band is at most a share of the
+// rest distance, which scales with the bodies: what keeps small ones off each other must not be lost. A rolling body is
+// not at rest: the side that lands next would brake it from where the band begins, so a tolerance above the default one
+// (Settings::tolerance_share) widens no band there.
 double rest_band(double rest, double time_step, double tolerance, const ContactTuning& tuning) {
     return std::min(tolerance, tuning.most_of_rest * rest / time_step);
 }
@@ -490,7 +492,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
     solve.iterations = s.static_iterations;
     solve.tolerance = std::numeric_limits<double>::infinity(); // that of the contacts
     solve.warm_start = s.warm_start;
-    // Who gives a tolerance means it: then nothing but the limit of sweeps ends a solve above it.
+    // A tolerance that was asked for is meant: then nothing but the limit of sweeps ends a solve above it.
     const bool given = s.static_tolerance >= 0 || s.tolerance_share < 1;
     if (!given) solve.patience = std::max(tuning.patience, s.static_iterations / tuning.patience_share);
     solve.rest_speed = tuning.rest_speed * length(model.gravity) * s.time_step;
@@ -506,7 +508,7 @@ StaticStageStats solve_static_contact(const Model& model, const ContactSet& set,
         {b.position, b.velocity, b.angular_velocity, b.inverse_mass, b.inverse_inertia, b.locked, b.rest_speed}, solve,
         scratch.impulses, scratch.solver);
     b.store(options.team, model, scratch.angular_before, motion);
-    // State's impulses of stage 7 are those of the contacts at its poses, whose features the next step may know again.
+    // The impulses of stage 7 in State are those of the contacts at its poses, whose features the next step may reuse.
     store_warm(options.team, scratch,
                options.final_stage ? std::span<const std::uint8_t>(set.ahead) : std::span<const std::uint8_t>(), warm);
     return {stats, static_cast<std::int64_t>(scratch.selected.size())};

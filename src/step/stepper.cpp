@@ -17,9 +17,10 @@ constexpr std::size_t kBodyGrain = 16; // bodies of a task
 /// Of half velocities, see slow_down(). Three cubes of 0.3 mm, preset accurate, at 1/24 s: 82 bodies held in 96 steps with one, 75 with two,
 /// 1 with three, none with four; without, 8.
 constexpr int kMostHalvings = 4;
-/// Of stage 3, whose velocities move the bodies: a cube that the first look stops at a corner turns about that in the second solve, and
-/// passes others. Three cubes of 0.3 mm at 1/24 s, ten seeds, preset accurate: 633 bodies held in 8 runs and 3 at rest with one look, none
-/// held and all at rest with two; four give the same.
+/// Rounds of look_ahead.hpp in stage 3, whose velocities move the bodies: a cube that the first round stops at a corner
+/// turns about that in the second solve, and passes others. Three cubes of 0.3 mm at 1/24 s, ten seeds, preset
+/// accurate: 633 bodies held in 8 runs and 3 runs at rest with one round, none held and all at rest with two; four give
+/// the same.
 constexpr int kLooksAhead = 2;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -128,7 +129,8 @@ void Stepper::prepare() {
     find_contacts(d, state_.step, search_, contacts_);
 }
 
-/// Pairs of bodies that were placed closer than their rest distance keep that distance as such (DESIGN section 3). Whether there are any.
+/// Pairs of bodies that were placed closer than their rest distance keep that distance as their rest distance
+/// (src/state/README.md). Returns whether there are any.
 bool Stepper::note_rest_distances() {
     auto& list = state_.rest_distances;
     const auto before = static_cast<std::ptrdiff_t>(list.size());
@@ -351,7 +353,7 @@ void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<co
         stats = solve_contacts_at(motion, poses, final_stage, report);
         report.iterations += stats.solve.iterations;
     }
-    if (!final_stage) { // nothing is left of one that mark_level() discarded
+    if (!final_stage) { // what an earlier solve reported that mark_level() discarded is forgotten
         report.residual = 0;
         report.warnings &= ~std::uint32_t{kStaticLimit | kStaticLetOff};
     }
@@ -366,7 +368,8 @@ StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1 ended by its
     // limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
-    // Half a step's gravity in stage 3, a whole one's in stage 7: impulses taken over follow.
+    // Stage 3 carries half a step's gravity, stage 7 a whole one's: impulses taken over from the other stage are scaled
+    // by that.
     const StaticStageStats stats = solve_static_contact(
         model_, contacts_, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
         final_stage ? state_.warm_half : state_.warm_final,
@@ -445,7 +448,7 @@ void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, 
     state_.time = static_cast<double>(state_.step) * model_.settings.time_step;
     trajectories_.advance(model_.active);
     if (looks_ahead_)
-        contacts_.keep([&](std::size_t i) { return contacts_.ahead[i] == 0; }); // the next step looks for itself
+        contacts_.keep([&](std::size_t i) { return contacts_.ahead[i] == 0; }); // the next step searches for its own
     put_to_sleep();
 }
 

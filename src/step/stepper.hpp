@@ -23,7 +23,7 @@ namespace flotilla {
 
 /// None but `tuning` changes a bit of the results.
 struct StepperOptions {
-    bool keep_candidates = true; ///< and distances of body pairs, between queries: changes cost only
+    bool keep_candidates = true; ///< neighbour lists and known distances of pairs, between queries: changes cost only
     TeamOptions team{};
     Savings savings{};
     ContactTuning tuning{}; ///< for measurements of what each of them is worth
@@ -40,7 +40,7 @@ struct StepperMemory {
     std::size_t bodies = 0, contacts = 0, pairs = 0;
 };
 
-/// Whom the observer of a step ended.
+/// A step that its observer ended.
 struct CancelledStep {
     Phase phase;               ///< after which
     std::exception_ptr thrown; ///< by the observer; null: it said no
@@ -68,8 +68,7 @@ class Stepper {
     /// CancelledStep is thrown.
     StepReport step(const std::function<bool(Phase)>& observer = {});
 
-    // Changes between steps: of bodies that there are, which are not checked here. Whom they concern wakes, with everybody near
-    // it.
+    // Changes between steps; arguments are not checked here. The body concerned wakes, with all bodies near it.
     std::int32_t add_shape(RigidShape shape);
     /// At the lowest free place; apart from all others.
     std::int32_t add_body(const Body& body, const Pose& pose, const Motion& motion);
@@ -81,9 +80,9 @@ class Stepper {
     void set_gravity(const Vec3& gravity);
     void set_filter(const FilteredBodies& filtered);
     void wake(std::int32_t body);
-    /// Makes all anew that follows from the model and the state, where they were changed; step() does so too.
+    /// Rebuilds what follows from the model and the state, where these were changed; step() does so too.
     void refresh();
-    /// Of all that, the vertices and boxes of trajectories() alone.
+    /// Of that, the vertices and boxes of trajectories() alone.
     void place_changed();
     /// Bodies that were placed since the last step, as flags: part of what a snapshot between edits must hold.
     [[nodiscard]] const std::vector<std::uint8_t>& moved() const { return moved_; }
@@ -205,8 +204,8 @@ class Stepper {
     std::vector<std::uint8_t> changed_; ///< by body
     bool any_changed_ = false;
     std::vector<std::int32_t> unplaced_; ///< those whose vertices are where they were before
-    /// By body: placed since the last step. What their pairs are near for is looked at as often as anything follows anew, so that it does not
-    /// go by what was asked for between edits.
+    /// By body: placed since the last step. The rest distances of their pairs are noted again at every rebuild, so that
+    /// they do not depend on what was asked between edits.
     std::vector<std::uint8_t> moved_;
     Scripts scripts_;
     bool has_scripts_ = false;
@@ -224,7 +223,7 @@ class Stepper {
     StaticStageScratch static_;
     std::int64_t contact_visits_ = 0;
     EnergyAccount energy_;
-    std::vector<Vec3> way_;            ///< m, of centres of mass in the step
+    std::vector<Vec3> way_;            ///< m, displacements of centres of mass in the step
     std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() did it
     std::vector<std::uint8_t> level_;  ///< see mark_level(); empty but in stage 3
     ContactSearchScratch search_;
@@ -233,7 +232,7 @@ class Stepper {
     /// it follow, in every step.
     std::vector<CandidatePair> start_pairs_;
     ContactSet contacts_;
-    std::vector<Contact> sleeping_contacts_; ///< found when their bodies fell asleep: nobody looks at them again
+    std::vector<Contact> sleeping_contacts_; ///< found when their bodies fell asleep; not searched for again
     bool looks_ahead_ = false;               ///< may_look_ahead()
     LookAheadScratch ahead_;
     std::vector<Motion> before_solve_;
