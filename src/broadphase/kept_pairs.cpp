@@ -10,9 +10,10 @@
 namespace flotilla {
 namespace {
 
-/// Of a box's largest edge. Wider: fewer bodies leave their box, more pairs are looked at in vain.
+/// Of a box's largest edge. Wider: fewer bodies leave their box, more pairs are tested in vain.
 constexpr double kMargin = 1.0 / 16;
-/// A body in so many that left its box is sorted in by itself; where it is more, all are.
+/// Bodies that left their boxes are sorted in one by one where they are at most one in so many; else all are sorted
+/// anew.
 constexpr std::size_t kFew = 64;
 constexpr std::size_t kBodyGrain = 256, kPairGrain = 2048; // items of a task
 

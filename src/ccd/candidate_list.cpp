@@ -80,7 +80,7 @@ bool CandidateList::build(const BodyMotion& a, const BodyMotion& b, const Candid
 // against each other at any time of it. So features that are d apart where the reference ends
 //  - come within the reach at the end only for x >= (d - reach.end) / sqrt(3), and
 //  - within the other reach at some time only for x >= (d - way - reach.swept) / sqrt(3), with the relative way of the reference.
-// A list is looked at by the larger of both strayings, that at the start counted margins.end / margins.start >= 1 times.
+// A list is read up to the larger of both strayings, that at the start counted margins.end / margins.start >= 1 times.
 std::size_t CandidateList::refine(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
                                   std::span<ListedFeature> listed) const {
     constexpr double kRoom = 1 - 0x1p-10; // for rounding, here and of what strayed
@@ -98,7 +98,7 @@ std::size_t CandidateList::refine(const BodyMotion& a, const BodyMotion& b, cons
 
 std::size_t CandidateList::list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach,
                                 std::vector<ListedFeature>& out) {
-    constexpr std::size_t kLeafPairs = 128; // between two looks at the room left
+    constexpr std::size_t kLeafPairs = 128; // between two checks of the room left
     const Isa isa = best_isa();
     const ListingArrays arrays_a = listing_arrays(a), arrays_b = listing_arrays(b);
     ListingStack stack;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Feature pairs of two bodies that can come near each other while both bodies stay close to a reference motion.
+// A neighbour list (Verlet list) of two bodies: the feature pairs that can come near each other while both bodies stay
+// close to a reference motion.
 //
 // Most queries of a body pair repeat an earlier one with slightly other end states: the sweeps of stage 1, dynamic contact, the
 // contact search, and at rest the steps themselves. The list is found once, with room for that, by one traversal.
 //
-// Within the list the feature pairs stand in the order in which they become possible: for each the build finds how far a motion
-// must stray from the reference before it can matter, and a query looks at those within what its own motion strays.
+// Within the list the feature pairs stand in the order in which they become possible: for each the build finds how far
+// a motion must stray from the reference before it can matter, and a query reads those within what its own motion
+// strays.
 //
-// A list changes the cost of a query and never a bit of its answer: it holds every feature pair that the query of any covered
-// motion looks at, and the query itself decides by the features' own boxes (pair_query.hpp).
+// A list changes the cost of a query and never a bit of its answer: it holds every feature pair that the query of any
+// covered motion examines, and the query itself decides by the features' own boxes (pair_query.hpp).
 #pragma once
 
 #include <algorithm>

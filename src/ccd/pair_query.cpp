@@ -10,7 +10,7 @@
 namespace flotilla {
 namespace {
 
-constexpr std::size_t kBatch = 32; // queries between two looks at the earliest hit so far
+constexpr std::size_t kBatch = 32; // queries between two updates of the earliest hit
 // A feature pair counts where its own coarse boxes come within kFeatureMargin times the separation. Boxes around features are
 // tried with more, far beyond rounding: so a feature pair that counts is never lost on the way to it, whatever the way.
 constexpr double kFeatureMargin = 1 + 0x1p-6;
@@ -98,8 +98,9 @@ class EarliestHit {
         }
     }
 
-    /// Looks at feature pairs of one kind. Most are proved apart by a CCD that costs little more than the test of their own boxes,
-    /// so that test comes after it, for the hits; before it only where there is an earliest hit to be late for and queries go one by one.
+    /// Queries feature pairs of one kind. Most are proved apart by a CCD that costs little more than the test of their
+    /// own boxes, so that test comes after it, for the hits; before it only where there is an earliest hit to be late
+    /// for and queries go one by one.
     void examine(std::span<const FeaturePair> features) {
         if (features.empty()) return;
         float entry = 0;

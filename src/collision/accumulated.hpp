@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Stage 1 with `collisions: accumulated`: looks at all pairs that moved, in any order, keep what hits; after each the hits met so far in the
-// step are solved together (response/kept_hits.hpp), and the bodies that this changed move again. It ends when a look finds nothing.
+// Stage 1 with `collisions: accumulated`: rounds of queries over all pairs that moved, in any order. After each, the
+// hits met so far in the step are solved together (response/kept_hits.hpp), and the bodies that this changed move
+// again. It ends when a round finds nothing.
 //
-// A look reads x^n and the bodies' motions and writes the records of its pairs, one task each; islands of hits share no movable body;
-// hits are kept in the order of bodies, then of looks. So the bits are the same at any number of threads.
+// A round reads x^n and the bodies' motions and writes the records of its pairs, one task each; islands of hits share
+// no movable body; hits are kept in the order of bodies, then of rounds. So the bits are the same at any number of
+// threads.
 #pragma once
 
 #include <span>
@@ -24,7 +26,7 @@ struct KnownContacts {
 /// Hits that are kept in a step, and buffers.
 struct HitLists {
     std::vector<KeptHit> hits;         ///< sorted by bodies
-    std::vector<FoundHit> found;       ///< by the last look
+    std::vector<FoundHit> found;       ///< by the last round
     std::vector<BodyPair> bodies_of;   ///< of each hit
     std::vector<std::int32_t> island;  ///< of each hit
     std::vector<std::int32_t> places;  ///< in `hits`, by island

@@ -2,8 +2,9 @@
 // Stage 1: elastic and partially elastic collisions (paper, section 3, Algorithm 1), as frozen sweeps
 // (pair/ordered_sweep.hpp).
 //
-// Reads x^n and settings; writes the clusters' velocities, the end states and the pairs' records. On return the clusters of
-// infinite iterations would have no hit and no fast end proximity left; at the limit some may, for stage 5.
+// Reads x^n and settings; writes the clusters' velocities, the end states and the pairs' records. On return there is no
+// hit and no fast end proximity left for which there is an impulse, or the limit of sweeps is reached; the rest is for
+// stage 5.
 #pragma once
 
 #include "collision/accumulated.hpp"

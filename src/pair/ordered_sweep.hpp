@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The run of a frozen sweep (DESIGN section 5): the operations of a list in its order, side by side where they have no movable
+// The run of a frozen sweep (README.md): the operations of a list in its order, side by side where they have no movable
 // cluster in common.
 //
-// Why the bits are those of the plain loop. The list is fixed before the sweep. An operation (A, B) reads x^n, the settings, the
-// model, the end states and velocities of the members of A and B and the records of their pairs; it writes only those, and nothing
-// of a cluster of infinite mass, whose end state stands still during a sweep. Records of pairs between A and B belong to no other
-// operation of the list, because a pair is listed once. So an operation is a pure function of data that only operations with a
-// movable cluster in common write, and task_order.hpp applies. Candidate lists (PairCandidates) change cost and no answer. Scratch
-// memory belongs to threads and is never read before it is written.
+// Why the bits are those of the plain loop. The list is fixed before the sweep. An operation (A, B) reads x^n, the
+// settings, the model, the end states and velocities of the members of A and B and the records of their pairs; it
+// writes only those, and nothing of a cluster of infinite mass, whose end state stands still during a sweep. Records of
+// pairs between A and B belong to no other operation of the list, because a pair is listed once. So an operation is a
+// pure function of data that only operations with a movable cluster in common write, and task_order.hpp applies.
+// Neighbour lists (PairCandidates) change cost and no answer. Scratch memory belongs to threads and is never read
+// before it is written.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is known of body pairs: proofs, by the versions they are about, and the leaves that may meet.
+// What is known of body pairs: proofs, by the versions that they are about, and neighbour lists (README.md).
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace flotilla {
 
-/// Where the leaves of a pair that may meet are kept, and whether it pays.
+/// The neighbour list of a pair, a plane between its bodies, and whether keeping them pays.
 struct PairCandidates {
     CandidateList list;
     std::int32_t uses = 0;    ///< queries that the list has answered
@@ -37,7 +37,7 @@ struct PairCandidates {
 /// Two cache lines: what every step reads of every pair, then what it reads of some.
 struct alignas(64) PairRecord {
     std::int32_t a = -1, b = -1;
-    std::uint64_t proved_a = 0, proved_b = 0; ///< versions for which the CCD found no hit (way b of DESIGN 4.2)
+    std::uint64_t proved_a = 0, proved_b = 0; ///< versions for which the CCD found no hit (way b)
     std::int64_t step = -1;                   ///< of the last use
     bool active = false;                      ///< stage 1 applied an impulse to it in this step
     bool processed = false;                   ///< examined by stage 1 and found hitting or near: stage 7 acts on it
@@ -46,7 +46,7 @@ struct alignas(64) PairRecord {
     double start_distance = -1;               ///< m, at x^n; infinite beyond the proximity distance, < 0: not known
     double end_distance = -1;                 ///< the same at the end of the step
     double slack = -1;                        ///< m, see stay_by_bounds(); a cache: changes cost only
-    std::unique_ptr<PairCandidates> candidates; ///< another one; null until a query asks for it
+    std::unique_ptr<PairCandidates> candidates; ///< a cache; null until a query asks for it
     std::uint64_t missed_a = 0, missed_b = 0;   ///< versions for which stage 1's own CCD found no hit, proved or not
     std::uint64_t left_a = 0, left_b = 0;       ///< versions for which an operation changed nothing: left to stage 5
     PairLengths lengths{};                      ///< m
@@ -75,7 +75,7 @@ class PairTable {
     /// The records of some pairs, some hundreds at most: all of them asked for, then looked up, so that the waits for memory overlap.
     /// `out` has their number of places.
     void find(std::span<const CandidatePair> pairs, std::span<PairRecord*> out) const;
-    /// Bytes, of records, their index and the candidate lists.
+    /// Bytes, of records, their index and the neighbour lists.
     [[nodiscard]] std::size_t memory() const;
     /// Keeps a record for this step.
     void use(PairRecord& record) const { record.step = step_; }

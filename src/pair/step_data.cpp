@@ -33,7 +33,7 @@ double largest_reach(const StepData& data, std::size_t body, ListReach reach) {
 /// What the cubic compares distances with, m.
 double cubic_tolerance(const Settings& s) { return s.separation > 0 ? s.separation : kCubicTolerance; }
 
-/// The largest separation that a query with a candidate list asks for, m.
+/// The largest separation that a query with a neighbour list asks for, m.
 double largest_separation(const StepData& data, const PairRecord& r) {
     const Settings& s = data.model.settings;
     const double arcs = s.trajectory == Trajectory::rigid ? kArcShare * r.lengths.rest : 0.0;
@@ -144,8 +144,8 @@ bool stay_apart(const StepData& data, const PairRecord& r, const BodyMotion& a, 
 /// Whether a plane is found that keeps the bodies farther apart than `reach`, m, all the time. Where it keeps them beyond the proximity
 /// distance at the end, that is remembered.
 bool plane_between(const StepData& data, PairRecord& r, const BodyMotion& a, const BodyMotion& b, double reach) {
-    // Whose hulls overlap does so again, and a look in vain costs a sixth of a query: with none left out detection in the impact of
-    // 252 boats costs 13 % more, with one 4 %.
+    // Hulls that overlap are likely to do so again, and a failed search costs a sixth of a query: with none left out
+    // detection in the impact of 252 boats costs 13 % more, with one 4 %.
     constexpr std::int32_t kLeftOut = 8;
     if (!data.keep_candidates || !a.straight() || !b.straight()) return false;
     // Slow pairs have lists that last, and know how far they are from each other.
@@ -232,7 +232,7 @@ void set_bounds(StepData& data, std::size_t body, const Box& box, ListReach reac
     data.lists.bounds[body] = {way_of(data.trajectories.motion(body)), with_speed ? speed_of(data, body) : kUnknown};
 }
 
-/// Those of the bodies that stand still, as long as the same ones do.
+/// Boxes and bounds of the bodies that stand still, once for as long as the same ones do.
 void place_still(StepData& data) {
     ListBuffers& l = data.lists;
     if (l.still_placed == l.still_version) return;

@@ -25,7 +25,7 @@ struct StageCounters {
     bool limit = false;                       ///< ended by its iteration limit
 };
 
-/// Of a look at the pairs.
+/// A hit that a round over the pairs found (collision/accumulated.hpp).
 struct FoundHit {
     PairRecord* record = nullptr;
     ContactPoint point{};
@@ -56,9 +56,9 @@ struct ListedPair {
     friend bool operator==(const ListedPair& p, const ListedPair& q) { return p.pair == q.pair; }
 };
 
-/// Bounds on what a body does in the step, cheap to compare: of two bodies only these and their record are looked at.
+/// Bounds on what a body does in the step: of most pairs only these and their record are read.
 struct BodyBounds {
-    double way = 0;   ///< m, of any of its points along any axis, with room for its arcs where it turns
+    double way = 0;   ///< m, displacement bound of its points along any axis, with room for arcs where it turns
     double speed = 0; ///< m/s, of any of its points
 };
 
@@ -121,7 +121,8 @@ struct StepData {
 /// Adds what all workers counted to `counters` and sets theirs to zero.
 void collect(StepData& data, StageCounters& counters);
 
-/// Whether the pair's current versions are proved by the CCD, passed the CCD of stage 1, or were left by an operation.
+/// Marks of the pair that are current: a certificate, a miss of stage 1's own test (no proof), a hit that stage 1
+/// leaves to stage 5. README.md has these and all other questions.
 [[nodiscard]] bool proved(const StepData& data, const PairRecord& record);
 [[nodiscard]] bool missed(const StepData& data, const PairRecord& record);
 [[nodiscard]] bool left(const StepData& data, const PairRecord& record);
@@ -160,8 +161,8 @@ void prove_early(StepData& data, Examine&& examine) {
     l.num_open -= examined;
 }
 
-/// All pairs whose boxes at the end poses come within the proximity distance, or the way that gravity makes in a step, sorted; uses the
-/// freeze's buffers.
+/// All pairs whose boxes at the end poses come within the proximity distance, or the distance that a body falls in a
+/// step, sorted; uses the freeze's buffers.
 const std::vector<ListedPair>& end_pairs(StepData& data);
 
 /// Keeps what the contact search found of the pair, for the next step.
@@ -175,11 +176,11 @@ void record_renewed_distance(const StepData& data, PairRecord& record, double di
 
 /// Whether a plane is known to keep the bodies beyond the proximity distance at the end of the step.
 [[nodiscard]] bool far_at_end(const StepData& data, const PairRecord& record);
-/// Whether one does: then there is nothing to search for, and this has recorded it.
+/// Whether there is such a plane, known or found now: then there is nothing to search for, and this has recorded it.
 [[nodiscard]] bool far_by_plane(const StepData& data, PairRecord& record);
 
-/// The pair's candidate list where it covers the present end poses: for queries of the proximity distance at the end of the
-/// step. Null otherwise.
+/// The pair's neighbour list where it covers the present end poses: for queries of the proximity distance at the end of
+/// the step. Null otherwise.
 [[nodiscard]] CoveringList end_candidates(const StepData& data, const PairRecord& record);
 
 /// The same; where there is no such list one is made if that seems to pay.
@@ -194,9 +195,9 @@ PairHit query(const StepData& data, Worker& worker, PairRecord& record);
 /// The same for stage 1, by the setting `ccd`. What only the cubic takes for a miss is not proved: stage 5 looks at it again.
 PairHit query_collision(const StepData& data, Worker& worker, PairRecord& record);
 
-/// The earliest hit between two clusters; pairs of members with a current proof are not looked at again, nor those whose swept boxes
-/// are too far apart for the list of a sweep. What is found of a pair without a record, which operations cannot make, is forgotten: if
-/// its boxes stay that near, the next list has it.
+/// The earliest hit between two clusters; pairs of members with a current proof are not queried again, nor those whose
+/// swept boxes are too far apart for the list of a sweep. What is found of a pair without a record, which operations
+/// cannot make, is forgotten: if its boxes stay that near, the next list has it.
 struct ClusterHit {
     PairHit hit;
     std::int32_t a = -1, b = -1; ///< bodies, of the first and of the second cluster
@@ -210,7 +211,7 @@ struct SweptContact {
 };
 [[nodiscard]] SweptContact swept_contact(const StepData& data, const ClusterHit& hit);
 
-/// Pair friction is the geometric mean, pair restitution the maximum (DESIGN section 6).
+/// Pair friction is the geometric mean, pair restitution the maximum (src/state/README.md).
 [[nodiscard]] double pair_friction(const Model& model, std::int32_t a, std::int32_t b);
 [[nodiscard]] double pair_restitution(const Model& model, std::int32_t a, std::int32_t b);
 

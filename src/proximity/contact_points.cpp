@@ -16,7 +16,7 @@ namespace {
 
 // A ray starts and ends on the bodies themselves; crossings this near to its ends are those.
 constexpr double kRayMargin = 1e-6;
-constexpr std::size_t kBatch = 64; // feature pairs looked at together
+constexpr std::size_t kBatch = 64; // feature pairs examined together
 /// Cosine of 15 degrees, the angle between facets of a circle of 24: a corner that a round body sits in, not another side of a box.
 constexpr double kOtherDirection = 0.96592582628906829;
 
@@ -215,7 +215,7 @@ class Finder {
 
     [[nodiscard]] bool done() const { return first_only_ && result_.near; }
 
-    /// Looks at feature pairs of one kind, at most kBatch.
+    /// Examines feature pairs of one kind, at most kBatch.
     void examine(std::span<const FeaturePair> features) {
         std::array<CcdCorners, kBatch> corners;
         std::array<std::int32_t, kBatch + 1> near;

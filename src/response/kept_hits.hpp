@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The hits of a step that were met so far, solved together.
 //
-// Pair by pair, a blow goes through a pile one body at a time, and whoever was hit has to be looked at again. Here hits are kept, and
-// after each look at the pairs an island's are solved by projected Gauss-Seidel, in rounds. First what the round meets rebounds, with
-// restitution times the approach at which it was met; then all that was met so far is kept from approaching, without a second rebound. So
-// hits that follow one another act as one after the other, and the last of a row of balls leaves. Points that are near each other before
-// anything hits, contacts, wait: when a round makes one approach, it is met in the next round, and nobody has to look at the pair for that.
+// Pair by pair, a blow goes through a pile one body at a time, and every body that was hit has to be queried again.
+// Here hits are kept, and after each round over the pairs an island's are solved by projected Gauss-Seidel, in rounds.
+// First what the round meets rebounds, with restitution times the approach at which it was met; then all that was met
+// so far is kept from approaching, without a second rebound. So hits that follow one another act as one after the
+// other, and the last of a row of balls leaves. Points that are near each other before anything hits, contacts, wait:
+// when a round makes one approach, it is met in the next round, and the pair need not be queried for that.
 //
 // A pair that hits at another point before any other pair pushed its bodies begins anew: its hits are solved as one, each for the
 // rebound from the approach before all of them, as pair_manifold.hpp has it, and a crate lands flat.

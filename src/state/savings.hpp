@@ -8,10 +8,11 @@ namespace flotilla {
 struct Savings {
     /// Where no contact has friction, each has its normal's row alone. Without, rounding differs.
     bool normal_rows = true;
-    /// Stage 1 runs no sweep over pairs of which bounds or a look, side by side, say that nothing in them calls for an impulse.
+    /// Stage 1 runs no sweep over pairs of which bounds or a query, side by side, show that nothing in them calls for
+    /// an impulse.
     bool calm_pairs = true;
-    /// Pairs of bodies are looked for with room, and again only when one leaves its room: until then a body without any is ballistic, and
-    /// costs its bounds alone.
+    /// Pairs of bodies are searched with a margin, and again only when a body leaves its own: until then one without
+    /// pairs is ballistic and costs its bounds alone.
     bool kept_pairs = true;
     /// Bodies much larger than the others, or few bodies, fill no cells of a grid.
     bool large_bodies = true;
