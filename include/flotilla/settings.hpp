@@ -16,7 +16,7 @@ enum class Trajectory : std::uint8_t {
 };
 enum class Collisions : std::uint8_t {
     sequential, ///< one pair after the other, each by its earliest hits as the pairs before it left them (paper, Algorithm 1)
-    accumulated, ///< all pairs are looked at, then the hits met so far in the step are solved together, until no pair hits
+    accumulated, ///< all pairs are queried, then all hits of the step so far are solved together, until no pair hits
 };
 enum class CcdMethod : std::uint8_t {
     conservative, ///< directional conservative advancement, no false negatives
@@ -62,14 +62,15 @@ struct Settings {
     double approach_threshold = -1; ///< m/s, slower end proximities are left to static contact; < 0: |g| dt/2
 
     Collisions collisions = Collisions::sequential; ///< of stage 1
-    int collision_iterations = 100;    ///< sweeps of Algorithm 1; where collisions are accumulated, looks at all pairs
-    int collision_pair_iterations = 4; ///< impulses per pair and sweep
+    int collision_iterations = 100;                 ///< sweeps of Algorithm 1; rounds over all pairs where accumulated
+    int collision_pair_iterations = 4;              ///< impulses per pair and sweep
     /// Sweeps of Algorithm 2 after which it is given up, once half as many did not make the list of pairs left any shorter.
     int dynamic_iterations = 100;
     int dynamic_pair_iterations = 20; ///< impulses per pair and sweep
     int static_iterations = 1000;     ///< sweeps of projected Gauss-Seidel
-    /// L-infinity constraint violation, m/s; not figure 20's 1e-6, see preset(). Targets below it (eq. 16) are none. < 0: 1/2048 of
-    /// what gravity adds in a step, and at most what moves a pair of bodies by 1/1024 of its rest distance in one.
+    /// Largest constraint violation of a contact that a solve may leave, m/s; not figure 20's 1e-6, see preset().
+    /// Targets of equation 16 below it count as zero. Negative: 1/2048 of what gravity adds in a step, and at most what
+    /// moves a pair of bodies by 1/1024 of its rest distance in one.
     double static_tolerance = -1;
     /// Of that tolerance, where none is given in m/s. Below 1 only static_iterations ends a solve above it.
     double tolerance_share = 1;
@@ -115,8 +116,8 @@ void set_setting(Settings& settings, std::string_view key, std::string_view valu
 [[nodiscard]] std::vector<std::string_view> preset_names();
 
 /// The settings of a preset; what a scene file or --set gives explicitly replaces them.
-///  - preview: hits solved together after two looks at the pairs, few iterations, contacts kept for longer, for a first look; what is left
-///    of an impact is resolved without rebound. The guarantees hold all the same.
+///  - preview: for a first look: hits solved together after two rounds over the pairs, few iterations, contacts kept
+///    for longer; what is left of an impact is resolved without rebound. The guarantees hold all the same.
 ///  - paper: figure 20 as printed: friction pyramids of random direction, 1e-6 m/s, no warm start.
 ///  - balanced: `Settings{}`, figure 20 with Coulomb's cone, warm start and a tolerance that goes by gravity and the bodies' sizes:
 ///    figure 20's 1e-6 m/s is never reached in a pile within 1000 sweeps and only means "always run to the limit". 2e-4 m/s, that of

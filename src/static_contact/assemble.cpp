@@ -107,9 +107,10 @@ std::int32_t num_regions(const ContactScratch::Extent& island) {
     return std::clamp(island.bodies / kBodiesPerRegion, 1, kMostRegions);
 }
 
-// Numbers regions of an island's bodies near each other, so that threads that share out the packets of every colour in that order meet
-// mostly the same bodies in all of them: a velocity that another thread wrote last takes longer to fetch than a contact to solve. They
-// are the island's own: what is swept in parts and what is woken goes by packets. Returns the most regions of an island.
+// Numbers regions of an island's bodies near each other, so that threads that share out the packets of every colour in
+// that order meet mostly the same bodies in all of them: a velocity that another thread wrote last takes longer to
+// fetch than a contact to solve. They are the island's own: parts and activation go by packets. Returns the most
+// regions of an island.
 std::int32_t number_regions(const ContactBodies& bodies, std::size_t num_islands, ContactScratch& s) {
     const std::size_t n = s.bodies.size();
     s.region.assign(n, 0);
@@ -165,8 +166,8 @@ void order_packets_by_region(ContactScratch& s) {
     s.pair_order.swap(s.sorted);
 }
 
-// By region, forwards where the number of contacts that are awake is even, else backwards: when the pairs are sorted by that number
-// afterwards, a packet with pairs of two numbers has them from the same end.
+// By region, forwards where the number of active contacts is even, else backwards: when the pairs are sorted by that
+// number afterwards, a packet with pairs of two numbers has them from the same end.
 void sort_by_region_to_and_fro(std::int32_t most_regions, ContactScratch& s) {
     s.region_to_and_fro.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) {
@@ -190,7 +191,7 @@ bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& 
 
 constexpr std::size_t kPairGrain = 32; // body pairs of a task
 
-// Marks the contacts of every pair that are parked, and counts the others.
+// Marks the inactive (parked) contacts of every pair, and counts the others.
 void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
                    std::span<const Vec3> impulses, ContactScratch& s) {
     s.parked.resize(s.order.size());
@@ -205,8 +206,8 @@ void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodie
     });
 }
 
-// Sorts the pairs by (island, colour) and cuts the islands out of that list. Within a colour pairs with equally many contacts that are
-// awake come together, because they fill a packet best, and of those the ones near each other.
+// Sorts the pairs by (island, colour) and cuts the islands out of that list. Within a colour pairs with equally many
+// active contacts come together, because they fill a packet best, and of those the ones near each other.
 int order_pairs(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
                 ContactScratch& s) {
     s.color.resize(s.pairs.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The matrix-free form of the contact system (paper, eqs 15 and 21-22) laid out for sweeping: four body pairs of one
-// colour side by side, their contacts one below the other.
+// The matrix-free form of the contact system (paper, eqs 15 and 21-22) laid out for sweeping: SIMD batches (packets) of
+// four body pairs of one colour side by side, their contacts one below the other.
 //
 // A visit computes the relative velocity at a contact once, does the three rows on it in the contact's own frame
 // (local_contact.hpp) and applies the sum of their impulses once. This is the row by row sweep of [29] in exact
@@ -31,8 +31,8 @@ struct alignas(64) ContactPacket {
     static constexpr int kOffset = 14;                       ///< m: centre of mass of a minus that of b
     Lanes field[17] = {};
     std::int32_t a[kPacketLanes] = {}, b[kPacketLanes] = {};
-    std::int32_t first = 0, end = 0;               ///< packed rows that are awake
-    std::int32_t first_parked = 0, end_parked = 0; ///< packed rows that sweeps leave out until the packet is woken
+    std::int32_t first = 0, end = 0;               ///< packed rows that sweeps visit
+    std::int32_t first_parked = 0, end_parked = 0; ///< inactive rows: sweeps leave them out until `woken`
     std::int32_t num_pairs = 0;                    ///< lanes in use: the first ones
     std::int32_t color = 0;
     std::int32_t woken = 0;
@@ -67,7 +67,7 @@ static_assert(sizeof(NormalRow) == 384);
 struct PackedContacts {
     LargeVector<ContactPacket> packets;
     bool frictionless = false;             ///< rows are normal_rows
-    LargeVector<PacketRow> rows;           ///< awake ones of all packets, then parked ones
+    LargeVector<PacketRow> rows;           ///< active ones of all packets, then parked ones
     LargeVector<NormalRow> normal_rows;    ///< likewise, where there is no friction
     LargeVector<std::int32_t> source;      ///< row of each lane of a packed row it was packed from; -1: idle
     std::vector<std::int32_t> first_block; ///< by packet
@@ -84,7 +84,7 @@ struct PackedContacts {
 /// colours in a row, all to one thread, which takes less time than the others would wait for one another.
 struct PacketGroup {
     std::int32_t first = 0; ///< packet
-    std::int32_t swept = 0; ///< packets with rows that are awake
+    std::int32_t swept = 0; ///< packets with active rows
     bool alone = false;     ///< one thread does it
 };
 
@@ -122,8 +122,8 @@ double sweep(Cone cone, const SweepView& view, Isa isa);
 /// The largest violation at the present velocities of rows that are swept, and of parked ones that are not; m/s; changes nothing.
 double largest_violation(Cone cone, const SweepView& view, Isa isa);
 double largest_parked_violation(Cone cone, const SweepView& view, Isa isa);
-/// largest_violation(), and which pairs: bit k of violated[p] is set where a row of pair k of packet p is violated by more than
-/// `tolerance`, m/s.
+/// As largest_violation(), and which pairs: bit k of violated[p] is set where a row of pair k of packet p is violated
+/// by more than `tolerance`, m/s.
 double find_violated(Cone cone, const SweepView& view, double tolerance, std::uint8_t* violated, Isa isa);
 
 /// V += M^-1 J^T lambda for the impulses that the rows hold: the warm start.

@@ -52,7 +52,7 @@ static_assert(sizeof(BodyVelocity) == 64);
 struct ContactBlock {
     std::int32_t a = 0, b = 0;             ///< index of the bodies' velocities
     std::int32_t first = 0, end = 0;       ///< rows of the pair
-    std::int32_t parked = 0;               ///< the first of those that are parked, see solve_contacts.hpp
+    std::int32_t parked = 0;               ///< the first inactive one, see solve_contacts.hpp
     std::int32_t color = 0;                ///< blocks of one colour share no movable body
     double inv_mass_a = 0, inv_mass_b = 0; ///< 1/kg
     Sym3 inv_inertia_a, inv_inertia_b;     ///< 1/(kg m^2), world

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Every number of static contact that changes results and that neither the paper nor a setting gives: what it is a share or a multiple
-// of, why it is as it is, and under which name bench/results/ablation.md has what happens without it.
+// Every number of static contact that changes results and that neither the paper nor a setting gives: what it is a
+// share or a multiple of, why it is as it is, and under which name bench/results/ablation.md has what happens without
+// it. Names are of one glossary (README.md): a look is an evaluation of the residual, parked contacts are inactive, a
+// jam is an over-constrained island.
 //
 // Nobody sets them but bench/scenarios/ablation. What the exact solver goes by is beside it (exact_islands.hpp, interior_point.hpp).
 #pragma once
@@ -16,28 +18,31 @@ struct ContactTuning {
     /// Times the lowest residual, at which momentum begins anew: it can keep a turning error alive that never heads straight back. Thirty
     /// bodies with friction then never come nearer than 0.17 m/s to a solution. Row: rise.
     double most_rise = 2;
-    /// Sweeps between two looks at the residual, of which one costs half a sweep. Row: looks.
+    /// Sweeps between two evaluations of the residual, of which one costs half a sweep. Row: looks.
     int look_every = 10;
-    /// Sweeps after which parked contacts are looked at before the first look: many more that know nothing of one that is violated are in
-    /// vain, and walls and piles of random pyramids do not come to rest without. 0: not. Row: peeks.
+    /// Sweeps after which inactive contacts are evaluated, before the first residual is: sweeps that do not know of a
+    /// violated one are in vain, and walls and piles with random pyramids do not come to rest without this. 0: never.
+    /// Row: peeks.
     int peek = 2;
 
     // --- giving up (sweep_island.cpp) ---
 
-    /// Sweeps in which the residual has to fall to `least_fall` of itself: so many, and this share of the limit of sweeps, for who allows many
-    /// means it. Row: patience.
+    /// Sweeps in which the residual has to fall to `least_fall` of itself: so many, or this share of the limit of
+    /// sweeps where that is more, since a caller that allows many means it. Row: patience.
     int patience = 50, patience_share = 20;
     double least_fall = 0.8;
-    /// A jam: bodies that touch so many others that their impulses are not determined hand them round for ever, and one look after the
-    /// other finds the residual where it was, to the share `stands`, and of the violated pairs more than `fewer`. So many looks end a
-    /// solve in an island with more than so many pairs a body; 0: none does. Where bodies touch few others the residual may also stand,
-    /// but because a slow mode of many bodies (a stack that leans) is on its way. Row: jams.
+    /// An over-constrained island (a jam): bodies that touch so many others that their impulses are not determined hand
+    /// load round for ever. One evaluation after the other finds the residual where it was, to the share `stands`, and
+    /// more than `fewer` of the violated pairs. So many evaluations in a row end a solve in an island with more than so
+    /// many pairs a body; 0: none does. Where bodies touch few others the residual may also stand, but because a slow
+    /// mode of many bodies (a stack that leans) is on its way. Row: jams.
     double stands = 0.01, fewer = 0.9;
     int looks_at_jam = 2, pairs_of_jam = 2;
-    /// In such an island a contact is let off one tolerance, of the approach or gap that it is off its target, for every so many rest
-    /// speeds by which its normal impulse changes the approach, and `most_let_off` at most; 0: nothing. Deep piles were never solved
-    /// without that: contacts that carry ten to a hundred times a body's weight and are some um farther off than their rest distance
-    /// hand it to the others of their pair at the violation per sweep, 2e-4 of 27 m/s. Row: let-off.
+    /// In such an island a contact may miss its target by one more tolerance for every so many rest speeds by which its
+    /// normal impulse changes the approach, and by `most_let_off` of them at most; 0: by none. Without that deep piles
+    /// were never solved: contacts that carry ten to a hundred times a body's weight and are some um farther apart than
+    /// their rest distance hand their load to the others of their pair by one violation a sweep, 2e-4 of 27 m/s. Row:
+    /// let-off.
     double load_per_tolerance = 5, most_let_off = 10;
     /// In what gravity adds in a step: an island whose mass has no more energy than at this speed rests. A body that is held up has 1
     /// before the solve. Row: rest.
@@ -45,18 +50,21 @@ struct ContactTuning {
 
     // --- what is not swept (assemble.cpp, unsolved_part.cpp) ---
 
-    /// In tolerances. A contact without impulse is parked where its gap is wider by this than what the bodies would cross in the step. As
-    /// long as the velocities of its points changed by less against each other since then, it holds. Row: parked.
+    /// In tolerances. A contact without impulse is inactive (parked) where its gap is wider by this than what the
+    /// bodies would cross in the step. It cannot be violated while the relative velocity of its points changed by less
+    /// since then. Row: parked.
     double parked_margin = 25;
-    /// Of that margin: far more is left than what its sums are rounded by.
+    /// Of that margin, which is compared: the rest is far more than its sums are rounded by.
     double parked_room = 0.9;
-    /// A part that is swept alone is at most the island's packets divided by this; 0: none is. It costs less than a look then. Row: parts.
+    /// A part that is swept alone is at most the island's batches divided by this; 0: none is. It then costs less than
+    /// an evaluation. Row: parts.
     int part_divisor = 8;
-    /// Sweeps of a part between two looks at the whole. Row: part sweeps.
+    /// Sweeps of a part between two evaluations of the whole. Row: part sweeps.
     int part_sweeps = 100;
-    /// In `look_every`, of which parts wait for one each time: sweeps that parts may cost at a time.
+    /// In `look_every`: what the rounds of parts after one evaluation may cost, in sweeps of the whole.
     int part_waits = 4;
-    /// Pairs with an even number of contacts lie by region forwards and those with an odd one backwards. Row: to and fro.
+    /// Within a colour pairs with an even number of active contacts are ordered by region, those with an odd one
+    /// backwards. Row: to and fro.
     bool to_and_fro = true;
 
     // --- shock propagation (shock.cpp) ---
@@ -67,16 +75,16 @@ struct ContactTuning {
 
     // --- the island's energy (solve_contacts.cpp) ---
 
-    /// Of its energies, far more than what their sums are rounded by.
+    /// Of its energies: far more than what their sums are rounded by.
     double energy_rounding = 0x1p-40;
 
     // --- where the exact solver follows (solve_contacts.cpp, exact_islands.hpp) ---
 
     /// An exact solve starts from what so many sweeps find, of few contacts and of many, and is not needed where that is all. Row: exact.
     int sweeps_before_exact = 20, sweeps_of_many = 60;
-    /// Floating point operations of a factorisation that take as long as a contact in a sweep, some 25 ns: an island that is neither small
-    /// nor at rest is swept for as long as an exact solve would take. Who asks for more than sweeps reach would else wait for all that
-    /// the limit allows, and then for the exact solve.
+    /// Floating point operations of a factorisation that take as long as a contact in a sweep, some 25 ns: an island
+    /// that is neither small nor at rest is swept for as long as an exact solve would take. Where the tolerance is
+    /// beyond the reach of sweeps these would else run to their limit, and the exact solve would follow.
     double operations_of_contact = 25;
     /// Bodies whose factorisation, some 72 n^3 operations, costs less than so few sweeps over the eight or so contacts of each.
     int bodies_factorised_soon = 8;

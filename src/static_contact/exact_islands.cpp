@@ -9,15 +9,16 @@ namespace {
 using Island = ContactScratch::Island;
 using Exact = ContactScratch::ExactSolve;
 
-/// Contacts up to which an island is worth a tenth of a second that rests, where the next step begins with what this one found: walls
-/// and houses of cards.
+/// Contacts up to which an island at rest is worth a tenth of a second, since the next step begins with what this one
+/// found: walls and houses of cards.
 constexpr std::int32_t kMostContacts = 1536;
 constexpr std::int32_t kMostBodies =
     64; ///< of an island with more than few contacts: factorisations grow with their cube, but in slender ones
 /// Factorisations for a residual below an island's tolerance.
 constexpr int kMostToTolerance = 80;
-/// What rests within its tolerance is solved exactly where Newton's steps get there at once, each so many times nearer. Walls then stand
-/// still and do not sway at the speed of the tolerance; piles, whose impulses are not determined, cost one factorisation.
+/// An island at rest that is within its tolerance is solved exactly where each of Newton's steps gets so many times
+/// nearer. Walls then stand still and do not sway at the speed of the tolerance; piles, whose impulses are not
+/// determined, cost one factorisation.
 constexpr double kPolish = 10;
 
 /// Impulses change the momentum of an island by the rounding of their sum, and what its bodies need is of the order of

@@ -82,7 +82,8 @@ inline PackVec2<P> disc_impulse(const LocalPack<P>& c, const PackVec2<P>& u, P b
     return {select(inside, stick.x, slip.x), select(inside, stick.y, slip.y)};
 }
 
-/// What the normal row's violation is let off: a share of what the normal impulse changes, lambda_n W_nn, and at most so much, m/s.
+/// By how much less the normal row's violation counts (the let-off): a share of what the normal impulse changes,
+/// lambda_n W_nn, and at most so much, m/s.
 template <class P>
 struct LetOff {
     P share = P::all(0), most = P::all(0);

@@ -106,9 +106,10 @@ void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, 
         std::min(options.iterations, soon ? before : std::max(before, sweeps_of_exact(island, tuning, s)));
 }
 
-// A warm start pushes where impulses of the past are too large, and momentum may carry too far; sweeps that end unfinished do not
-// take all of it back. Sweeps go down 1/2 l W l + l (u - target), which is zero without impulses: where what is prescribed rests, an
-// island has gained no more energy than the work of its targets. One that came out with more is solved again from zero.
+// A warm start adds energy where impulses of the past are too large, and so may momentum; sweeps that end unfinished do
+// not take all of it back. Sweeps go down 1/2 l W l + l (u - target), which is zero without impulses: where what is
+// prescribed rests, an island has gained no more energy than the work of its targets. One that came out with more is
+// solved again from zero.
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
     ContactSolveOptions options = of_all;
     options.tolerance = island.tolerance;

@@ -20,10 +20,10 @@ struct ContactSolveStats {
     int islands = 0;
     int colors = 0;
     int iterations = 0;      ///< most sweeps of an island, those of parts counted as what they cost
-    std::int64_t visits = 0; ///< contact updates, shock passes included; those woken on the way as if from the start
+    std::int64_t visits = 0; ///< contact updates, shock passes included; of activated contacts as if from the start
     double residual = 0; ///< m/s, violation of all of eqs 17-20 by the final state, a shock pass included (shock.hpp)
     int unsolved_islands = 0; ///< whose sweeps, or whose exact solve, ended above their tolerance
-    int let_off_islands = 0;  ///< of these, those that are let off what is above it (sweep_island.cpp)
+    int let_off_islands = 0;  ///< of these, those whose loaded contacts may miss by that (sweep_island.cpp)
     int shocked_islands = 0;  ///< islands whose velocities come from a shock pass
     int part_rounds = 0;      ///< times that a part of an island was swept alone
     int exact_islands = 0;    ///< solved exactly, or nearer to it than PGS came
@@ -33,11 +33,10 @@ struct ContactSolveStats {
 /// Solves all contacts. impulses[k] of contacts[k], N s in the world, on b: in, the warm start (zero if cold; projected
 /// on the contact's frame and cut to its cone; ignored without warm_start), out, the result of PGS. Shock propagation
 /// changes velocities only: its impulses know nothing of the weight above, so they are no measure of a force and are
-/// neither handed out nor used as a friction bound.
-/// Contacts between two bodies of infinite mass get zero.
-/// Most contacts of a resting pile are gaps that nothing will close in the step. Those without impulse that the bodies are far from
-/// closing are parked: sweeps leave them out, but looks do not, and a packet with one that is violated is woken. So the residual
-/// counts all contacts.
+/// neither handed out nor used as a friction bound. Contacts between two bodies of infinite mass get zero. Most
+/// contacts of a resting pile are gaps that nothing will close in the step. Those without impulse that the bodies are
+/// far from closing are inactive (parked): sweeps leave them out, evaluations of the residual do not, and a batch with
+/// one that is violated becomes active. So the residual counts all contacts.
 ContactSolveStats solve_contacts(std::span<const Contact> contacts, const ContactBodies& bodies,
                                  const ContactSolveOptions& options, std::span<Vec3> impulses, ContactScratch& scratch);
 

@@ -39,15 +39,17 @@ struct ContactSolveOptions {
     bool warm_start = true;  ///< start from the impulses handed in
     bool normal_rows = true; ///< one row a contact where none has friction (Savings)
     bool momentum = true;    ///< carry sweeps on (sweep_engine.hpp): several times fewer of them in a pile
-    /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them; 0: never.
-    /// What is left then are impulses that bodies in contact at many points could exchange for ever, hardly moving.
-    /// At rest an island with more than two pairs a body, which may be jammed, is not given up while the number of violated pairs falls,
-    /// but as soon as that and the residual stand for two looks. 0 switches off all of this, and what loaded contacts are let off.
+    /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them;
+    /// 0: never. What is left then are impulses that bodies in contact at many points could exchange for ever, hardly
+    /// moving. At rest an island with more than two pairs a body, which may be over-constrained, is not given up while
+    /// the number of violated pairs falls, but as soon as that and the residual stand for two evaluations. 0 switches
+    /// off all of this, and the let-off of loaded contacts.
     int patience = 0;
-    /// m/s. An island rests that came with no more energy than its mass at this speed: what it has is what gravity added. Then what is
-    /// not solved yet is swept alone where it is a small part of a large island; jams are given up early, contacts in a jam that carry
-    /// much need not be as exact (sweep_island.cpp), and a shock pass stands only where it solves its levels. Under impact nothing of
-    /// this holds. 0: no island rests.
+    /// m/s. An island rests that came with no more energy than its mass at this speed: what it has is what gravity
+    /// added. Then what is not solved yet is swept alone where it is a small part of a large island; over-constrained
+    /// islands are given up early, loaded contacts in them may miss their targets by more
+    /// (ContactTuning::load_per_tolerance), and a shock pass stands only where it solves its levels. Under impact
+    /// nothing of this holds. 0: no island rests.
     double rest_speed = 0;
     bool exact = false;     ///< small islands that PGS leaves unsolved are solved exactly (exact_islands.hpp)
     bool exact_few = false; ///< of them only those of few bodies, and columns at rest by Newton's steps alone
@@ -65,8 +67,8 @@ struct ContactSolveOptions {
     ContactTuning tuning{};
 };
 
-/// Memory of the solver, owned by the caller and reused, so that a steady scene allocates nothing. What a test or a
-/// report may look at afterwards are `shocked` and `unsolved`; the rest is between one call's functions.
+/// Memory of the solver, owned by the caller and reused, so that a steady scene allocates nothing. Tests and reports
+/// may read `shocked` and `unsolved` afterwards; the rest is between one call's functions.
 struct ContactScratch {
     std::vector<std::uint8_t> shocked;  ///< per body id: its velocity comes from a shock pass
     std::vector<std::uint8_t> unsolved; ///< per body id: its island ended above its tolerance
@@ -101,7 +103,7 @@ struct ContactScratch {
     std::vector<BodyPair> pairs;             ///< bodies in contact, sorted
     std::vector<std::int32_t> first_contact; ///< per pair, into `order`; one more at the end
     std::vector<std::uint8_t> parked;        ///< as `order`
-    std::vector<std::int32_t> num_awake;     ///< contacts of each pair that are not parked
+    std::vector<std::int32_t> num_awake;     ///< active contacts of each pair
     std::vector<std::int32_t> color, island_of_pair, level, missing;
     std::vector<std::int32_t> pair_order; ///< pairs by (island, colour)
     std::vector<std::int32_t> packet_order;
@@ -135,7 +137,7 @@ struct ContactScratch {
     std::vector<double> sums;        ///< parts of sums, at the place of their first body in island_bodies
     std::vector<PacketGroup> groups; ///< by island
     std::vector<std::int32_t> small_islands;
-    /// What a share of a sweep or a look found.
+    /// What a share of a sweep, or of an evaluation of the residual, found.
     struct alignas(64) Seen {
         double worst = 0;    ///< m/s
         double residual = 0; ///< m/s
@@ -143,7 +145,7 @@ struct ContactScratch {
     };
     std::vector<Seen> seen; ///< by share
     std::vector<std::uint8_t>
-        violated; ///< per packet, a bit for each pair: what the last look at a resting island found
+        violated; ///< per packet, a bit for each pair: what the last evaluation of a resting island found
     /// The part of a large island that is not solved yet (unsolved_part.hpp).
     struct Unsolved {
         std::vector<std::uint8_t> near, chosen; ///< per body in contact: of a pair violated so far; of a chosen packet

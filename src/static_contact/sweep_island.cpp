@@ -26,13 +26,13 @@ int width_of(const Island& island, const ContactScratch& s, int most) {
     return sweep_width_of(groups_of(island, s), island.end_packet, s.packed.packets, most);
 }
 
-/// What a look found.
+/// What an evaluation of the residual found.
 struct Left {
     double residual = std::numeric_limits<double>::infinity(); ///< m/s
-    int violated = 0;                                          ///< pairs; counted in islands that may jam only
+    int violated = 0; ///< pairs; counted only in islands that may be over-constrained
 };
 
-/// One jam hides behind its residual what is still on its way elsewhere: the number of violated pairs must stand as well.
+/// The residual of an over-constrained spot hides progress elsewhere: the number of violated pairs must stand as well.
 bool stands(const Left& before, const Left& now, const ContactTuning& tuning) {
     return std::abs(now.residual - before.residual) <= tuning.stands * now.residual &&
            now.violated >= tuning.fewer * before.violated;
@@ -62,7 +62,7 @@ class Progress {
         looks_standing_ = stands(last_, left, tuning_) ? looks_standing_ + 1 : 0;
         last_ = left;
     }
-    /// Once per look that found the residual far above its lowest value since the last such look.
+    /// Once for each evaluation that found the residual far above its lowest value since the last such one.
     bool rose() { return std::exchange(rose_, false); }
     [[nodiscard]] bool stalls(int sweeps) const {
         return lost_ || (patience_ > 0 &&
@@ -72,8 +72,8 @@ class Progress {
   private:
     const ContactTuning& tuning_;
     int patience_;
-    double most_residual_; ///< m/s: velocities of that size are not known to the tolerance, and do not come back to it
-    bool jams_;            ///< whether the island may be jammed
+    double most_residual_; ///< m/s: beyond it velocities are not known to the tolerance, and do not come back to it
+    bool jams_;            ///< whether the island may be over-constrained
     Left mark_;            ///< what was left when it last had fallen by so much, and when that was
     int mark_sweeps_ = 0;
     Left last_;
@@ -86,8 +86,8 @@ class Progress {
 struct Course {
     Progress progress;
     int whole = 0, of_parts = 0; ///< sweeps; those of parts in sweeps of the whole that cost as much
-    /// Parts interrupt the momentum of the whole and leave its slow modes alone. So wherever they did not solve it, the whole is swept alone
-    /// until the next look.
+    /// Parts interrupt the momentum of the whole and leave its slow modes alone. So wherever they did not solve it, the
+    /// whole is swept by itself until the next evaluation.
     int parts_from = 0;
     Left left{};
 
@@ -97,14 +97,15 @@ struct Course {
         saw_after_part(found);
         progress.count_standing(found);
     }
-    /// Does not count towards a jam: the whole may have been swept a few times only.
+    /// Does not count as standing: the whole may have been swept a few times only.
     void saw_after_part(const Left& found) {
         left = found;
         progress.saw(sweeps(), found);
     }
 };
 
-/// What goes on between the sweeps of one island: looks at what is left, parts swept alone, the decision when to end.
+/// What goes on between the sweeps of one island: evaluations of the residual, parts swept alone, the decision when to
+/// end.
 class IslandSweeps {
   public:
     IslandSweeps(Island& island, const ContactSolveOptions& options, const SweepStart& start, Sharing& sharing,
@@ -159,8 +160,8 @@ class IslandSweeps {
                    : 0;
     }
 
-    // A sweep that passes is confirmed on the state that it left. With momentum it also sees what the extrapolation added, so that one that
-    // does not pass is looked at now and then.
+    // A sweep that met no violation is confirmed on the state that it left. With momentum it also meets what the
+    // extrapolation added; so the state is evaluated now and then where sweeps do meet some.
     AfterSweep after_sweep(double worst) {
         ++course_.whole;
         known_ = worst <= options_.tolerance || course_.whole % tuning().look_every == 0;
@@ -177,7 +178,7 @@ class IslandSweeps {
         return course_.progress.rose() || used_parts ? AfterSweep::restart : AfterSweep::go_on;
     }
 
-    /// Tells what is left.
+    /// Evaluates the residual, and activates violated parked contacts.
     void look(double load_share) {
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             Seen& seen = engine_.crew().seen[index(share)];
@@ -219,14 +220,14 @@ class IslandSweeps {
         return pairs;
     }
 
-    /// Wakes packets whose parked contacts are violated.
+    /// Activates batches whose parked contacts are violated.
     void wake_violated() {
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             if (phase == 0) return note_changes(share);
             wake_violated(share);
         });
     }
-    /// After note_changes() of all; returns the largest violation of those that were parked.
+    /// After note_changes() of all shares; returns the largest violation of contacts that were parked.
     double wake_violated(int share) {
         double worst = 0;
         engine_.timed(share, look_group(engine_), [&] {
@@ -254,7 +255,7 @@ class IslandSweeps {
             }
         });
     }
-    /// Whether the velocities of the packet's bodies changed too little for any of its parked contacts to be violated.
+    /// Whether the velocities of the batch's bodies changed too little for any of its parked contacts to be violated.
     [[nodiscard]] bool parked_hold(std::size_t packet) const {
         const ContactPacket& p = packets_[packet];
         const double reach = s_.packed.parked_reach[index(island_.first_packet) + packet];
@@ -268,8 +269,8 @@ class IslandSweeps {
         return hold;
     }
 
-    /// Sweeps what is not solved yet alone, after a look, for as long as that is a small part and helps; with a look at the whole
-    /// after every round. Whether there was one.
+    /// After an evaluation, sweeps alone what is not solved yet, for as long as that is a small part and helps; the
+    /// whole is evaluated after every round. Returns whether there was a round.
     bool solve_parts() {
         bool swept = false;
         const int most = std::min(options_.iterations, course_.sweeps() + tuning().part_waits * tuning().look_every);
@@ -303,7 +304,8 @@ class IslandSweeps {
     void finish(bool solved) {
         island_.solved = solved;
         island_.residual = course_.left.residual;
-        // Without a load that is let off, what is above the island's tolerance and solved is rounding (exact_islands.hpp).
+        // Where no load lets contacts off, what is above the island's tolerance and yet solved is rounding
+        // (exact_islands.hpp).
         island_.let_off =
             solved && load_share() > 0 && island_.residual > std::max(island_.tolerance, options_.tolerance);
         island_.iterations += course_.sweeps();
@@ -339,7 +341,7 @@ class IslandSweeps {
     std::span<const std::int32_t> bodies_;
     std::span<ContactPacket> packets_;
     std::span<std::uint8_t> violated_; ///< as find_violated() sets it, by packet of the island
-    bool jams_;                        ///< whether it may be jammed
+    bool jams_;                        ///< whether it may be over-constrained
     bool may_use_parts_;               ///< whether what is not solved may be swept alone
     Course course_;
     bool known_ = false; ///< course_.left is that of the last sweep

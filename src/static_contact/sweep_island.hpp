@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The sweeps of a whole island (sweep_engine.hpp), and what goes on between them: looks at what is left, which wake contacts that were
-// parked; in a large island at rest most contacts hold after some tens of sweeps, and where what does not is a small part, that part is
-// swept alone in between (unsolved_part.hpp).
+// The sweeps of a whole island (sweep_engine.hpp), and what goes on between them: evaluations of the residual, which
+// activate violated contacts that were parked. In a large island at rest most contacts hold after some tens of sweeps,
+// and where the others are a small part, that part is swept alone in between (unsolved_part.hpp).
 #pragma once
 
 #include "static_contact/solver_state.hpp"

@@ -256,7 +256,7 @@ struct OpenPacket {
         keep_locked(packet->locked_a + lane, load_bodies<P>(bodies, packet->a + lane).linear, a[g].linear);
         keep_locked(packet->locked_b + lane, load_bodies<P>(bodies, packet->b + lane).linear, b[g].linear);
     }
-    /// Those from `done` on that are awake, then those that were parked.
+    /// The active rows from `done` on, then those that were parked.
     template <class AtRow>
     void do_rest(const SweepView& view, std::int32_t done, AtRow&& at_row) {
         do_rows(rows, done, num_rows(), at_row);

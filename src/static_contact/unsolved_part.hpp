@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The part of an island that is not solved yet, swept alone. In a large pile at rest all but a few of ten thousand contacts hold after
-// some tens of sweeps; those few, beside a body that slides for example, may take hundreds more. Alone they cost next to nothing,
-// and what they change at the border of their part shows in the next look at the whole island.
+// The part of an island that is not solved yet, swept alone. In a large pile at rest all but a few of ten thousand
+// contacts hold after some tens of sweeps; those few, beside a body that slides for example, may take hundreds more.
+// Alone they cost next to nothing, and what they change at the border of their part shows in the next evaluation of the
+// whole island.
 #pragma once
 
 #include "static_contact/sweep_engine.hpp"
@@ -11,9 +12,10 @@ namespace flotilla {
 /// Room for the parts of the island, so that no later call allocates.
 void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
 
-/// Copies to scratch.unsolved the packets of the island with a pair that shares a movable body with a violated pair, according to the
-/// bits in scratch.violated (see find_violated()); unless `anew`, also those chosen for earlier bits, or two neighbouring parts
-/// would hand the same load to and fro. False where there are none, or too many of the island's.
+/// Copies to scratch.part the batches of the island with a pair that shares a movable body with a violated pair,
+/// according to the bits in scratch.violated (see find_violated()); unless `anew`, also those chosen for earlier bits,
+/// or two neighbouring parts would hand the same load to and fro. False where there are none, or too many of the
+/// island's.
 bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
                      ContactScratch& scratch);
 
@@ -22,15 +24,15 @@ bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& 
 /// next sweep of the island must do without momentum.
 int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, ContactScratch& scratch);
 
-/// Groups of an island's record behind those of its packets: the loops over bodies, a task per sum of them; the looks; the choice of
-/// parts; their sweeps.
+/// Groups of an island's record behind those of its batches: the loops over bodies, a task per sum of them; evaluations
+/// of the residual; the choice of parts; their sweeps.
 [[nodiscard]] inline std::size_t body_group(const SweepEngine& whole) { return whole.num_groups(); }
 [[nodiscard]] inline std::size_t look_group(const SweepEngine& whole) { return whole.num_groups() + 1; }
 [[nodiscard]] inline std::size_t choice_group(const SweepEngine& whole) { return whole.num_groups() + 2; }
 [[nodiscard]] inline std::size_t part_group(const SweepEngine& whole) { return whole.num_groups() + 3; }
 inline constexpr std::size_t kGroupsOfWhole = 4;
 
-/// That a sweep of the packet visits.
+/// Contacts that a sweep of the batch visits.
 [[nodiscard]] std::int64_t num_contacts(const ContactScratch& scratch, std::size_t packet);
 
 } // namespace flotilla
