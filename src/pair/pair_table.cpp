@@ -33,7 +33,7 @@ void PairTable::start_step(Team& team, std::int64_t step) {
         PairRecord& r = records_[i];
         r.active = r.processed = r.assumed = false;
         r.start_distance = std::exchange(r.end_distance, -1.0);
-        if (r.start_distance < 0) r.slack = -1; // the last step did not look
+        if (r.start_distance < 0) r.slack = -1; // the last step did not search
         return unused(r);
     };
     const auto kept = [&](std::size_t i) { return unused(records_[i]); };

@@ -26,7 +26,7 @@ struct PairCandidates {
     /// At the last search for contacts: the poses, and the distance of the bodies, m; < 0: there was none.
     MatrixPose searched_a, searched_b;
     double searched_distance = -1;
-    /// Along which a plane was last found between the hulls; zero: none was, and so many times none is looked for.
+    /// Along which a plane was last found between the hulls; zero: none was, and so many times none is searched for.
     Vec3 apart{};
     std::int32_t no_plane = 0;
     /// Versions at whose ends the hulls are farther apart than the proximity distance, by `far_gap`, m.

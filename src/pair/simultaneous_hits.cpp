@@ -76,8 +76,8 @@ struct Heights {
     [[nodiscard]] double at_least(const Vec3& local) const { return (dot(slope, local) + start) - error; }
 };
 
-/// The vertices of a body that stands on the plane which are within `reach` of it. None where the body does not stand on the plane but
-/// reaches through it. All vertices are looked at: an impulse has moved all of them before.
+/// The vertices of a body that stands on the plane which are within `reach` of it. None where the body does not stand
+/// on the plane but reaches through it. All vertices are tested: an impulse has moved all of them before.
 void find_feet(const BodyMotion& body, double t, const Plane& plane, double reach, std::vector<Vec3>& feet) {
     feet.clear();
     const Heights heights(body, t, plane);

@@ -127,8 +127,8 @@ void collect(StepData& data, StageCounters& counters);
 [[nodiscard]] bool missed(const StepData& data, const PairRecord& record);
 [[nodiscard]] bool left(const StepData& data, const PairRecord& record);
 
-/// The distance of the bodies at x^n, m, from the last contact search where that looked at the pair; infinite beyond the proximity
-/// distance.
+/// The distance of the bodies at x^n, m, from the last contact search where that searched the pair; infinite beyond the
+/// proximity distance.
 double start_distance(const StepData& data, Worker& worker, PairRecord& record);
 
 /// All pairs whose swept bounds come within the separation, or within the proximity distance, sorted.
@@ -192,7 +192,8 @@ void record_renewed_distance(const StepData& data, PairRecord& record, double di
 /// Runs the CCD on a pair of bodies and records a proof where there is one.
 PairHit query(const StepData& data, Worker& worker, PairRecord& record);
 
-/// The same for stage 1, by the setting `ccd`. What only the cubic takes for a miss is not proved: stage 5 looks at it again.
+/// The same for stage 1, by the setting `ccd`. What only the cubic takes for a miss is not proved: stage 5 queries it
+/// again.
 PairHit query_collision(const StepData& data, Worker& worker, PairRecord& record);
 
 /// The earliest hit between two clusters; pairs of members with a current proof are not queried again, nor those whose

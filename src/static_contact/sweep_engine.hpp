@@ -5,10 +5,11 @@
 //
 // One sweep maps impulses and velocities y to x(y). Plain Gauss-Seidel goes on from x. Here the next sweep starts from
 //   y = x + m (x - x_before),  m = (theta - 1) / theta_next,  theta_next = (1 + sqrt(1 + 4 theta^2)) / 2,
-// impulses and velocities alike, so that the velocities stay those of the impulses. m is at most ContactTuning::most_momentum,
-// which makes slow modes 1 / (1 - m) times faster and leaves the fast ones bounded, and starts anew at 0 (theta = 1) where the way
-// turns back: (y - x) . (x - x_before) > 0 in the metric of kinetic energy (O'Donoghue and Candes 2015), or the residual
-// rises. The sum runs over the bodies in one order. What a solve leaves behind is always some x: within the bounds of eqs 17-20.
+// impulses and velocities alike, so that the velocities stay those of the impulses. m is at most
+// ContactTuning::most_momentum, which makes slow modes 1 / (1 - m) times faster and leaves the fast ones bounded, and
+// starts anew at 0 (theta = 1) where the path turns back: (y - x) . (x - x_before) > 0 in the metric of kinetic energy
+// (O'Donoghue and Candes 2015), or the residual rises. The sum runs over the bodies in one order. What a solve leaves
+// behind is always some x: within the bounds of eqs 17-20.
 //
 // The law with friction is no minimum of anything, so nothing is proved about m > 0; a plain sweep after every restart and the
 // residual at the end decide.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The end-of-step check: every pair is proved apart in one of four ways, and no other.
+// The end-of-step check: every pair is proved apart in one of four ways, and no other
+// (src/pair/README.md#the-four-ways-to-be-proved).
 //   a  The bounds that both bodies sweep in the step, widened by the separation, do not overlap.
 //   b  The continuous query found no hit for the end states that both have now.
 //   c  Both are movable members of one cluster, proved against each other before it moved by a common translation, or rigidly from x^n

@@ -88,8 +88,8 @@ void Stepper::place_anew(std::int32_t body, const Pose& pose) {
     wake_neighbours(body);
 }
 
-/// Its pairs are to be looked at anew. Sleeping bodies are in no list of a step: what does not move, and may touch one, is not looked at
-/// alone.
+/// Its pairs are to be made anew. Lists of a step leave sleeping bodies out, so for a body that does not move and may
+/// touch one everything is.
 void Stepper::mark_changed(std::int32_t body) {
     changed_[at(body)] = 1;
     any_changed_ = true;
@@ -169,8 +169,8 @@ void Stepper::wake(std::int32_t body) {
     woken_ = true;
 }
 
-/// The body's island and those of all bodies near it: what it held up may fall. By where bodies are, and not by contacts, which are known
-/// or not as somebody asked for them.
+/// The body's island and those of all bodies near it: what it held up may fall. By where bodies are, and not by
+/// contacts, since which of these are known depends on what was asked.
 void Stepper::wake_neighbours(std::int32_t body) {
     wake(body);
     place_changed();

@@ -37,7 +37,7 @@ struct LookAheadScratch {
     ContactSet merged;
 };
 
-/// Poses of the step that contacts are looked for at.
+/// The poses at which contacts are searched for.
 enum class StepEnd { start, end };
 
 /// Adds to the set, which was searched at `poses`, what its pairs pass at the velocities `solved`. Whether there was anything.

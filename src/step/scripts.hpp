@@ -39,7 +39,7 @@ class Scripts {
 
     [[nodiscard]] bool any() const { return !scripted_.empty(); }
 
-    /// Gives every scripted body its way in the step.
+    /// Gives every scripted body its motion in the step.
     void move(const Model& model, const State& state, Trajectories& trajectories, Clusters& clusters);
     /// What the step leaves of it for the next, before the step is counted.
     void commit(const Model& model, const FailsafeStats& failsafe, State& state) const;
