@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Pastes what the README shows: its C++ program is built against the installed package and run, its scene is simulated and proved.
-# Its rows of other engines are those of the measured page.
+# Its rows of other engines are those of the measured page. The scene of src/io/README.md is valid, and a run takes its edits.
 # usage: readme_test.sh CMAKE COMPILER BUILD_DIR [LINK_FLAGS]
 set -euo pipefail
 cmake=$1 compiler=$2 build=$3 link_flags=${4:-}
@@ -9,12 +9,12 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# blocks LANGUAGE TEXT: the code blocks of the README in this language that contain TEXT.
+# blocks LANGUAGE TEXT [PAGE]: the code blocks of the README, or of another page, in this language that contain TEXT.
 blocks() {
     awk -v language="$1" -v text="$2" '
         /^```/ { if (inside) { if (wanted && index(block, text)) printf "%s", block; inside = 0 }
                  else { inside = 1; wanted = $0 == "```" language; block = "" }; next }
-        inside { block = block $0 "\n" }' "$root/README.md"
+        inside { block = block $0 "\n" }' "$root/${3:-README.md}"
 }
 
 awk -F' *[|] *' '
@@ -49,3 +49,12 @@ for text in 'cat > out/lid.json' 'scene household'; do
     bash -euo pipefail -c "$commands"
 done
 [[ -s out/household/report.html && -s out/household.png && -s out/household.csv ]]
+
+mkdir scenes meshes
+cp "$root/bench/meshes/boat.obj" meshes/
+blocks json '"flotilla_scene"' src/io/README.md >scenes/scene.json
+flotilla check scenes/scene.json
+cp "$root/tests/fuzz/corpus/obj/box.obj" out/ball.obj
+blocks json '"flotilla_edits"' src/io/README.md >out/edits.json
+flotilla run out/lid.json --steps 35 --edits out/edits.json --output out/edited --quiet
+[[ $(grep -o '"step"' out/edited/edits.json | wc -l) == 4 ]]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The examples run, and what they print and write is what they promise; small, so that all of them together take
-seconds."""
+"""The examples and the sample of the module's page run, and what they print and write is what they promise; small, so
+that all of them together take seconds."""
 import os
 import pathlib
 import re
@@ -10,7 +10,8 @@ import sys
 import numpy
 import pytest
 
-EXAMPLES = pathlib.Path(__file__).parents[2] / "scripts" / "examples"
+ROOT = pathlib.Path(__file__).parents[2]
+EXAMPLES = ROOT / "scripts" / "examples"
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -54,3 +55,13 @@ def test_every_ring_of_the_chain_pulls_what_hangs_below(tmp_path):
 def test_the_feeder_bowl_carries_parts_forward(tmp_path):
     says = run("feeder_bowl.py", "--parts", 1, "--duration", 0.24, folder=tmp_path)
     assert float(re.search(r"mean (\S+) mm/s", says)[1]) > 1
+
+
+def test_the_sample_of_the_page_runs(tmp_path, monkeypatch, plate, capsys):
+    page = (ROOT / "src" / "python" / "README.md").read_text()
+    sample = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
+    monkeypatch.chdir(tmp_path)
+    # What it takes for given: meshes and where they stand. Of the run half a second will do.
+    exec(sample.replace("duration=5", "duration=0.5"), {"meshes": [plate, plate], "positions": [(0, 0, 1), (0, 0, 2)]})
+    assert (tmp_path / "household.png").read_bytes().startswith(PNG)
+    assert capsys.readouterr().out.splitlines()[-1] == "True (13, 2, 3)"
