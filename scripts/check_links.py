@@ -156,7 +156,10 @@ def check_tree(root):
 
 
 def main(arguments):
-    if len(arguments) > 1 or arguments[:1] == ["--help"]:
+    if arguments == ["--help"]:
+        print(__doc__)
+        return 0
+    if len(arguments) > 1:
         print(__doc__, file=sys.stderr)
         return 2
     root = arguments[0] if arguments else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
