@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Checks that what the pages point to is there: relative links with their anchors, and the paths that stand in backticks.
+"""Checks that what the pages point to is there: relative links with their anchors, and the paths and names in backticks.
 
 usage: check_links.py [ROOT]
 A path in backticks is checked where it begins with a folder of the repository (`src/ccd`), of src (`parallel/team.hpp`) or
 beside the page (`results/speed.md`), or is the bare name of a source file (`team.hpp`). Endings may be left out, * stands for
-any name, and what is built or written (build/, out/) is not looked for. Comments of sources may name pages: src/pair/README.md#anchor.
+any name, and what is built or written (build/, out/) is not looked for. In pages of src, names in backticks that only code has
+(`find_hits`, `PairRecord`, `Clusters::evolve`, `kStaticLimit`) must be in some source, so that a page does not outlive what it tells. Comments of sources may name pages: src/pair/README.md#anchor.
 Prints one line per dead reference, FILE:LINE: REASON. Exit code: 0 none, 1 some, 2 usage.
 """
 import fnmatch
@@ -23,6 +24,9 @@ SPAN = re.compile(r"(`+)(.+?)\1")
 LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\]]*\]\([^)]*\))*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 PLACE = re.compile(r"^(\.\./)*[\w*.][\w.*+-]*(/[\w.*+-]+)*/?(#[\w-]+)?$")
 SOURCE_NAME = re.compile(r"^[\w*-]+\.(hpp|cpp|py|sh)$")
+NAME = re.compile(r"^[A-Za-z_]\w*(::~?\w+)*(\(\))?$")
+CODE_ONLY = re.compile(r"::|_|[a-z][A-Z]|^k[A-Z]")
+NAMED_IN = (".hpp", ".cpp", ".py", ".sh", ".in", ".cmake", "CMakeLists.txt", ".json", ".pyi", ".js")
 PAGE_IN_COMMENT = re.compile(r"\b((?:src|bench|tests|scripts)/(?:[\w-]+/)*[\w-]+\.md(?:#[\w-]+)?)")
 
 
@@ -37,8 +41,10 @@ class Tree:
             for name in subfolders + files:
                 self.paths.add(os.path.relpath(os.path.join(folder, name), root).replace(os.sep, "/"))
             self.names.update(files)
+        self.stems = {name.split(".")[0] for name in self.names}
         self.modules = {p.split("/")[1] for p in self.paths if p.startswith("src/") and p.count("/") > 1}
         self.anchors_of = {}
+        self.all_words = None
 
     def has(self, path):
         """Whether there is something of that name; its ending may be left out, and * is any name."""
@@ -49,6 +55,19 @@ class Tree:
         if "*" in path:
             return any(fnmatch.fnmatch(p, pattern) for p in self.paths for pattern in patterns)
         return any(p.startswith(path + ".") for p in self.paths)
+
+    def words(self):
+        """All words of sources and scripts."""
+        if self.all_words is None:
+            self.all_words = set()
+            for path in sorted(self.paths):
+                scripts = path.startswith(("scripts/", "bench/")) and "." not in os.path.basename(path)
+                if path.split("/")[0] not in TOP or not (path.endswith(NAMED_IN) or scripts):
+                    continue
+                if "/results/" not in path and os.path.isfile(os.path.join(self.root, path)):
+                    with open(os.path.join(self.root, path), encoding="utf-8", errors="replace") as file:
+                        self.all_words.update(re.findall(r"\w+", file.read()))
+        return self.all_words
 
     def anchors(self, page):
         if page not in self.anchors_of:
@@ -123,11 +142,23 @@ def check_place(tree, page, text):
     return f"`{text}` is not there"
 
 
+def check_name(tree, page, text):
+    """Why a name in backticks is dead, or None."""
+    if not page.startswith("src/") or not NAME.match(text) or not CODE_ONLY.search(text):
+        return None
+    missing = [word for word in re.findall(r"\w+", text) if word not in tree.words() and word not in tree.stems]
+    return f"no source has the name `{missing[0]}`" if missing else None
+
+
 def check_page(tree, page):
     for number, line in prose(read_lines(os.path.join(tree.root, page))):
         for match in SPAN.finditer(line):
             text = match[2].strip()
-            if is_place(tree, page, text) and (reason := check_place(tree, page, text)):
+            if is_place(tree, page, text):
+                reason = check_place(tree, page, text)
+            else:
+                reason = check_name(tree, page, text)
+            if reason:
                 yield number, reason
         for match in LINK.finditer(line):
             for target in [match[1]] + re.findall(r"\]\(([^)\s]+)\)", match[0])[:-1]:

@@ -75,6 +75,14 @@ class CheckLinks(unittest.TestCase):
         self.expect_alive("`a/b`, `build/release/none`, `out/none.png`, `--set key=value`, `src/none is one`")
         self.expect_alive("```sh\ncat src/none [x](none.md)\n```")
 
+    def test_names_of_code_in_pages_of_src_are_in_some_source(self):
+        self.plant("src/ccd/hull_gap.cpp", "struct HullGap {}; constexpr int kTrials = 5; void find_hull_gap() {}\n")
+        self.expect_alive("`find_hull_gap`, `HullGap::kTrials`, `hull_gap`, `find_hull_gap()`, plain `words`", "src/ccd/OTHER.md")
+        self.expect_dead("`find_hull_gaps`", "no source has the name `find_hull_gaps`", "src/ccd/OTHER.md")
+        self.expect_dead("`HullGap::kTrial`", "no source has the name `kTrial`", "src/ccd/OTHER.md")
+        self.plant("src/ccd/OTHER.md", "")
+        self.expect_alive("`find_hull_gaps`")
+
     def test_comments_name_pages_that_are_there(self):
         self.plant("src/ccd/query.cpp", "// See src/ccd/README.md#files and src/pair/README.md.\n")
         self.assertEqual(check_links.check_tree(self.folder), ["src/ccd/query.cpp:1: src/pair/README.md is not there"])
