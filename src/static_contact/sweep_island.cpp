@@ -132,9 +132,9 @@ class IslandSweeps {
     void run() {
         if (start_.apply_impulses) engine_.apply_impulses();
         engine_.run(options_.iterations, [&](int, double worst) { return after_sweep(worst); });
-        if (!known_) course_.left.residual = look_again(load_share());
+        if (!known_) course_.left.residual = evaluate_again(load_share());
         const bool solved = course_.left.residual <= options_.tolerance;
-        if (load_share() > 0) course_.left.residual = look_again(0);
+        if (load_share() > 0) course_.left.residual = evaluate_again(0);
         finish(solved);
     }
 
@@ -167,32 +167,32 @@ class IslandSweeps {
         known_ = worst <= options_.tolerance || course_.whole % tuning().look_every == 0;
         bool used_parts = false;
         if (known_) {
-            look(load_share());
+            evaluate(load_share());
             course_.saw(seen_left());
             used_parts = may_use_parts_ && course_.whole >= course_.parts_from && solve_parts();
             if (course_.left.residual <= options_.tolerance) return AfterSweep::done;
         } else if (course_.whole == tuning().peek) {
-            wake_violated();
+            activate_violated();
         }
         if (course_.stalls() || course_.sweeps() >= options_.iterations) return AfterSweep::done;
         return course_.progress.rose() || used_parts ? AfterSweep::restart : AfterSweep::go_on;
     }
 
     /// Evaluates the residual, and activates violated parked contacts.
-    void look(double load_share) {
+    void evaluate(double load_share) {
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             Seen& seen = engine_.crew().seen[index(share)];
             if (phase == 0) {
                 seen.residual = find_left(share, load_share);
                 return note_changes(share);
             }
-            seen.residual = std::max(seen.residual, wake_violated(share));
+            seen.residual = std::max(seen.residual, activate_violated(share));
             if (jams_) seen.violated = count_violated(share_of_packets(share));
         });
     }
     double find_left(int share, double load_share) {
         double residual = 0;
-        engine_.timed(share, look_group(engine_), [&] {
+        engine_.timed(share, evaluation_group(engine_), [&] {
             const auto packets = share_of_packets(share);
             SweepView view = engine_.view(packets);
             view.load_share = load_share;
@@ -202,8 +202,8 @@ class IslandSweeps {
         });
         return residual;
     }
-    double look_again(double load_share) {
-        look(load_share);
+    double evaluate_again(double load_share) {
+        evaluate(load_share);
         return seen_left().residual;
     }
     [[nodiscard]] Left seen_left() const {
@@ -221,21 +221,21 @@ class IslandSweeps {
     }
 
     /// Activates batches whose parked contacts are violated.
-    void wake_violated() {
+    void activate_violated() {
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             if (phase == 0) return note_changes(share);
-            wake_violated(share);
+            activate_violated(share);
         });
     }
     /// After note_changes() of all shares; returns the largest violation of contacts that were parked.
-    double wake_violated(int share) {
+    double activate_violated(int share) {
         double worst = 0;
-        engine_.timed(share, look_group(engine_), [&] {
-            const auto packets = share_of_packets(share); // as in look(), which reads what this changes
+        engine_.timed(share, evaluation_group(engine_), [&] {
+            const auto packets = share_of_packets(share); // as in evaluate(), which reads what this changes
             const std::size_t first = first_of(packets);
             for (std::size_t p = first; p < first + packets.size(); ++p) {
                 if (packets_[p].first_parked == packets_[p].end_parked || packets_[p].woken != 0) continue;
-                if (parked_hold(p)) continue;
+                if (parked_contacts_hold(p)) continue;
                 const double violation =
                     largest_parked_violation(engine_.cone(), engine_.view(packets_.subspan(p, 1)), options_.isa);
                 if (violation > options_.tolerance) {
@@ -256,7 +256,7 @@ class IslandSweeps {
         });
     }
     /// Whether the velocities of the batch's bodies changed too little for any of its parked contacts to be violated.
-    [[nodiscard]] bool parked_hold(std::size_t packet) const {
+    [[nodiscard]] bool parked_contacts_hold(std::size_t packet) const {
         const ContactPacket& p = packets_[packet];
         const double reach = s_.packed.parked_reach[index(island_.first_packet) + packet];
         bool hold = true;
@@ -277,7 +277,7 @@ class IslandSweeps {
         while (course_.left.residual > options_.tolerance && course_.sweeps() < most && !course_.stalls() &&
                sweep_part(!swept, most - course_.sweeps())) {
             swept = true;
-            look(load_share());
+            evaluate(load_share());
             const Left before = course_.left;
             course_.saw_after_part(seen_left());
             if (stands(before, course_.left, tuning())) break;
@@ -318,7 +318,7 @@ class IslandSweeps {
         if (group == choice_group(engine_)) return 1;
         if (group == part_group(engine_))
             return std::max(part_tasks_ / std::max(part_visits_, std::int64_t{1}), std::int64_t{1});
-        if (group == look_group(engine_)) return static_cast<std::int64_t>(packets_.size());
+        if (group == evaluation_group(engine_)) return static_cast<std::int64_t>(packets_.size());
         if (group == body_group(engine_)) return static_cast<std::int64_t>(num_sums(bodies_.size()));
         return engine_.packets_of(group).num_tasks();
     }
