@@ -65,7 +65,7 @@ struct BodyBounds {
 /// What the last list of candidate pairs was made from.
 struct FrozenBounds {
     std::vector<std::uint64_t> version; ///< of the bodies' end states
-    std::vector<std::int32_t> changed;  ///< bodies with other ones than the list before
+    std::vector<std::int32_t> changed;  ///< bodies whose version is another one than in the list before
     bool with_proximity = false;
     const std::vector<CandidatePair>* pairs = nullptr; ///< null: other lists were made since
 };
@@ -75,7 +75,7 @@ struct ListBuffers {
     FrozenBounds frozen;
     std::vector<SweptBody> swept;
     std::vector<BodyBounds> bounds;  ///< by body, of the motion that the last list was made from
-    std::uint64_t still_version = 1; ///< another one where others stand still than before, or elsewhere
+    std::uint64_t still_version = 1; ///< a new number where other bodies stand still than before, or elsewhere
     std::uint64_t still_placed = 0;  ///< the version that `swept` and `bounds` hold
     std::vector<double>
         stray; ///< by body: m, from where contacts were last searched for on its account (State::searched)

@@ -32,7 +32,7 @@ struct SweptBody {
 struct PairSearch {
     std::span<const SweptBody> bodies;
     std::span<const std::int32_t> active; ///< ascending
-    std::uint64_t still_version = 0;      ///< another one where others stand still than before, or elsewhere
+    std::uint64_t still_version = 0;      ///< a new number where other bodies stand still than before, or elsewhere
     bool wakes = false;                   ///< sleeping bodies count as movable, with their waking reach
     Savings savings{};
     const Model* filters = nullptr; ///< whose filter leaves pairs out; null: none are
@@ -43,7 +43,8 @@ class PairFinder {
     virtual ~PairFinder() = default;
     /// All pairs of an active body with another where at least one is movable and whose inflated boxes overlap, sorted by (a, b).
     virtual const std::vector<CandidatePair>& find(Team& team, const PairSearch& search) = 0;
-    /// The same where the last call was for the same bodies, of which those `changed` (ascending, all active) are other ones now: for few.
+    /// The same where the last call was for the same bodies, of which those in `changed` (ascending, all active) have
+    /// other boxes now. For few.
     virtual const std::vector<CandidatePair>& update(Team& team, const PairSearch& search,
                                                      std::span<const std::int32_t> changed) = 0;
 };

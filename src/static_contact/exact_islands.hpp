@@ -14,9 +14,10 @@ inline constexpr double kExactShare = 0x1p-20;
 /// answer it, with friction to match.
 inline constexpr double kOfSpeed = 0x1p-36;
 
-/// Contacts up to which an island is solved so after a few sweeps: it takes a few milliseconds at most, as the sweeps would. Larger ones
-/// are where more sweeps leave them above their tolerance, but for slender ones at rest and for those of a few bodies: a ball on 1,400
-/// contacts takes the time of the sweeps, balanced, and is solved where those were not in four of five steps.
+/// Islands of up to so many contacts are solved exactly after a few sweeps: that takes a few milliseconds at most, as
+/// the sweeps would. Larger ones are where more sweeps leave them above their tolerance; slender ones at rest and those
+/// of a few bodies are so at once: a ball on 1,400 contacts takes the time of the sweeps in preset balanced, and sweeps
+/// left it unsolved in four of five steps.
 inline constexpr std::int32_t kFewContacts = 256;
 
 /// Problems that have a solution take ten to forty factorisations; the others end with what was found.
@@ -24,7 +25,8 @@ inline constexpr int kMostFactorisations = 40;
 /// Floating point operations of a factorisation, a third of a cube of six degrees of freedom a body, for n^3 bodies.
 inline constexpr double kOfFactorisation = 72;
 
-/// Whether the island may be solved so: friction by the cone, and few enough contacts and bodies. Set `rests` before.
+/// Whether the island may be solved exactly: friction by the cone, and few enough contacts and bodies. Set `rests`
+/// before.
 [[nodiscard]] bool may_solve_exactly(const ContactScratch::Island& island, const ContactSolveOptions& options,
                                      const ContactScratch& scratch);
 
@@ -34,8 +36,8 @@ inline constexpr double kOfFactorisation = 72;
 
 [[nodiscard]] std::int32_t contacts_of(const ContactScratch::Island& island, const ContactScratch& scratch);
 
-/// Solves those of the islands that are unsolved and may be, side by side. Their rows hold the impulses of the sweeps, and then the
-/// exact ones; velocities follow.
+/// Solves the unsolved islands that may be solved exactly, side by side. Their rows hold the impulses of the sweeps,
+/// and then the exact ones; velocities follow.
 void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& scratch);
 
 } // namespace flotilla

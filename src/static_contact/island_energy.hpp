@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The kinetic energy of an island, by which solves that add energy are told.
+// The kinetic energy of an island, by which solves that add energy are recognised.
 #pragma once
 
 #include "static_contact/solver_state.hpp"
@@ -13,9 +13,10 @@ namespace flotilla {
 [[nodiscard]] double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies,
                                     const ContactScratch& scratch);
 
-/// Takes back what an island got from nowhere. 1/2 l W l + l (u - target), J, with u the velocities before the solve, is zero without
-/// impulses and lower at a solution. Where unsolved impulses are above zero, which those that grew without bound are, the island is left
-/// with what is best along their ray, in their cones as they are: less of all of them. Where they are no numbers, with none of them.
+/// Takes back energy that an unsolved island gained from nothing. 1/2 l W l + l (u - target), J, with u the velocities
+/// before the solve, is zero without impulses and negative at a solution. Where it is positive, as it is for impulses
+/// that grew without bound, all impulses are scaled by one factor to the minimum along their ray, which stays in their
+/// cones. Where they are not numbers they are dropped.
 void take_back_gain(const ContactScratch::Island& island, ContactScratch& scratch);
 
 } // namespace flotilla

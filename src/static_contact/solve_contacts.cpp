@@ -80,7 +80,7 @@ int sweeps_of_exact(const Island& island, const ContactTuning& tuning, const Con
     return static_cast<int>(std::min(kMostFactorisations * factorisation / sweep, 1e9));
 }
 
-// That of the island's bodies.
+// m/s, the largest rest speed of the island's bodies.
 double rest_speed_of(const Island& island, const ContactBodies& bodies, double of_gravity, const ContactScratch& s) {
     double speed = of_gravity;
     for (std::int32_t k = island.first_body; k < island.end_body && !bodies.rest_speed.empty(); ++k)
@@ -89,7 +89,7 @@ double rest_speed_of(const Island& island, const ContactBodies& bodies, double o
     return speed;
 }
 
-// How long an island is swept that may be solved exactly, and to what.
+// How long an island that may be solved exactly is swept, and to which tolerance.
 void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, const ContactScratch& s) {
     const ContactTuning& tuning = options.tuning;
     const std::int32_t bodies = island.end_body - island.first_body;

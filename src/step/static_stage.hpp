@@ -57,7 +57,7 @@ struct ContactSet {
 };
 /// A contact at the point of the vertex, or of body a's edge (section 4.3.1), without a target.
 [[nodiscard]] Contact contact_of(std::int32_t a, std::int32_t b, const ProximityPoint& point, double friction);
-/// What the tasks of a contact search found.
+/// What the tasks of a contact search found, and scratch.
 struct ContactSearchScratch {
     std::vector<ContactSet> parts;
     std::vector<std::size_t> places;

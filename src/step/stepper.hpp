@@ -239,7 +239,7 @@ class Stepper {
     SleepScratch sleep_;
     std::vector<BodyPair> touching_;
     std::uint64_t placed_version_ = 0; ///< ListBuffers::still_version that place_still() was called for
-    /// What does not change while the same bodies sleep.
+    /// What stays as long as the same bodies sleep.
     struct Sleepers {
         std::vector<std::int32_t> awake; ///< bodies that do not sleep
         std::int64_t count = 0;
