@@ -6,6 +6,7 @@
 #include "api/world_impl.hpp"
 #include "base/error_list.hpp"
 #include "base/floating_point.hpp"
+#include "base/index.hpp"
 #include "base/rotation.hpp"
 #include "base/text.hpp"
 #include "scene/description_checks.hpp"
@@ -17,8 +18,6 @@
 
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// A shape as far as lengths are checked.
 Shape lengths_of(const RigidShape& shape) {

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/index.hpp"
 #include "base/vec3.hpp"
 
 namespace flotilla::audit {
 namespace {
 
 constexpr std::int32_t kLeafTriangles = 2;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Builds the subtree over order[begin, end) and returns nothing: its root is the next node.
 void build(BoxTree& tree, std::span<const Vec3> centers, std::int32_t begin, std::int32_t end) {

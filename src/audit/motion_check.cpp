@@ -11,13 +11,12 @@
 #include "audit/audit.hpp"
 #include "audit/candidate_pairs.hpp"
 #include "audit/sweep.hpp"
+#include "base/index.hpp"
 #include "mesh/placement.hpp"
 #include "parallel/parallel_for.hpp"
 
 namespace flotilla::audit {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Turning bodies are looked at in so short pieces of the step that boxes grow by no more than this part of the radius.
 constexpr double kLargestDeviation = 0.05;

@@ -9,12 +9,11 @@
 
 #include "audit/audit.hpp"
 #include "audit/triangle_distance.hpp"
+#include "base/index.hpp"
 #include "parallel/parallel_for.hpp"
 
 namespace flotilla::audit {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Bounds and distances compared are rounded differently: what may be nearer by less than that is looked at. Far above the rounding of
 /// either side, and what makes the result one of the frame, not of the order in which pairs are looked at.

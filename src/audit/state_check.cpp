@@ -5,6 +5,7 @@
 
 #include "audit/audit.hpp"
 #include "audit/candidate_pairs.hpp"
+#include "base/index.hpp"
 #include "base/rotation.hpp"
 #include "geometry/exact/triangle_triangle.hpp"
 #include "mesh/placement.hpp"
@@ -12,8 +13,6 @@
 
 namespace flotilla::audit {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Scene files refuse rotations farther from unit length; a solver's stay within a few ulp.
 constexpr double kUnitTolerance = 1e-6;

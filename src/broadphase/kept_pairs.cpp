@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/index.hpp"
 #include "broadphase/swept_boxes.hpp"
 #include "parallel/compact.hpp"
 
@@ -16,8 +17,6 @@ constexpr double kMargin = 1.0 / 16;
 /// anew.
 constexpr std::size_t kFew = 64;
 constexpr std::size_t kBodyGrain = 256, kPairGrain = 2048; // items of a task
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// NaN is in no box.
 bool holds(const Box& outer, const Box& inner) {

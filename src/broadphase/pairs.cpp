@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "base/index.hpp"
 #include "broadphase/swept_boxes.hpp"
 #include "parallel/compact.hpp"
 #include "parallel/team_sort.hpp"
@@ -17,8 +18,6 @@ constexpr std::size_t kFewestBodies = 8;   // whose boxes are compared in less t
 constexpr double kCellOfMedian = 1.5;      // cell edge in median body sizes
 constexpr double kLargestCoordinate = 1e6; // cells; farther away bodies share the outermost one
 constexpr std::size_t kBodyGrain = 128, kCellGrain = 128, kChunkGrain = 16, kPairGrain = 2048; // items of a task
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 std::int64_t cell_key(const std::array<std::int64_t, 3>& c) {
     constexpr std::int64_t kOffset = 1 << 20;

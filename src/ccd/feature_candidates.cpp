@@ -3,12 +3,11 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
 #include "geometry/closest.hpp"
 
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// The corners of a feature pair in the order of CcdQuery, and the two bodies they belong to.
 struct Corners {

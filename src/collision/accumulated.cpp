@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/index.hpp"
 #include "collision/pair_hits.hpp"
 
 namespace flotilla {
 namespace {
 
 constexpr std::size_t kPairGrain = 16, kBodyGrain = 16; // items of a task
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool by_bodies(const KeptHit& x, const KeptHit& y) { return std::tuple(x.a, x.b) < std::tuple(y.a, y.b); }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
 #include "collision/pair_hits.hpp"
 #include "pair/ordered_sweep.hpp"
 #include "parallel/compact.hpp"
@@ -11,8 +12,6 @@ namespace flotilla {
 namespace {
 
 constexpr int kActiveSweeps = 8;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// The impulse of a contact with restitution, cut so that no energy is gained; nothing where it would do nothing.
 std::optional<Vec3> elastic_impulse(const StepData& data, const CandidatePair& pair, const ContactPoint& point) {

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
 #include "pair/simultaneous_hits.hpp"
 #include "response/arc.hpp"
 #include "state/loads.hpp"
 
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// The contact of a swept hit with rigid velocities where these approach as well. Effective ones, of straight paths, are what makes sure
 /// that it does (section 3.2), but a rebound at their speed takes energy where they are slower than the bodies, and gives none where

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
+
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 enum class RequestKind { merge_kinematic, merge_rigid, go_down, hold_script };
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "base/index.hpp"
 #include "base/rotation.hpp"
 #include "io/body_colour.hpp"
 #include "io/drawn_mesh.hpp"
@@ -14,7 +15,6 @@ namespace flotilla::picture {
 namespace {
 
 using Index = std::size_t;
-Index at(std::int32_t i) { return static_cast<Index>(i); }
 
 constexpr double kCreaseCosine = 0.77; // faces that meet at less than 40 degrees are shaded as one smooth surface
 constexpr Index kLargestFan = 64;      // a vertex with more faces is shaded flat: the sum over pairs would be slow

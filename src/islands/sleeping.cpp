@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
 #include "state/loads.hpp"
 
 namespace flotilla {
@@ -10,8 +11,6 @@ namespace {
 
 constexpr std::int32_t kQuietSteps = 12;
 constexpr double kQuietShare = 1.0 / 50; // of |gravity| time_step
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// m/s: |gravity| is what moves a body that is not at rest, or what else does if that is less.
 double quiet_speed(const Model& model, const SleepRule& rule, std::size_t i) {

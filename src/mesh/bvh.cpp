@@ -6,14 +6,13 @@
 #include <limits>
 #include <numeric>
 
+#include "base/index.hpp"
 #include "mesh/placement_avx2.hpp"
 
 namespace flotilla {
 namespace {
 
 constexpr int kBins = 16;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Proportional to the surface of a box: the chance that it is met, were other boxes spread evenly.
 double half_area(const Box& b) {

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "base/index.hpp"
 #include "mesh/dd_vec.hpp"
 #include "mesh/mesh_file.hpp"
 
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// One side of a triangle as a sortable record.
 struct HalfEdge {

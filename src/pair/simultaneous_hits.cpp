@@ -5,12 +5,11 @@
 #include <array>
 #include <cmath>
 
+#include "base/index.hpp"
 #include "geometry/closest.hpp"
 
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 Vec3 vertex_at(const BodyMotion& body, std::int32_t v, double t) {
     return body.at0.x[at(v)] + t * (body.at1.x[at(v)] - body.at0.x[at(v)]);

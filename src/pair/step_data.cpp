@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/index.hpp"
 #include "ccd/hull_gap.hpp"
 #include "ccd/rigid_path.hpp"
 #include "geometry/ccd_cubic.hpp"
@@ -12,8 +13,6 @@
 
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// What a list of pairs is for.
 enum class ListReach { separation, proximity, fall };

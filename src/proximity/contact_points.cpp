@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/index.hpp"
 #include "ccd/leaf_features.hpp"
 #include "geometry/closest.hpp"
 #include "geometry/plane_test.hpp"
@@ -19,8 +20,6 @@ constexpr double kRayMargin = 1e-6;
 constexpr std::size_t kBatch = 64; // feature pairs examined together
 /// Cosine of 15 degrees, the angle between facets of a circle of 24: a corner that a round body sits in, not another side of a box.
 constexpr double kOtherDirection = 0.96592582628906829;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 std::array<Vec3, 3> corners(const BodyMotion& body, std::int32_t t) {
     const Triangle& v = body.shape->mesh.triangles[at(t)];

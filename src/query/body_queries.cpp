@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/index.hpp"
 #include "geometry/closest.hpp"
 #include "geometry/exact/triangle_triangle.hpp"
 #include "geometry/ray.hpp"
@@ -15,8 +16,6 @@ namespace flotilla {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 Corners corners(const PlacedShape& body, std::int32_t triangle) {
     const Triangle& t = body.shape->mesh.triangles[at(triangle)];

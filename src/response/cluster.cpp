@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -10,8 +12,6 @@ namespace {
 // blend of that of x^n and that of the end, and distances shrink at most by cos(turn / 2). Turning ones it does not keep apart: the
 // centres of mass go straight and the bodies turn about them.
 constexpr double kLargestRigidTurn = 2;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Inverse of a symmetric positive definite matrix.
 Mat3 inverse(const Mat3& a) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/index.hpp"
 #include "response/arc.hpp"
 
 namespace flotilla {
@@ -12,8 +13,6 @@ namespace {
 constexpr int kSweeps = 200;
 /// Of the fastest approach met in a round: what is left undone, as in pair_manifold.cpp.
 constexpr double kTolerance = 1e-4;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// The largest eigenvalue of a symmetric matrix in the plane across a unit vector, where it has two: from their sum and that of their
 /// squares.

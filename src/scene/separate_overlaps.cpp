@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "base/index.hpp"
 #include "base/rotation.hpp"
 #include "geometry/closest.hpp"
 #include "geometry/ray.hpp"
@@ -26,8 +27,6 @@ constexpr double kFirstTilt = 20 * std::numbers::pi / 180;
 // The distance is searched to this part of the clearance; what is searched for is so much more than what is asked for.
 constexpr double kTolerance = 0.01;
 constexpr int kMostAdvances = 100;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 Corners moved(const Corners& t, const Vec3& by) { return {t[0] + by, t[1] + by, t[2] + by}; }
 Box moved(const Box& box, const Vec3& by) { return {box.lower + by, box.upper + by}; }

@@ -7,12 +7,12 @@
 #include <tuple>
 
 #include "base/assert.hpp"
+#include "base/index.hpp"
 #include "static_contact/tangents.hpp"
 
 namespace flotilla {
 namespace {
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 std::int32_t count_of(std::size_t n) { return static_cast<std::int32_t>(n); }
 
 // Whether an impulse along the normal moves the body.
@@ -29,11 +29,11 @@ void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodi
     s.order.clear();
     for (std::size_t k = 0; k < contacts.size(); ++k) {
         const Contact& c = contacts[k];
-        FLOTILLA_ASSERT(0 <= c.a && c.a < c.b && index(c.b) < bodies.velocity.size());
-        if (can_move(index(c.a), c, bodies) || can_move(index(c.b), c, bodies)) s.order.push_back(count_of(k));
+        FLOTILLA_ASSERT(0 <= c.a && c.a < c.b && at(c.b) < bodies.velocity.size());
+        if (can_move(at(c.a), c, bodies) || can_move(at(c.b), c, bodies)) s.order.push_back(count_of(k));
     }
     const auto less = [&](std::int32_t i, std::int32_t j) {
-        const Contact &x = contacts[index(i)], &y = contacts[index(j)];
+        const Contact &x = contacts[at(i)], &y = contacts[at(j)];
         return std::tie(x.a, x.b, x.feature_key, i) < std::tie(y.a, y.b, y.feature_key, j);
     };
     if (!std::is_sorted(s.order.begin(), s.order.end(), less)) std::sort(s.order.begin(), s.order.end(), less);
@@ -42,8 +42,7 @@ void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodi
 // Numbers the bodies that have contacts, in id order, and copies their velocities.
 void gather_bodies(std::span<const Contact> contacts, const ContactBodies& bodies, ContactScratch& s) {
     s.local.assign(bodies.velocity.size(), -1);
-    for (const std::int32_t k : s.order)
-        s.local[index(contacts[index(k)].a)] = s.local[index(contacts[index(k)].b)] = 0;
+    for (const std::int32_t k : s.order) s.local[at(contacts[at(k)].a)] = s.local[at(contacts[at(k)].b)] = 0;
     s.bodies.clear();
     s.movable.clear();
     s.velocity.clear();
@@ -62,8 +61,8 @@ void gather_pairs(std::span<const Contact> contacts, ContactScratch& s) {
     s.pairs.clear();
     s.first_contact.clear();
     for (std::size_t i = 0; i < s.order.size(); ++i) {
-        const Contact& c = contacts[index(s.order[i])];
-        const BodyPair pair{s.local[index(c.a)], s.local[index(c.b)]};
+        const Contact& c = contacts[at(s.order[i])];
+        const BodyPair pair{s.local[at(c.a)], s.local[at(c.b)]};
         if (!s.pairs.empty() && s.pairs.back() == pair) continue;
         s.pairs.push_back(pair);
         s.first_contact.push_back(count_of(i));
@@ -91,12 +90,12 @@ void find_extents(const ContactBodies& bodies, std::size_t num_islands, ContactS
     s.island_of_body.assign(s.bodies.size(), -1);
     for (std::size_t k = 0; k < s.pairs.size(); ++k)
         for (const std::int32_t body : {s.pairs[k].a, s.pairs[k].b})
-            if (s.movable[index(body)]) s.island_of_body[index(body)] = s.island_of_pair[k];
+            if (s.movable[at(body)]) s.island_of_body[at(body)] = s.island_of_pair[k];
     s.extents.assign(num_islands, {});
     for (std::size_t k = 0; k < s.bodies.size(); ++k) {
         if (s.island_of_body[k] < 0) continue;
-        ContactScratch::Extent& e = s.extents[index(s.island_of_body[k])];
-        const Vec3& x = bodies.position[index(s.bodies[k])];
+        ContactScratch::Extent& e = s.extents[at(s.island_of_body[k])];
+        const Vec3& x = bodies.position[at(s.bodies[k])];
         e.low = e.bodies == 0 ? x : min(e.low, x);
         e.high = e.bodies == 0 ? x : max(e.high, x);
         ++e.bodies;
@@ -122,17 +121,17 @@ std::int32_t number_regions(const ContactBodies& bodies, std::size_t num_islands
     for (std::size_t k = 0; k < n; ++k) {
         s.cell[k] = 0;
         if (s.island_of_body[k] < 0) continue;
-        const ContactScratch::Extent& e = s.extents[index(s.island_of_body[k])];
+        const ContactScratch::Extent& e = s.extents[at(s.island_of_body[k])];
         const double size = std::max(max_component(e.high - e.low), std::numeric_limits<double>::min());
-        s.cell[k] = morton_cell((bodies.position[index(s.bodies[k])] - e.low) / size);
+        s.cell[k] = morton_cell((bodies.position[at(s.bodies[k])] - e.low) / size);
     }
     s.body_order.resize(n);
     std::iota(s.body_order.begin(), s.body_order.end(), 0);
     stable_sort_by_key(s.cell, 1 << (3 * kCellBits), s.body_order, s.counts, s.sorted);
     for (const std::int32_t body : s.body_order) { // an island's in the order of their cells
-        if (s.island_of_body[index(body)] < 0) continue;
-        ContactScratch::Extent& e = s.extents[index(s.island_of_body[index(body)])];
-        s.region[index(body)] = static_cast<std::int32_t>(std::int64_t{e.numbered} * num_regions(e) / e.bodies);
+        if (s.island_of_body[at(body)] < 0) continue;
+        ContactScratch::Extent& e = s.extents[at(s.island_of_body[at(body)])];
+        s.region[at(body)] = static_cast<std::int32_t>(std::int64_t{e.numbered} * num_regions(e) / e.bodies);
         ++e.numbered;
     }
     return most;
@@ -142,25 +141,25 @@ std::int32_t number_regions(const ContactBodies& bodies, std::size_t num_islands
 // stays behind them.
 void order_packets_by_region(ContactScratch& s) {
     const auto same = [&](std::int32_t p, std::int32_t q) {
-        return s.island_of_pair[index(p)] == s.island_of_pair[index(q)] && s.color[index(p)] == s.color[index(q)];
+        return s.island_of_pair[at(p)] == s.island_of_pair[at(q)] && s.color[at(p)] == s.color[at(q)];
     };
     s.sorted = s.pair_order;
     for (std::size_t first = 0, end = 0; first < s.pair_order.size(); first = end) {
         while (end < s.pair_order.size() && same(s.pair_order[first], s.pair_order[end])) ++end;
         const auto full = static_cast<std::int32_t>((end - first) / kPacketLanes);
-        s.packet_order.resize(index(full));
+        s.packet_order.resize(at(full));
         std::iota(s.packet_order.begin(), s.packet_order.end(), 0);
-        const auto pair_at = [&](std::int32_t packet) { return first + index(packet) * kPacketLanes; };
+        const auto pair_at = [&](std::int32_t packet) { return first + at(packet) * kPacketLanes; };
         const auto region = [&](std::int32_t packet) { // times kPacketLanes
             std::int32_t sum = 0;
             for (std::size_t lane = 0; lane < kPacketLanes; ++lane)
-                sum += s.region_of_pair[index(s.pair_order[pair_at(packet) + lane])];
+                sum += s.region_of_pair[at(s.pair_order[pair_at(packet) + lane])];
             return sum;
         };
         std::sort(s.packet_order.begin(), s.packet_order.end(),
                   [&](std::int32_t p, std::int32_t q) { return std::pair(region(p), p) < std::pair(region(q), q); });
         for (std::int32_t k = 0; k < full; ++k)
-            std::copy_n(s.pair_order.begin() + static_cast<std::ptrdiff_t>(pair_at(s.packet_order[index(k)])),
+            std::copy_n(s.pair_order.begin() + static_cast<std::ptrdiff_t>(pair_at(s.packet_order[at(k)])),
                         kPacketLanes, s.sorted.begin() + static_cast<std::ptrdiff_t>(pair_at(k)));
     }
     s.pair_order.swap(s.sorted);
@@ -171,7 +170,7 @@ void order_packets_by_region(ContactScratch& s) {
 void sort_by_region_to_and_fro(std::int32_t most_regions, ContactScratch& s) {
     s.region_to_and_fro.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) {
-        const std::int32_t regions = num_regions(s.extents[index(s.island_of_pair[k])]);
+        const std::int32_t regions = num_regions(s.extents[at(s.island_of_pair[k])]);
         s.region_to_and_fro[k] = s.num_awake[k] % 2 == 0 ? s.region_of_pair[k] : regions - 1 - s.region_of_pair[k];
     }
     stable_sort_by_key(s.region_to_and_fro, most_regions, s.pair_order, s.counts, s.sorted);
@@ -180,9 +179,9 @@ void sort_by_region_to_and_fro(std::int32_t most_regions, ContactScratch& s) {
 bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& bodies,
                const ContactSolveOptions& options, const ContactScratch& s) {
     if (warm_impulse != Vec3{}) return false;
-    const std::size_t a = index(c.a), b = index(c.b);
+    const std::size_t a = at(c.a), b = at(c.b);
     const auto velocity_of = [&](std::size_t body) {
-        const BodyVelocity& v = s.velocity[index(s.local[body])];
+        const BodyVelocity& v = s.velocity[at(s.local[body])];
         return v.linear + cross(v.angular, c.point - bodies.position[body]);
     };
     const double margin = options.tuning.parked_margin * std::min(c.tolerance, options.tolerance);
@@ -199,9 +198,9 @@ void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodie
     for_each(options.team, "park contacts", s.pairs.size(), kPairGrain, [&](std::size_t p) {
         s.num_awake[p] = 0;
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
-            const std::size_t c = index(s.order[index(i)]);
-            s.parked[index(i)] = is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies, options, s);
-            s.num_awake[p] += s.parked[index(i)] ? 0 : 1;
+            const std::size_t c = at(s.order[at(i)]);
+            s.parked[at(i)] = is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies, options, s);
+            s.num_awake[p] += s.parked[at(i)] ? 0 : 1;
         }
     });
 }
@@ -220,28 +219,28 @@ int order_pairs(std::span<const Contact> contacts, const ContactBodies& bodies, 
     for (const std::int32_t awake : s.num_awake) most = std::max(most, awake);
     s.missing.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) s.missing[k] = most - s.num_awake[k];
-    const std::int32_t most_regions = number_regions(bodies, index(num_islands), s);
+    const std::int32_t most_regions = number_regions(bodies, at(num_islands), s);
     s.region_of_pair.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) {
         const BodyPair& p = s.pairs[k];
-        s.region_of_pair[k] = s.region[index(s.movable[index(p.a)] ? p.a : p.b)];
+        s.region_of_pair[k] = s.region[at(s.movable[at(p.a)] ? p.a : p.b)];
     }
     if (most_regions > 1 && options.tuning.to_and_fro) sort_by_region_to_and_fro(most_regions, s);
     stable_sort_by_key(s.missing, most + 1, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.color, num_colors, s.pair_order, s.counts, s.sorted);
     stable_sort_by_key(s.island_of_pair, num_islands, s.pair_order, s.counts, s.sorted);
     if (most_regions > 1) order_packets_by_region(s);
-    s.islands.assign(index(num_islands), {});
+    s.islands.assign(at(num_islands), {});
     for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
-        const std::size_t p = index(s.pair_order[k]);
-        ContactScratch::Island& island = s.islands[index(s.island_of_pair[p])];
+        const std::size_t p = at(s.pair_order[k]);
+        ContactScratch::Island& island = s.islands[at(s.island_of_pair[p])];
         if (island.end == 0) {
             island.first = count_of(k);
             island.tolerance = options.tolerance;
         }
         island.end = count_of(k + 1);
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i)
-            island.tolerance = std::min(island.tolerance, contacts[index(s.order[index(i)])].tolerance);
+            island.tolerance = std::min(island.tolerance, contacts[at(s.order[at(i)])].tolerance);
     }
     return num_colors;
 }
@@ -251,7 +250,7 @@ Sym3 symmetric(const Mat3& a) {
 }
 
 ContactBlock make_block(const BodyPair& pair, const ContactBodies& bodies, const ContactScratch& s) {
-    const std::size_t a = index(s.bodies[index(pair.a)]), b = index(s.bodies[index(pair.b)]);
+    const std::size_t a = at(s.bodies[at(pair.a)]), b = at(s.bodies[at(pair.b)]);
     ContactBlock block;
     block.a = pair.a;
     block.b = pair.b;
@@ -278,7 +277,7 @@ ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBo
                     const ContactSolveOptions& options) {
     ContactRow row;
     row.normal = c.normal;
-    row.arm_a = c.point - bodies.position[index(c.a)];
+    row.arm_a = c.point - bodies.position[at(c.a)];
     row.arm_b = row.arm_a + block.offset;
     const TangentPair t = choose_tangents(c, cone, options);
     row.tangent_1 = t.t1;
@@ -308,29 +307,29 @@ void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies,
     s.source.resize(s.order.size());
     std::int32_t first = 0;
     for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
-        const std::size_t p = index(s.pair_order[k]);
+        const std::size_t p = at(s.pair_order[k]);
         s.blocks[k].first = first;
         first += s.first_contact[p + 1] - s.first_contact[p];
     }
     const auto make = [&](std::size_t k, PrincipalMasses& principal) {
-        const std::size_t p = index(s.pair_order[k]);
+        const std::size_t p = at(s.pair_order[k]);
         ContactBlock block = make_block(s.pairs[p], bodies, s);
         block.color = s.color[p];
         block.first = s.blocks[k].first;
         std::int32_t awake = block.first, parked = block.parked = block.first + s.num_awake[p];
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
-            const std::size_t c = index(s.order[index(i)]), row = index(s.parked[index(i)] ? parked++ : awake++);
+            const std::size_t c = at(s.order[at(i)]), row = at(s.parked[at(i)] ? parked++ : awake++);
             s.rows[row] = make_row(contacts[c], block, bodies, cone, options);
             s.source[row] = count_of(c);
         }
         block.end = parked;
         s.blocks[k] = block;
-        for (std::int32_t r = block.first; r < block.end; ++r) set_mass(cone, s.blocks[k], principal, s.rows[index(r)]);
+        for (std::int32_t r = block.first; r < block.end; ++r) set_mass(cone, s.blocks[k], principal, s.rows[at(r)]);
     };
     const auto start = [&](const ContactBlock& block) { // frames are final now
         for (std::int32_t r = block.first; r < block.end; ++r) {
-            ContactRow& row = s.rows[index(r)];
-            const Vec3 warm = options.warm_start ? impulses[index(s.source[index(r)])] : Vec3{};
+            ContactRow& row = s.rows[at(r)];
+            const Vec3 warm = options.warm_start ? impulses[at(s.source[at(r)])] : Vec3{};
             row.local.impulse = cut_to_cone(cone, to_contact(row, warm), row.local.friction);
         }
     };
@@ -348,11 +347,11 @@ void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies,
 
 void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::vector<std::int32_t>& order,
                         std::vector<std::int32_t>& counts, std::vector<std::int32_t>& sorted) {
-    counts.assign(index(num_keys) + 1, 0);
-    for (const std::int32_t item : order) ++counts[index(key[index(item)]) + 1];
+    counts.assign(at(num_keys) + 1, 0);
+    for (const std::int32_t item : order) ++counts[at(key[at(item)]) + 1];
     std::inclusive_scan(counts.begin(), counts.end(), counts.begin());
     sorted.resize(order.size());
-    for (const std::int32_t item : order) sorted[index(counts[index(key[index(item)])]++)] = item;
+    for (const std::int32_t item : order) sorted[at(counts[at(key[at(item)])]++)] = item;
     order.swap(sorted);
 }
 
@@ -360,7 +359,7 @@ int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, con
              std::span<const Vec3> impulses, ContactScratch& s) {
     order_contacts(contacts, bodies, s);
     s.packed.frictionless = options.normal_rows && std::all_of(s.order.begin(), s.order.end(), [&](std::int32_t k) {
-                                return contacts[index(k)].friction == 0;
+                                return contacts[at(k)].friction == 0;
                             });
     gather_bodies(contacts, bodies, s);
     gather_pairs(contacts, s);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
 #include "static_contact/lorentz_cone.hpp"
 
 namespace flotilla {
@@ -10,8 +11,6 @@ namespace {
 
 // Up to ten free bodies the dense factorisation is the faster one (a chain of bodies, measured).
 constexpr std::int32_t kLargestDense = 60;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // A contact that touches more than half of the columns makes the matrix full, and its positions as many as the matrix has
 // elements.
@@ -24,8 +23,8 @@ bool is_dense(const ConeProgram& p) {
 } // namespace
 
 std::span<const ConeProgram::Entry> BodySystem::entries(std::size_t contact) const {
-    const std::size_t first = index(program_->first_entry[contact]);
-    return {program_->entries.data() + first, index(program_->first_entry[contact + 1]) - first};
+    const std::size_t first = at(program_->first_entry[contact]);
+    return {program_->entries.data() + first, at(program_->first_entry[contact + 1]) - first};
 }
 
 void BodySystem::analyse(const ConeProgram& program) {

@@ -5,12 +5,11 @@
 #include <array>
 #include <cmath>
 
+#include "base/index.hpp"
 #include "static_contact/lorentz_cone.hpp"
 
 namespace flotilla {
 namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 Vec3 to_contact(const ConeContact& c, const Vec3& v) {
     return {dot(c.normal, v), dot(c.tangent_1, v), dot(c.tangent_2, v)};
@@ -52,7 +51,7 @@ void add_body(const ConeContact& c, const ConeBody& body, const Vec3& arm, doubl
                                                          component(c.tangent_2, axis)}});
     }
     const InertiaFactor f = factor_inertia(body.inv_inertia);
-    for (std::size_t k = 0; k < index(f.rank); ++k)
+    for (std::size_t k = 0; k < at(f.rank); ++k)
         p.entries.push_back({column++, sign * to_contact(c, cross(f.columns[k], arm))});
 }
 
@@ -84,8 +83,8 @@ void build_cone_program(std::span<const ConeBody> bodies, std::span<const ConeCo
         Vec3 w;
         const auto add = [&](std::int32_t body, const Vec3& arm, double sign) {
             if (body < 0) return;
-            add_body(c, bodies[index(body)], arm, sign, 6 * body, program);
-            w += body_diagonal(c, bodies[index(body)], arm);
+            add_body(c, bodies[at(body)], arm, sign, 6 * body, program);
+            w += body_diagonal(c, bodies[at(body)], arm);
         };
         add(c.a, c.arm_a, -1);
         add(c.b, c.arm_b, 1);
@@ -99,7 +98,7 @@ void set_diagonals(const ConeProgram& program, std::vector<ConeDiagonal>& diagon
     diagonals.clear();
     for (std::size_t i = 0; i < program.contacts.size(); ++i) {
         Vec3 w;
-        for (std::size_t k = index(program.first_entry[i]); k < index(program.first_entry[i + 1]); ++k) {
+        for (std::size_t k = at(program.first_entry[i]); k < at(program.first_entry[i + 1]); ++k) {
             const Vec3& h = program.entries[k].h;
             w += {h.x * h.x, h.y * h.y, h.z * h.z};
         }
@@ -112,8 +111,8 @@ void cone_velocities(std::span<const ConeBody> bodies, std::span<const ConeConta
     motion.assign(bodies.size(), {});
     const auto push = [&](std::int32_t body, const Vec3& arm, const Vec3& impulse) {
         if (body < 0) return;
-        motion[index(body)].linear += impulse;
-        motion[index(body)].angular += cross(arm, impulse);
+        motion[at(body)].linear += impulse;
+        motion[at(body)].angular += cross(arm, impulse);
     };
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         const Vec3 impulse = to_world(contacts[i], r[i]);
@@ -124,7 +123,7 @@ void cone_velocities(std::span<const ConeBody> bodies, std::span<const ConeConta
         motion[k] = {free_part(bodies[k].locked, bodies[k].inv_mass * motion[k].linear),
                      bodies[k].inv_inertia * motion[k].angular};
     const auto point = [&](std::int32_t body, const Vec3& arm) {
-        return body < 0 ? Vec3{} : motion[index(body)].linear + cross(motion[index(body)].angular, arm);
+        return body < 0 ? Vec3{} : motion[at(body)].linear + cross(motion[at(body)].angular, arm);
     };
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         const ConeContact& c = contacts[i];

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "base/index.hpp"
 #include "geometry/pack_scalar.hpp"
 
 #include "static_contact/contact_packets.hpp"
@@ -11,8 +12,6 @@
 
 namespace flotilla {
 namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 template <class Fields>
 void set_lane(Fields& out, std::size_t lane, int field, const Vec3& v) {
@@ -94,7 +93,7 @@ void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, bool parked,
         if (source[lane] < 0)
             set_idle(out, lane);
         else
-            set_lane(out, lane, rows[index(source[lane])]);
+            set_lane(out, lane, rows[at(source[lane])]);
     }
 }
 
@@ -122,11 +121,11 @@ void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_bl
     std::int32_t rows = packed.packets.empty() ? 0 : packed.packets.back().end;
     std::int32_t parked = packed.packets.empty() ? 0 : packed.packets.back().end_parked;
     for (std::int32_t first = first_block, end = first; first < end_block; first = end) {
-        const std::int32_t color = blocks[index(first)].color;
+        const std::int32_t color = blocks[at(first)].color;
         const std::int32_t limit = std::min(end_block, first + kPacketLanes);
         std::int32_t longest = 0, longest_parked = 0;
-        for (; end < limit && blocks[index(end)].color == color; ++end) {
-            const ContactBlock& block = blocks[index(end)];
+        for (; end < limit && blocks[at(end)].color == color; ++end) {
+            const ContactBlock& block = blocks[at(end)];
             longest = std::max(longest, block.parked - block.first);
             longest_parked = std::max(longest_parked, block.end - block.parked);
         }
@@ -158,7 +157,7 @@ void resize_rows(PackedContacts& packed) {
         packet.first_parked += awake;
         packet.end_parked += awake;
     }
-    const std::size_t rows = packed.packets.empty() ? 0 : index(packed.packets.back().end_parked);
+    const std::size_t rows = packed.packets.empty() ? 0 : at(packed.packets.back().end_parked);
     packed.parked_reach.resize(packed.packets.size());
     packed.rows.resize(packed.frictionless ? 0 : rows);
     packed.normal_rows.resize(packed.frictionless ? rows : 0);
@@ -168,11 +167,11 @@ void resize_rows(PackedContacts& packed) {
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t p,
                  PackedContacts& packed) {
     ContactPacket& packet = packed.packets[p];
-    const auto members = blocks.subspan(index(packed.first_block[p]), index(packet.num_pairs));
+    const auto members = blocks.subspan(at(packed.first_block[p]), at(packet.num_pairs));
     set_bodies(members, packet);
     const auto fill = [&](std::int32_t first, std::int32_t end, bool parked) {
         for (std::int32_t k = 0; k < end - first; ++k) {
-            const std::size_t row = index(first + k);
+            const std::size_t row = at(first + k);
             std::int32_t* source = packed.source.data() + row * kPacketLanes;
             if (packed.frictionless)
                 fill_row(members, k, parked, rows, packed.normal_rows[row], source);
@@ -185,7 +184,7 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
     double reach = 0;
     for (const ContactBlock& block : members)
         for (std::int32_t k = block.parked; k < block.end; ++k)
-            reach = std::max({reach, length(rows[index(k)].arm_a), length(rows[index(k)].arm_b)});
+            reach = std::max({reach, length(rows[at(k)].arm_a), length(rows[at(k)].arm_b)});
     packed.parked_reach[p] = reach;
 }
 
@@ -194,7 +193,7 @@ void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<Co
     for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
         const std::int32_t source = packed.source[row * kPacketLanes + lane];
         if (source < 0) continue;
-        Vec3& impulse = rows[index(source)].local.impulse;
+        Vec3& impulse = rows[at(source)].local.impulse;
         impulse.x = field[PacketRow::kNormalImpulse][lane];
         if (packed.frictionless) continue;
         impulse.y = field[PacketRow::kTangentImpulse][lane];

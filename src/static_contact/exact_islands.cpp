@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -28,10 +30,8 @@ constexpr double kPolish = 10;
 /// would be 2^-31 of the momentum.
 constexpr double kMostImpulse = 0x1p22;
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 std::span<const ContactBlock> blocks_of(const Island& island, const ContactScratch& s) {
-    return std::span(s.blocks).subspan(index(island.first), index(island.end - island.first));
+    return std::span(s.blocks).subspan(at(island.first), at(island.end - island.first));
 }
 
 bool is_worth_it(const Island& island) {
@@ -43,17 +43,17 @@ void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s
     e.contacts.clear();
     e.impulses.clear();
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
-        const std::int32_t body = s.island_bodies[index(k)];
-        const std::size_t id = index(s.bodies[index(body)]);
-        s.exact_body[index(body)] = static_cast<std::int32_t>(e.bodies.size());
+        const std::int32_t body = s.island_bodies[at(k)];
+        const std::size_t id = at(s.bodies[at(body)]);
+        s.exact_body[at(body)] = static_cast<std::int32_t>(e.bodies.size());
         e.bodies.push_back({bodies.inv_mass[id], bodies.inv_inertia[id], bodies.locked_of(id)});
     }
-    const auto number = [&](std::int32_t body) { return s.movable[index(body)] ? s.exact_body[index(body)] : -1; };
+    const auto number = [&](std::int32_t body) { return s.movable[at(body)] ? s.exact_body[at(body)] : -1; };
     for (const ContactBlock& block : blocks_of(island, s))
         for (std::int32_t r = block.first; r < block.end; ++r) {
-            const ContactRow& row = s.rows[index(r)];
-            Vec3 free = to_contact(
-                row, relative_velocity(row, s.start_velocity[index(block.a)], s.start_velocity[index(block.b)]));
+            const ContactRow& row = s.rows[at(r)];
+            Vec3 free =
+                to_contact(row, relative_velocity(row, s.start_velocity[at(block.a)], s.start_velocity[at(block.b)]));
             free.x -= row.local.target;
             e.contacts.push_back({number(block.a), number(block.b), row.normal, row.tangent_1, row.tangent_2, row.arm_a,
                                   row.arm_b, row.local.friction, free});
@@ -63,19 +63,19 @@ void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s
 
 void scatter(const Island& island, const ContactBodies& bodies, ContactScratch& s, const Exact& e) {
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
-        const std::size_t body = index(s.island_bodies[index(k)]);
+        const std::size_t body = at(s.island_bodies[at(k)]);
         s.velocity[body] = s.start_velocity[body];
     }
     std::size_t c = 0;
     for (const ContactBlock& block : blocks_of(island, s))
         for (std::int32_t r = block.first; r < block.end; ++r, ++c) {
-            ContactRow& row = s.rows[index(r)];
+            ContactRow& row = s.rows[at(r)];
             row.local.impulse = e.impulses[c];
             const Vec3 impulse = to_world(row, e.impulses[c]);
             const auto push = [&](std::int32_t body, const Vec3& arm, const Vec3& l) {
-                if (!s.movable[index(body)]) return;
-                const std::size_t id = index(s.bodies[index(body)]);
-                BodyVelocity& v = s.velocity[index(body)];
+                if (!s.movable[at(body)]) return;
+                const std::size_t id = at(s.bodies[at(body)]);
+                BodyVelocity& v = s.velocity[at(body)];
                 v.linear += free_part(bodies.locked_of(id), bodies.inv_mass[id] * l);
                 v.angular += bodies.inv_inertia[id] * cross(arm, l);
             };
@@ -91,8 +91,8 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
     std::size_t c = 0;
     for (const ContactBlock& block : blocks_of(island, s))
         for (std::int32_t r = block.first; r < block.end; ++r, ++c) {
-            const ContactRow& row = s.rows[index(r)];
-            Vec3 u = to_contact(row, relative_velocity(row, s.velocity[index(block.a)], s.velocity[index(block.b)]));
+            const ContactRow& row = s.rows[at(r)];
+            Vec3 u = to_contact(row, relative_velocity(row, s.velocity[at(block.a)], s.velocity[at(block.b)]));
             u.x -= row.local.target;
             sum += 0.5 * dot(row.local.impulse, u + e.contacts[c].free_velocity);
         }
@@ -160,11 +160,11 @@ void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& optio
             s.small_islands.push_back(static_cast<std::int32_t>(k));
     if (s.small_islands.empty()) return;
     s.exact_body.resize(s.bodies.size());
-    s.exact.resize(index(options.team != nullptr ? options.team->size() : 1));
+    s.exact.resize(at(options.team != nullptr ? options.team->size() : 1));
     const auto one = [&](std::size_t i, int thread) {
-        Island& island = s.islands[index(s.small_islands[i])];
+        Island& island = s.islands[at(s.small_islands[i])];
         const bool many = island.end_body - island.first_body > options.tuning.bodies_factorised_soon;
-        solve(island, bodies, options.exact_few && many, s, s.exact[index(thread)]);
+        solve(island, bodies, options.exact_few && many, s, s.exact[at(thread)]);
     };
     if (options.team == nullptr)
         for (std::size_t i = 0; i < s.small_islands.size(); ++i) one(i, 0);

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <span>
 
+#include "base/index.hpp"
+
 namespace flotilla {
 namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // w . I w for angular velocity w and inverse inertia J, by Cramer's rule; 0 for a body that cannot turn.
 double angular_energy_twice(Mat3 j, const Vec3& w) {
@@ -26,9 +26,9 @@ double angular_energy_twice(Mat3 j, const Vec3& w) {
 
 bool prescribed_at_rest(const ContactScratch::Island& island, const ContactScratch& s) {
     for (std::int32_t k = island.first; k < island.end; ++k)
-        for (const std::int32_t body : {s.blocks[index(k)].a, s.blocks[index(k)].b}) {
-            const BodyVelocity& v = s.velocity[index(body)];
-            if (!s.movable[index(body)] && !(v.linear == Vec3{} && v.angular == Vec3{})) return false;
+        for (const std::int32_t body : {s.blocks[at(k)].a, s.blocks[at(k)].b}) {
+            const BodyVelocity& v = s.velocity[at(body)];
+            if (!s.movable[at(body)] && !(v.linear == Vec3{} && v.angular == Vec3{})) return false;
         }
     return true;
 }
@@ -36,9 +36,9 @@ bool prescribed_at_rest(const ContactScratch::Island& island, const ContactScrat
 double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies, const ContactScratch& s) {
     double twice = 0;
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
-        const std::int32_t body = s.island_bodies[index(k)];
-        const std::size_t id = index(s.bodies[index(body)]);
-        const BodyVelocity& v = s.velocity[index(body)];
+        const std::int32_t body = s.island_bodies[at(k)];
+        const std::size_t id = at(s.bodies[at(body)]);
+        const BodyVelocity& v = s.velocity[at(body)];
         twice += length_sq(v.linear) / bodies.inv_mass[id] + angular_energy_twice(bodies.inv_inertia[id], v.angular);
     }
     return twice / 2;
@@ -47,13 +47,12 @@ double kinetic_energy(const ContactScratch::Island& island, const ContactBodies&
 void take_back_gain(const ContactScratch::Island& island, ContactScratch& s) {
     double given = 0, from_start = 0; // J: l W l and l (u - target)
     const auto for_rows = [&](auto&& work) {
-        for (const ContactBlock& block :
-             std::span(s.blocks).subspan(index(island.first), index(island.end - island.first)))
-            for (std::int32_t r = block.first; r < block.end; ++r) work(block, s.rows[index(r)]);
+        for (const ContactBlock& block : std::span(s.blocks).subspan(at(island.first), at(island.end - island.first)))
+            for (std::int32_t r = block.first; r < block.end; ++r) work(block, s.rows[at(r)]);
     };
     for_rows([&](const ContactBlock& block, const ContactRow& row) {
         const auto velocity = [&](std::span<const BodyVelocity> of) {
-            return to_contact(row, relative_velocity(row, of[index(block.a)], of[index(block.b)]));
+            return to_contact(row, relative_velocity(row, of[at(block.a)], of[at(block.b)]));
         };
         const Vec3 start = velocity(s.start_velocity), &l = row.local.impulse;
         given += dot(l, velocity(s.velocity) - start);
@@ -66,7 +65,7 @@ void take_back_gain(const ContactScratch::Island& island, ContactScratch& s) {
         row.local.impulse = share > 0 ? share * row.local.impulse : Vec3{};
     });
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
-        const std::size_t body = index(s.island_bodies[index(k)]);
+        const std::size_t body = at(s.island_bodies[at(k)]);
         const BodyVelocity& start = s.start_velocity[body];
         BodyVelocity& v = s.velocity[body];
         if (share > 0) {

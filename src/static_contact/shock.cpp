@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/index.hpp"
 #include "static_contact/assemble.hpp"
 #include "static_contact/island_energy.hpp"
 #include "static_contact/sweep_engine.hpp"
@@ -12,8 +13,6 @@
 
 namespace flotilla {
 namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 Cone cone_of(const ContactScratch& s) { return s.packed.frictionless ? Cone::none : Cone::frozen; }
 
@@ -48,24 +47,23 @@ constexpr std::size_t kBlockGrain = 32; // body pairs of a task
 
 void restore(const ContactScratch::Island& island, ContactScratch& s) {
     for (std::int32_t k = island.first; k < island.end; ++k)
-        for (const std::int32_t body : {s.blocks[index(k)].a, s.blocks[index(k)].b})
-            s.velocity[index(body)] = s.before_shock[index(body)];
+        for (const std::int32_t body : {s.blocks[at(k)].a, s.blocks[at(k)].b})
+            s.velocity[at(body)] = s.before_shock[at(body)];
 }
 
 std::int32_t block_level(const ContactBlock& block, const ContactScratch& s) {
-    return std::max(s.level[index(block.a)], s.level[index(block.b)]);
+    return std::max(s.level[at(block.a)], s.level[at(block.b)]);
 }
 
 // Fills level_order with the island's blocks by level, in a level by colour, and those with equally many contacts together (see
 // order_pairs in assemble.cpp). Returns the number of levels.
 std::int32_t order_by_level(const ContactScratch::Island& island, ContactScratch& s) {
-    s.level_order.resize(index(island.end - island.first));
+    s.level_order.resize(at(island.end - island.first));
     std::iota(s.level_order.begin(), s.level_order.end(), island.first);
     s.level_of_block.resize(s.blocks.size());
     const auto order_by = [&](auto&& key) {
         std::int32_t top = 0;
-        for (const std::int32_t k : s.level_order)
-            top = std::max(top, s.level_of_block[index(k)] = key(s.blocks[index(k)]));
+        for (const std::int32_t k : s.level_order) top = std::max(top, s.level_of_block[at(k)] = key(s.blocks[at(k)]));
         stable_sort_by_key(s.level_of_block, top + 1, s.level_order, s.counts, s.sorted);
         return top + 1;
     };
@@ -77,22 +75,22 @@ std::int32_t order_by_level(const ContactScratch::Island& island, ContactScratch
 // Copies the blocks [first, end) of level_order, one level, with the bodies below frozen. A block with a body of infinite mass is its
 // own copy.
 void copy_level(std::int32_t first, std::int32_t end, const ContactSolveOptions& options, ContactScratch& s) {
-    const std::size_t n = index(end - first);
+    const std::size_t n = at(end - first);
     s.shock_blocks.resize(n);
     std::int32_t rows = 0;
     for (std::size_t i = 0; i < n; ++i) {
-        const ContactBlock& old = s.blocks[index(s.level_order[index(first) + i])];
-        const std::int32_t level_a = s.level[index(old.a)], level_b = s.level[index(old.b)];
+        const ContactBlock& old = s.blocks[at(s.level_order[at(first) + i])];
+        const std::int32_t level_a = s.level[at(old.a)], level_b = s.level[at(old.b)];
         ContactBlock& block = s.shock_blocks[i] = freeze(old, level_a < level_b, level_b < level_a);
         block.first = rows;
         block.parked = block.end = rows += old.end - old.first; // frozen levels move the others as they like
     }
-    s.shock_rows.resize(index(rows));
+    s.shock_rows.resize(at(rows));
     for_each(options.team, "shock rows", n, kBlockGrain, [&](std::size_t i) {
         const ContactBlock& block = s.shock_blocks[i];
-        const std::int32_t old = s.blocks[index(s.level_order[index(first) + i])].first;
+        const std::int32_t old = s.blocks[at(s.level_order[at(first) + i])].first;
         for (std::int32_t k = 0; k < block.end - block.first; ++k)
-            s.shock_rows[index(block.first + k)] = shock_row(cone_of(s), block, s.rows[index(old + k)]);
+            s.shock_rows[at(block.first + k)] = shock_row(cone_of(s), block, s.rows[at(old + k)]);
     });
 }
 
@@ -156,7 +154,7 @@ bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& opt
     const double tolerance = options.tolerance / order_by_level(island, s);
     const bool together = options.team != nullptr && is_large(island, s);
     const auto n = static_cast<std::int32_t>(s.level_order.size());
-    const auto level_of = [&](std::int32_t i) { return s.level_of_block[index(s.level_order[index(i)])]; };
+    const auto level_of = [&](std::int32_t i) { return s.level_of_block[at(s.level_order[at(i)])]; };
     for (std::int32_t first = 0, end = 0; first < n; first = end) {
         while (end < n && level_of(end) == level_of(first)) ++end;
         copy_level(first, end, options, s);
@@ -173,7 +171,7 @@ bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& opt
 bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
                      ContactScratch& scratch) {
     // Every body of an island has a path to infinite mass or none has.
-    if (scratch.level[index(scratch.blocks[index(island.first)].a)] < 0) return false;
+    if (scratch.level[at(scratch.blocks[at(island.first)].a)] < 0) return false;
     double residual = 0;
     const bool solved = solve_levels(island, options, residual, scratch);
     const auto adds_energy = [&] {

@@ -3,13 +3,9 @@
 
 #include <cmath>
 
+#include "base/index.hpp"
+
 namespace flotilla {
-namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-} // namespace
-
 std::int64_t SweepRecord::busy(std::size_t group) const {
     std::int64_t sum = 0;
     for (std::size_t k = group; k < busy_.size(); k += groups_) sum += busy_[k];
@@ -19,14 +15,14 @@ std::int64_t SweepRecord::busy(std::size_t group) const {
 void SweepEngine::move_on(int share, double m) {
     for_bodies(share, [&](std::span<const std::int32_t> bodies, double&) {
         for (const std::int32_t body : bodies) {
-            BodyVelocity &v = s_.velocity[index(body)], &before = s_.before_sweep[index(body)];
+            BodyVelocity &v = s_.velocity[at(body)], &before = s_.before_sweep[at(body)];
             const BodyVelocity x = v;
             if (m != 0) { // else nothing may be known of the sweep before
                 v.linear = x.linear + m * (x.linear - before.linear);
                 v.angular = x.angular + m * (x.angular - before.angular);
             }
             before = x;
-            s_.sweep_start[index(body)] = v;
+            s_.sweep_start[at(body)] = v;
         }
     });
 }
@@ -35,9 +31,9 @@ void SweepEngine::add_up(int share) {
     for_bodies(share, [&](std::span<const std::int32_t> bodies, double& sum) {
         double parts = 0;
         for (const std::int32_t body : bodies) {
-            const BodyVelocity &x = s_.velocity[index(body)], &y = s_.sweep_start[index(body)],
-                               &before = s_.before_sweep[index(body)];
-            const ContactScratch::Weight& w = s_.weight[index(body)];
+            const BodyVelocity &x = s_.velocity[at(body)], &y = s_.sweep_start[at(body)],
+                               &before = s_.before_sweep[at(body)];
+            const ContactScratch::Weight& w = s_.weight[at(body)];
             parts += w.linear * dot(y.linear - x.linear, x.linear - before.linear) +
                      w.angular * dot(y.angular - x.angular, x.angular - before.angular);
         }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/index.hpp"
 #include "static_contact/assemble.hpp"
 #include "static_contact/unsolved_part.hpp"
 
@@ -16,10 +17,8 @@ namespace {
 using Island = ContactScratch::Island;
 using Seen = ContactScratch::Seen;
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 std::span<const PacketGroup> groups_of(const Island& island, const ContactScratch& s) {
-    return std::span(s.groups).subspan(index(island.first_group), index(island.end_group - island.first_group));
+    return std::span(s.groups).subspan(at(island.first_group), at(island.end_group - island.first_group));
 }
 
 int width_of(const Island& island, const ContactScratch& s, int most) {
@@ -114,14 +113,13 @@ class IslandSweeps {
           options_(options),
           start_(start),
           s_(s),
-          bodies_(
-              std::span(s.island_bodies).subspan(index(island.first_body), index(island.end_body - island.first_body))),
+          bodies_(std::span(s.island_bodies).subspan(at(island.first_body), at(island.end_body - island.first_body))),
           packets_(std::span(s.packed.packets)
-                       .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
-          violated_(std::span(s.violated)
-                        .subspan(index(island.first_packet), index(island.end_packet - island.first_packet))),
+                       .subspan(at(island.first_packet), at(island.end_packet - island.first_packet))),
+          violated_(
+              std::span(s.violated).subspan(at(island.first_packet), at(island.end_packet - island.first_packet))),
           jams_(options.patience > 0 && island.rests &&
-                index(island.end - island.first) > index(tuning().pairs_of_jam) * bodies_.size()),
+                at(island.end - island.first) > at(tuning().pairs_of_jam) * bodies_.size()),
           may_use_parts_(island.rests && tuning().part_divisor > 0 && is_large(island, s)),
           course_{.progress = Progress(options, jams_)},
           sharing_(sharing),
@@ -151,7 +149,7 @@ class IslandSweeps {
                 .groups = groups_of(island_, s_),
                 .momentum = start_.momentum,
                 .bodies = bodies_,
-                .sums = std::span(s_.sums).subspan(index(island_.first_body), num_sums(bodies_.size()))};
+                .sums = std::span(s_.sums).subspan(at(island_.first_body), num_sums(bodies_.size()))};
     }
     /// See ContactTuning::load_per_tolerance.
     [[nodiscard]] double load_share() const {
@@ -181,7 +179,7 @@ class IslandSweeps {
     /// Evaluates the residual, and activates violated parked contacts.
     void evaluate(double load_share) {
         engine_.for_phases(2, [&](std::size_t phase, int share) {
-            Seen& seen = engine_.crew().seen[index(share)];
+            Seen& seen = engine_.crew().seen[at(share)];
             if (phase == 0) {
                 seen.residual = find_left(share, load_share);
                 return note_changes(share);
@@ -250,18 +248,18 @@ class IslandSweeps {
     void note_changes(int share) {
         engine_.for_bodies(share, [&](std::span<const std::int32_t> bodies, double&) {
             for (const std::int32_t body : bodies) {
-                const BodyVelocity &v = s_.velocity[index(body)], &start = s_.start_velocity[index(body)];
-                s_.change[index(body)] = {v.linear - start.linear, length(v.angular - start.angular)};
+                const BodyVelocity &v = s_.velocity[at(body)], &start = s_.start_velocity[at(body)];
+                s_.change[at(body)] = {v.linear - start.linear, length(v.angular - start.angular)};
             }
         });
     }
     /// Whether the velocities of the batch's bodies changed too little for any of its parked contacts to be violated.
     [[nodiscard]] bool parked_contacts_hold(std::size_t packet) const {
         const ContactPacket& p = packets_[packet];
-        const double reach = s_.packed.parked_reach[index(island_.first_packet) + packet];
+        const double reach = s_.packed.parked_reach[at(island_.first_packet) + packet];
         bool hold = true;
         for (std::size_t lane = 0; lane < kPacketLanes; ++lane) { // those without a pair repeat another's bodies
-            const ContactScratch::Change &a = s_.change[index(p.a[lane])], &b = s_.change[index(p.b[lane])];
+            const ContactScratch::Change &a = s_.change[at(p.a[lane])], &b = s_.change[at(p.b[lane])];
             const double least =
                 tuning().parked_room * tuning().parked_margin * options_.tolerance - reach * (a.turn + b.turn);
             hold &= least > 0 && length_sq(b.linear - a.linear) < least * least;
@@ -310,7 +308,7 @@ class IslandSweeps {
             solved && load_share() > 0 && island_.residual > std::max(island_.tolerance, options_.tolerance);
         island_.iterations += course_.sweeps();
         for (std::int32_t p = island_.first_packet; p < island_.end_packet; ++p)
-            island_.visits += course_.whole * num_contacts(s_, index(p));
+            island_.visits += course_.whole * num_contacts(s_, at(p));
         island_.part_rounds += part_rounds_;
         sharing_.record().end([&](std::size_t g) { return tasks_of(g); }, [&](std::size_t g) { return visits_of(g); });
     }
@@ -365,14 +363,14 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
     for (std::size_t body = 0; body < n; ++body) {
         if (!s.movable[body]) continue;
         s.island_bodies.push_back(static_cast<std::int32_t>(body));
-        const std::size_t id = index(s.bodies[body]);
+        const std::size_t id = at(s.bodies[body]);
         const Mat3& j = bodies.inv_inertia[id];
         const double trace = j.m[0] + j.m[4] + j.m[8];
         s.weight[body] = {1 / bodies.inv_mass[id], trace > 0 ? 3 / trace : 0.0};
     }
     stable_sort_by_key(s.island_of_body, static_cast<int>(s.islands.size()), s.island_bodies, s.counts, s.sorted);
     for (std::size_t k = 0; k < s.island_bodies.size(); ++k) {
-        Island& island = s.islands[index(s.island_of_body[index(s.island_bodies[k])])];
+        Island& island = s.islands[at(s.island_of_body[at(s.island_bodies[k])])];
         if (island.end_body == 0) island.first_body = static_cast<std::int32_t>(k);
         island.end_body = static_cast<std::int32_t>(k + 1);
     }

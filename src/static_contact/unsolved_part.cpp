@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -11,15 +13,13 @@ std::size_t most_packets(const ContactScratch::Island& island, const ContactTuni
            static_cast<std::size_t>(tuning.part_divisor);
 }
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 /// Calls work(body) for the movable bodies of the packet's pairs whose bits are set.
 template <class Work>
 void for_bodies(const ContactPacket& packet, unsigned pairs, const ContactScratch& s, Work&& work) {
-    for (std::size_t lane = 0; lane < index(packet.num_pairs); ++lane) {
+    for (std::size_t lane = 0; lane < at(packet.num_pairs); ++lane) {
         if ((pairs >> lane & 1U) == 0) continue;
         for (const std::int32_t body : {packet.a[lane], packet.b[lane]})
-            if (s.movable[index(body)] != 0) work(body);
+            if (s.movable[at(body)] != 0) work(body);
     }
 }
 
@@ -29,7 +29,7 @@ bool mark_violated(std::size_t first, std::size_t end, std::size_t most, Contact
     for (std::size_t p = first; p < end; ++p) {
         if (s.violated[p] == 0) continue;
         if (++violated > most) return false;
-        for_bodies(s.packed.packets[p], s.violated[p], s, [&](std::int32_t body) { s.part.near[index(body)] = 1; });
+        for_bodies(s.packed.packets[p], s.violated[p], s, [&](std::int32_t body) { s.part.near[at(body)] = 1; });
     }
     return true;
 }
@@ -38,9 +38,9 @@ bool mark_violated(std::size_t first, std::size_t end, std::size_t most, Contact
 
 std::int64_t num_contacts(const ContactScratch& s, std::size_t packet) {
     const ContactPacket& p = s.packed.packets[packet];
-    const std::size_t first = index(s.packed.first_block[packet]);
+    const std::size_t first = at(s.packed.first_block[packet]);
     std::int64_t contacts = 0;
-    for (std::size_t k = first; k < first + index(p.num_pairs); ++k)
+    for (std::size_t k = first; k < first + at(p.num_pairs); ++k)
         contacts += (p.woken != 0 ? s.blocks[k].end : s.blocks[k].parked) - s.blocks[k].first;
     return contacts;
 }
@@ -52,7 +52,7 @@ void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning&
     part.chosen.resize(s.bodies.size());
     part.packets.reserve(most);
     part.groups.reserve(most);
-    const std::size_t most_bodies = std::min(2 * kPacketLanes * most, index(island.end_body - island.first_body));
+    const std::size_t most_bodies = std::min(2 * kPacketLanes * most, at(island.end_body - island.first_body));
     part.bodies.reserve(most_bodies);
     part.sums.reserve(num_sums(most_bodies));
 }
@@ -60,24 +60,24 @@ void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning&
 bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew, ContactScratch& s) {
     ContactScratch::Unsolved& part = s.part;
     if (anew) part.near.assign(s.bodies.size(), 0);
-    const std::size_t first = index(island.first_packet);
-    const auto packets = std::span(s.packed.packets).subspan(first, index(island.end_packet) - first);
+    const std::size_t first = at(island.first_packet);
+    const auto packets = std::span(s.packed.packets).subspan(first, at(island.end_packet) - first);
     const std::size_t most = most_packets(island, tuning);
-    if (!mark_violated(first, index(island.end_packet), most, s)) return false;
+    if (!mark_violated(first, at(island.end_packet), most, s)) return false;
     part.packets.clear();
     part.bodies.clear();
     part.contacts = 0;
     part.chosen.assign(s.bodies.size(), 0);
     for (std::size_t p = 0; p < packets.size(); ++p) {
         bool touches = false;
-        for_bodies(packets[p], kAllPairs, s, [&](std::int32_t body) { touches |= part.near[index(body)] != 0; });
+        for_bodies(packets[p], kAllPairs, s, [&](std::int32_t body) { touches |= part.near[at(body)] != 0; });
         if (!touches || !packets[p].swept()) continue;
         if (part.packets.size() == most) return false;
         part.packets.push_back(packets[p]);
         part.contacts += num_contacts(s, first + p);
         for_bodies(packets[p], kAllPairs, s, [&](std::int32_t body) {
-            if (part.chosen[index(body)] == 0) part.bodies.push_back(body);
-            part.chosen[index(body)] = 1;
+            if (part.chosen[at(body)] == 0) part.bodies.push_back(body);
+            part.chosen[at(body)] = 1;
         });
     }
     part.groups.clear();
@@ -92,7 +92,7 @@ int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, C
     const auto end = static_cast<std::int32_t>(part.packets.size());
     SweepCrew crew = whole.crew();
     crew.shares = sweep_width_of(part.groups, end, part.packets, crew.shares); // that the part is worth
-    crew.seen = crew.seen.first(index(crew.shares));
+    crew.seen = crew.seen.first(at(crew.shares));
     crew.record_group = part_group(whole);
     crew.one_group = true;
     SweepEngine engine({whole.view({}), part.packets, end, part.groups, momentum, part.bodies, part.sums}, crew,

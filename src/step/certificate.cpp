@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "step/certificate.hpp"
 
+#include "base/index.hpp"
+
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool certified(const StepData& data, const CandidatePair& p) {
     const PairRecord* record = data.pairs.find(p.a, p.b);

@@ -4,13 +4,12 @@
 #include <tuple>
 #include <utility>
 
+#include "base/index.hpp"
 #include "state/build_model.hpp"
 #include "step/stepper.hpp"
 
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Of pairs that a body is part of.
 template <class T>

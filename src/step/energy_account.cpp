@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/index.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -13,8 +15,6 @@ constexpr double kRounding = 0x1p-44;
 /// Of a body's weight times its rest distance: what resting bodies may rise in a step without account. A million steps of it lift a body
 /// by a thousandth of its rest distance.
 constexpr double kCreep = 0x1p-30;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double kinetic_energy(const Model& model, std::size_t i, const Pose& pose, const Motion& m) {
     return 0.5 * (model.bodies[i].mass * length_sq(m.velocity) +

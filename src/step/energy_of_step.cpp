@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/index.hpp"
 #include "state/loads.hpp"
 #include "step/stepper.hpp"
 
 namespace flotilla {
-namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-} // namespace
-
 /// The step's account of energy, after stage 1.
 void Stepper::open_account() {
     energy_.start(team_, model_, state_.pose, state_.motion);

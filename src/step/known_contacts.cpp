@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How far bodies have moved since the contacts of their pairs were last searched for (contact_reuse): while that is
 // little, the features in contact are known (static_stage.cpp).
+#include "base/index.hpp"
 #include "base/rotation.hpp"
 #include "step/stepper.hpp"
 
@@ -8,8 +9,6 @@ namespace flotilla {
 namespace {
 
 constexpr std::size_t kBodyGrain = 16; // bodies of a task
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// A bound on the displacement of any point of a body along any axis, from a pose to the present one, m.
 double stray_from(const Pose& from, const BodyMotion& now) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/index.hpp"
 #include "base/rotation.hpp"
 #include "state/loads.hpp"
 
@@ -15,8 +16,6 @@ namespace {
 constexpr double kMostTurn = 1; // rad: what turns farther is not where its velocity points
 /// Of the rest distance: several times what a solve may leave undone (Settings::static_tolerance).
 constexpr double kUndone = 1.0 / 256;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 struct Reach {
     double distance = 0, angle = 0; ///< m, rad

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/index.hpp"
 #include "state/loads.hpp"
 #include "step/stepper.hpp"
 
@@ -10,8 +11,6 @@ namespace flotilla {
 namespace {
 
 constexpr std::size_t kBodyGrain = 16; // bodies of a task
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 } // namespace
 

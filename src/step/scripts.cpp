@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
+
 namespace flotilla {
 namespace {
 
 constexpr double kCatchingUp = 2;        // times the script's fastest speed
 constexpr double kFineness = 1.0 / 64.0; // of the reach: how near to it the latest place is found
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 Quat slerp(const Quat& from, const Quat& to, double t) {
     const Vec3 turn = rotation_vector(to * conjugate(from));

@@ -4,12 +4,11 @@
 #include <iterator>
 #include <tuple>
 
+#include "base/index.hpp"
 #include "step/stepper.hpp"
 
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 template <class PairOfBodies>
 bool by_bodies(const PairOfBodies& x, const PairOfBodies& y) {

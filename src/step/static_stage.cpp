@@ -7,6 +7,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "base/index.hpp"
 #include "base/rotation.hpp"
 #include "base/search.hpp"
 #include "parallel/compact.hpp"
@@ -16,8 +17,6 @@
 
 namespace flotilla {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Appends the features to `out` that were in contact in the last step, of a pair that is near enough to where they
 /// were searched for. Which pairs are is a pure function of State: their features are those of its impulses.

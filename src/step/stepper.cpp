@@ -7,6 +7,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "base/index.hpp"
 #include "collision/collisions.hpp"
 #include "state/loads.hpp"
 
@@ -22,8 +23,6 @@ constexpr int kMostHalvings = 4;
 /// accurate: 633 bodies held in 8 runs and 3 runs at rest with one round, none held and all at rest with two; four give
 /// the same.
 constexpr int kLooksAhead = 2;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// A named stretch of the step in the record of the team's tasks, where there is one.
 class RecordedSpan {
