@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Checks that every include follows the module table, that every source file carries its licence, and that the notice
-of third parties names every library that sources include.
+"""Checks that every include follows the module table, that every source file carries its licence, that lines of code and
+comments have at most 120 columns, and that the notice of third parties names every library that sources include.
 
 usage: check_sources.py [ROOT]
 Prints one line per violation, FILE:LINE: REASON. Exit code: 0 none, 1 some, 2 usage.
@@ -185,6 +185,8 @@ def check_code(root, path):
             reason = check_public_header(name, *match.groups())
         elif match:
             reason = check_include(owner, allowed, *match.groups())
+        elif len(line.rstrip("\n")) > LONGEST_LINE:
+            reason = f"a line of {len(line.rstrip())} columns, {LONGEST_LINE} are the limit"
         else:
             outside = owner != "parallel" and OPENMP_PRAGMA.search(line)
             reason = "OpenMP outside of src/parallel" if outside else None
@@ -192,6 +194,7 @@ def check_code(root, path):
             yield number, reason
 
 
+LONGEST_LINE = 120  # clang-format keeps code to it, and leaves comments as they are
 NAME_IN_NOTICE = {"nlohmann": "nlohmann/json", "tbb": "oneTBB", "png": "libpng"}  # where it is not the library's own
 OF_THE_SYSTEM = {"std", "posix", "locks", "threads", "unknown"}
 

@@ -51,6 +51,13 @@ class CheckSources(unittest.TestCase):
         code, output = self.check()
         self.assertEqual(code, 0, output)
 
+    def test_long_lines(self):
+        self.expect_refused("src/base/a.hpp", "// " + 118 * "x")
+        self.expect_accepted("src/base/a.hpp", "// " + 117 * "x")
+        self.expect_refused("include/flotilla/a.hpp", "// " + 118 * "x")
+        self.expect_accepted("include/flotilla/a.hpp", "// " + 117 * "x")
+        self.expect_accepted("tests/base/a.cpp", "// " + 118 * "x")
+
     def test_finds_a_violation_among_the_real_sources(self):
         self.copy_sources()
         self.assertEqual(self.check(), (0, ""))

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Runs a scene and keeps what energy and momentum did in it.
 //
-// Energy must not grow by itself: E after any step may exceed the lowest E so far by no more than lift, what brings bodies from where
-// they touch to their rest distance. The allowance is sum m |g| d_rest over the dynamic bodies, d_rest = size / 330 with size the
-// diameter of the bounding sphere about the centre of mass, or the scene's own rest distance. What is beyond, a rise, is stated as a
-// share of the scale: the largest of the initial kinetic energy, the largest kinetic energy so far and the range of the potential
-// energy so far. An energy that explodes is its own scale, so a share is at most about 1; `growth` says by how much.
+// Energy must not grow by itself: E after any step may exceed the lowest E so far by no more than lift, what brings
+// bodies from where they touch to their rest distance. The allowance is sum m |g| d_rest over the dynamic bodies,
+// d_rest = size / 330 with size the diameter of the bounding sphere about the centre of mass, or the scene's own rest
+// distance. What is beyond, a rise, is stated as a share of the scale: the largest of the initial kinetic energy, the
+// largest kinetic energy so far and the range of the potential energy so far. An energy that explodes is its own scale,
+// so a share is at most about 1; `growth` says by how much.
 #pragma once
 
 #include <array>
@@ -55,8 +56,8 @@ void set_text(std::array<char, N>& field, const std::string& text) {
     text.copy(field.data(), N - 1);
 }
 
-/// Runs `steps` steps on the calling thread, fewer once `max_seconds` have passed. What the World throws ends the run and is kept as
-/// its failure, as is an energy that is no number.
+/// Runs `steps` steps on the calling thread, fewer once `max_seconds` have passed. What the World throws ends the run
+/// and is kept as its failure, as is an energy that is no number.
 void record_energy(const SceneDescription& scene, std::int64_t steps, double max_seconds, EnergyRecord& record);
 
 } // namespace flotilla::survey

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// flotilla_energy_survey: does energy grow by itself, in any of many scenes? Random ones (--random N, from a seed) and scene files are
-// run for some steps each, one process per scene, so that none can end or delay the survey. See energy_record.hpp for what is
-// measured. Data goes to files and the summary to stdout; progress goes to stderr.
+// flotilla_energy_survey: does energy grow by itself, in any of many scenes? Random ones (--random N, from a seed) and
+// scene files are run for some steps each, one process per scene, so that none can end or delay the survey. See
+// energy_record.hpp for what is measured. Data goes to files and the summary to stdout; progress goes to stderr.
 #include <CLI/CLI.hpp>
 
 #include <sys/wait.h>

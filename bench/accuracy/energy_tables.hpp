@@ -17,8 +17,8 @@ inline constexpr double kMostRise = 1e-6;
 
 void write_csv(std::ostream& out, std::span<const EnergyRecord> records);
 
-/// Per group: scenes, rises, quantiles, last resorts, momentum, time. Then the worst scenes, the failures, and how often energy rises
-/// for each value of what the scenes were drawn from.
+/// Per group: scenes, rises, quantiles, last resorts, momentum, time. Then the worst scenes, the failures, and how
+/// often energy rises for each value of what the scenes were drawn from.
 void write_summary(std::ostream& out, std::span<const EnergyRecord> records);
 
 } // namespace flotilla::survey

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// flotilla_friction_survey: frictional contact problems given by their matrix (data/friction), solved by each of the library's
-// methods. How far does each get, and what does that cost? Tables go to stdout, progress to stderr.
+// flotilla_friction_survey: frictional contact problems given by their matrix (data/friction), solved by each of the
+// library's methods. How far does each get, and what does that cost? Tables go to stdout, progress to stderr.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>

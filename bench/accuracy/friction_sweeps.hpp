@@ -12,8 +12,8 @@ struct FrictionGoal {
     double residual = 0;    ///< m/s
 };
 
-/// Sweeps with the exact cone until the goal or the limit; their number. With momentum every sweep also takes a product with W
-/// for the turn of the way, and every tenth a look at the residual for its rise.
+/// Sweeps with the exact cone until the goal or the limit; their number. With momentum every sweep also takes a product
+/// with W for the turn of the way, and every tenth a look at the residual for its rise.
 int sweep_disc(FrictionProblem& problem, const FrictionGoal& goal, int limit, bool momentum);
 
 /// With the paper's pyramid and without momentum.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// flotilla_problems: the regular problems of tests/physics, as scenes, run by flotilla, and judged whoever ran them. Data goes to
-// stdout as JSON, a line each; see bench/accuracy/run.
+// flotilla_problems: the regular problems of tests/physics, as scenes, run by flotilla, and judged whoever ran them.
+// Data goes to stdout as JSON, a line each; see bench/accuracy/run.
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 

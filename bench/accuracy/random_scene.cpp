@@ -32,7 +32,8 @@ constexpr double kMinWay = 0.05; // sizes a step, of most scenes that move: with
 constexpr double kMinSpin = 1e-2, kMaxSpin = 1e4; // rad/s
 constexpr double kMaxAspect = 1e4;
 
-// Shapes, all of about unit size. No two numbers are drawn in one expression: the order of evaluation is the compiler's.
+// Shapes, all of about unit size. No two numbers are drawn in one expression: the order of evaluation is the
+// compiler's.
 
 TriangleMesh box(Draws& draws) {
     const double width = draws.uniform(0.2, 1);
@@ -246,7 +247,8 @@ Bounds bounds_of(const SceneDescription& scene) {
     return bounds;
 }
 
-/// A fixed body that holds the others: with `gap` to the nearest of them (floor, box), or half as much again as they need (bowl).
+/// A fixed body that holds the others: with `gap` to the nearest of them (floor, box), or half as much again as they
+/// need (bowl).
 void add_place(SceneDescription& scene, Draws& draws, std::string_view place) {
     if (place == "free") return;
     const Bounds bounds = bounds_of(scene);

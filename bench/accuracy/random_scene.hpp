@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Scenes drawn at random from the whole range that the solver is made for, rather than from what looks natural: sizes, masses, speeds
-// and time steps are log-uniform over decades, shapes may be needles, sheets without thickness or loose triangles.
+// Scenes drawn at random from the whole range that the solver is made for, rather than from what looks natural: sizes,
+// masses, speeds and time steps are log-uniform over decades, shapes may be needles, sheets without thickness or loose
+// triangles.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +17,8 @@ struct RandomScene {
     std::string place;      ///< what holds them: "free", "floor", "box", "bowl"
 };
 
-/// Scene `index` of the series `seed`, a pure function of both on one system (the logarithms are libm's). Throws InputError should no
-/// free place be found for a body.
+/// Scene `index` of the series `seed`, a pure function of both on one system (the logarithms are libm's). Throws
+/// InputError should no free place be found for a body.
 [[nodiscard]] RandomScene make_random_scene(std::uint64_t seed, std::uint64_t index);
 
 } // namespace flotilla::survey

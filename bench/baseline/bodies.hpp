@@ -53,7 +53,8 @@ void advance(const Solid& solid, Body& body, double dt);
     return body.velocity + cross(body.angular_velocity, arm);
 }
 
-/// A sample of one body inside another: place, depth > 0, and the unit normal from the second body of the pair to the first.
+/// A sample of one body inside another: place, depth > 0, and the unit normal from the second body of the pair to the
+/// first.
 struct Interference {
     double depth = 0; ///< m
     Vec3 place;       ///< m, world

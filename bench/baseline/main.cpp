@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // flotilla_baseline: a scene simulated by reference [15] of the paper, to set its figures 2 and 14 side by side:
 //   E. Guendelman, R. Bridson, R. Fedkiw, "Nonconvex rigid bodies with stacking", ACM Trans. Graph. 22 (3), 2003.
-// It shares with flotilla the scene reader and the mass properties, nothing of the solver. Not implemented: rolling and spinning
-// friction (section 7), kinematic bodies. `flotilla verify SCENE --poses FILE` judges what it writes.
+// It shares with flotilla the scene reader and the mass properties, nothing of the solver. Not implemented: rolling and
+// spinning friction (section 7), kinematic bodies. `flotilla verify SCENE --poses FILE` judges what it writes.
 #include <CLI/CLI.hpp>
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A body's geometry as reference [15] of the paper has it (Guendelman, Bridson, Fedkiw 2003, "Nonconvex rigid bodies with
-// stacking", section 3): points on the surface, and a signed distance. Theirs is sampled on a grid; this one is measured to the
-// mesh itself, so it has no error of a grid: the choice in favour of the method.
+// A body's geometry as reference [15] of the paper has it (Guendelman, Bridson, Fedkiw 2003, "Nonconvex rigid bodies
+// with stacking", section 3): points on the surface, and a signed distance. Theirs is sampled on a grid; this one is
+// measured to the mesh itself, so it has no error of a grid: the choice in favour of the method.
 #pragma once
 
 #include <vector>
@@ -36,10 +36,12 @@ struct Solid {
     Mat3 inertia, inverse_inertia; ///< kg m^2 about the centre of mass, mesh axes, and its inverse
 };
 
-/// `samples_across`: points along the diagonal of the bounding box; 0 for vertices alone. `thickness` is used for open meshes.
+/// `samples_across`: points along the diagonal of the bounding box; 0 for vertices alone. `thickness` is used for open
+/// meshes.
 [[nodiscard]] Solid make_solid(const ShapeDescription& shape, int samples_across, double thickness);
 
-/// Depth of a point (in the solid's axes, from its centre); depth <= 0 outside. Brute force over all triangles behind a box test.
+/// Depth of a point (in the solid's axes, from its centre); depth <= 0 outside. Brute force over all triangles behind a
+/// box test.
 [[nodiscard]] Depth depth_at(const Solid& solid, const Vec3& point);
 
 /// Inverse of a symmetric positive definite matrix.

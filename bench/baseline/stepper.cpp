@@ -14,9 +14,9 @@ namespace {
 
 using Pair = std::pair<std::size_t, std::size_t>;
 
-/// Solves one pair: interferences at the predicted poses, an impulse at the deepest point that does not separate, the bodies
-/// evolved anew from the start of the step, and so on (sections 5 and 6). `extra`: m/s, gravity's part of the prediction where
-/// the velocities do not have it yet. Returns whether any impulse was applied.
+/// Solves one pair: interferences at the predicted poses, an impulse at the deepest point that does not separate, the
+/// bodies evolved anew from the start of the step, and so on (sections 5 and 6). `extra`: m/s, gravity's part of the
+/// prediction where the velocities do not have it yet. Returns whether any impulse was applied.
 class PairSolver {
   public:
     PairSolver(Bodies& bodies, double dt, int iterations)
@@ -51,8 +51,8 @@ class PairSolver {
     }
 
   private:
-    /// Nothing was to be done for this pair, and neither body has changed since: there is nothing to be done now, whatever the
-    /// restitution.
+    /// Nothing was to be done for this pair, and neither body has changed since: there is nothing to be done now,
+    /// whatever the restitution.
     [[nodiscard]] bool is_settled(const Pair& pair) const {
         const auto found = settled_.find(pair);
         return found != settled_.end() && found->second == std::pair{changes_[pair.first], changes_[pair.second]};
@@ -86,7 +86,8 @@ std::vector<Pair> movable_pairs(const Bodies& bodies) {
     return pairs;
 }
 
-/// Section 5. Interferences are those of x + dt (v + dt g), but the impulses act on v: a body at rest has none to bounce with.
+/// Section 5. Interferences are those of x + dt (v + dt g), but the impulses act on v: a body at rest has none to
+/// bounce with.
 void collide(Bodies& bodies, PairSolver& solver, const std::vector<Pair>& pairs, double dt, int sweeps) {
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         bool any = false;
@@ -128,8 +129,8 @@ void contact(PairSolver& solver, const std::vector<std::vector<Pair>>& by_level,
 
 void freeze(Body& body) { body.inverse_mass = 0, body.inverse_inertia = {}; }
 
-/// Section 6.2: a last sweep from the bottom up; each finished level gets infinite mass for the levels above. The masses come
-/// back when the positions are advanced.
+/// Section 6.2: a last sweep from the bottom up; each finished level gets infinite mass for the levels above. The
+/// masses come back when the positions are advanced.
 void propagate_shock(Bodies& bodies, PairSolver& solver, const std::vector<std::vector<Pair>>& by_level,
                      const std::vector<int>& level, int level_sweeps) {
     for (std::size_t l = 0; l < by_level.size(); ++l) {

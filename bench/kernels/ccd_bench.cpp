@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Continuous collision detection, one row per kind of query, situation and instruction set, and the one-shot certificate.
-// Features are 0.3 m or so across, placed and turned at random within 2 m of the origin; both take part in a common motion of 0.4 m.
+// Continuous collision detection, one row per kind of query, situation and instruction set, and the one-shot
+// certificate. Features are 0.3 m or so across, placed and turned at random within 2 m of the origin; both take part in
+// a common motion of 0.4 m.
 //   far      0.5 m apart, sliding and approaching by 0.1 m                             certified miss
 //   near     5 mm apart, sliding by 10 mm, approaching to 1 mm; separation 0.2 mm      certified miss at a small gap
 //   resting  10 mm apart (the rest distance), moving by 10 um; separation 0.2 mm       certified miss
 //   hitting  from 0.1 m on one side to 0.1 m on the other                              hit
-// Counters: per_query, CPU time; advances, the mean number of iterations of a query; flops per query, counted by running the kernel on a
-// pack that counts (counting_pack.hpp); of_peak, the share of this core's arithmetic limit (arithmetic_peak.hpp) that these
-// operations reach. The limit takes a division for as cheap as an addition, and knows no selections or loads.
-// Before anything is timed every query must end as its class says and with the bits of the scalar code.
+// Counters: per_query, CPU time; advances, the mean number of iterations of a query; flops per query, counted by
+// running the kernel on a pack that counts (counting_pack.hpp); of_peak, the share of this core's arithmetic limit
+// (arithmetic_peak.hpp) that these operations reach. The limit takes a division for as cheap as an addition, and knows
+// no selections or loads. Before anything is timed every query must end as its class says and with the bits of the
+// scalar code.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -95,7 +97,8 @@ bool same_bits(const CcdResult& a, const CcdResult& b) {
            bits(a.direction.z) == bits(b.direction.z);
 }
 
-/// Whether the answers are those of the class, and the scalar ones. A hit's time must come before contact, at half the step.
+/// Whether the answers are those of the class, and the scalar ones. A hit's time must come before contact, at half the
+/// step.
 bool verified(CcdKind kind, const std::vector<CcdQuery>& queries, const std::vector<CcdResult>& results, bool hit) {
     for (std::size_t i = 0; i < queries.size(); ++i) {
         const CcdResult& r = results[i];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Closest features and the segment-triangle test; the counter per_pair is the CPU time of one pair. Features are 0.1 to 1 m across
-// and placed at random.
+// Closest features and the segment-triangle test; the counter per_pair is the CPU time of one pair. Features are 0.1 to
+// 1 m across and placed at random.
 //   vertex_triangle, edge_edge     apart by a distance known by construction
 //   triangle_triangle/apart        one above the other, 10 mm apart: all 6 + 9 feature pairs and 6 segment tests
 //   triangle_triangle/crossing     an edge of one through the other

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A pack of one lane that counts: running a kernel on it tells how many floating-point operations the kernel needs for a
-// query. Counted, one each: additions, subtractions, multiplications, divisions, square roots, comparisons, minima and
-// maxima. Not counted: operations on bits (absolute value, sign, selection, masks), loads, stores, transposition.
+// A pack of one lane that counts: running a kernel on it tells how many floating-point operations the kernel needs for
+// a query. Counted, one each: additions, subtractions, multiplications, divisions, square roots, comparisons, minima
+// and maxima. Not counted: operations on bits (absolute value, sign, selection, masks), loads, stores, transposition.
 #pragma once
 
 #include "geometry/pack_scalar.hpp"

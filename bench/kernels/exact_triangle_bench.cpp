@@ -7,8 +7,8 @@
 //   Touching   a corner exactly in the other triangle                     one exact zero
 //   Coplanar   both in one oblique plane                                  exact zeros, then orient2d
 //   Wide       Touching scaled by 2^-900                                  the integer fallback
-// Arithmetic of Near, the common case of resting contact: 2 planes of 18 and 6 sides of 18 additions and multiplications,
-// 144 in all besides comparisons, about 36 cycles for a core that retires four scalar ones per cycle.
+// Arithmetic of Near, the common case of resting contact: 2 planes of 18 and 6 sides of 18 additions and
+// multiplications, 144 in all besides comparisons, about 36 cycles for a core that retires four scalar ones per cycle.
 // The answer of every pair is known by construction and checked before anything is timed.
 #include <array>
 #include <cstdint>

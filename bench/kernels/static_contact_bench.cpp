@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The contact solver on brick walls: bricks of 1 x 1 x 0.5 m in layers of n x n, shifted by half a brick from layer to
 // layer, so that a brick rests on up to four others with four contact points each, all with friction.
-//   Sweep      projected Gauss-Seidel, random tangents and pyramid; the counter per_visit_ns is one contact with its 3 rows
+//   Sweep      projected Gauss-Seidel, random tangents and pyramid; the counter per_visit_ns is one contact with its 3
+//              rows
 //   SweepScalar  the same without vectors, for the same bits
 //   SweepDisc  the same with aligned tangents and the friction disc
 //   Assemble   set-up alone (order, islands, colours, rows): per_contact_ns

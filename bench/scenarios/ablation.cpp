@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// flotilla_ablation: what every constant of static contact is worth (src/static_contact/contact_tuning.hpp). A scene runs with all of them
-// as they are and once for every row of the table, with one rule left out or one constant changed. All runs go on side by side, a step
-// of each in turn, several times; of a step's times the least counts. One line of CSV per row and step goes to stdout.
+// flotilla_ablation: what every constant of static contact is worth (src/static_contact/contact_tuning.hpp). A scene
+// runs with all of them as they are and once for every row of the table, with one rule left out or one constant
+// changed. All runs go on side by side, a step of each in turn, several times; of a step's times the least counts. One
+// line of CSV per row and step goes to stdout.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>

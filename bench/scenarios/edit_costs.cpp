@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// flotilla_edit_costs SCENE: what an edit of a World costs, beside a step. The World first makes the given number of steps; then, again and
-// again, it is edited, makes a step, and is put back. Medians of CPU time go to stdout, one line of CSV for each kind of edit: that of the edit
-// itself, and by how much the step after it is longer than one without.
+// flotilla_edit_costs SCENE: what an edit of a World costs, beside a step. The World first makes the given number of
+// steps; then, again and again, it is edited, makes a step, and is put back. Medians of CPU time go to stdout, one line
+// of CSV for each kind of edit: that of the edit itself, and by how much the step after it is longer than one without.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>

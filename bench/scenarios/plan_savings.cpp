@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// flotilla_plan_savings: what each saving of `flotilla plan` is worth in a scene. Runs with all of them and with one switched off go on
-// side by side, a step of each in turn, several times; of a step's CPU times the least counts. One line of CSV per saving goes to stdout.
+// flotilla_plan_savings: what each saving of `flotilla plan` is worth in a scene. Runs with all of them and with one
+// switched off go on side by side, a step of each in turn, several times; of a step's CPU times the least counts. One
+// line of CSV per saving goes to stdout.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -61,7 +62,8 @@ struct Run {
 
 double cpu_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// All from one state, so that nothing but the saving differs; savings that change results go on from it in their own way.
+/// All from one state, so that nothing but the saving differs; savings that change results go on from it in their own
+/// way.
 void measure(const State& start, int steps, int repetitions, std::vector<Run>& runs) {
     for (int repetition = 0; repetition < repetitions; ++repetition) {
         for (Run& run : runs) {

@@ -11,8 +11,8 @@ namespace flotilla {
 
 struct CcdFileOptions {
     CcdMethod method = CcdMethod::conservative;
-    /// m, finite, >= 0: features within this distance at any time of the step are to be reported. The cubic uses it as its
-    /// tolerance, or 1e-4 where it is 0.
+    /// m, finite, >= 0: features within this distance at any time of the step are to be reported. The cubic uses it as
+    /// its tolerance, or 1e-4 where it is 0.
     double separation = 0;
 };
 
@@ -27,9 +27,10 @@ struct CcdFileReport {
     double ns_per_query = 0; ///< wall time of whole passes over the file, one thread; median of at least 5
 };
 
-/// Reads a file (CSV or BIN), runs every query with the widest instruction set at hand and compares. Minimum distances are
-/// bounded by branch and bound in time, independent of the methods under test; a row whose bounds cannot decide counts
-/// neither as missed nor as false. Throws InputError (bad file or option) and IoError (file that cannot be read).
+/// Reads a file (CSV or BIN), runs every query with the widest instruction set at hand and compares. Minimum distances
+/// are bounded by branch and bound in time, independent of the methods under test; a row whose bounds cannot decide
+/// counts neither as missed nor as false. Throws InputError (bad file or option) and IoError (file that cannot be
+/// read).
 [[nodiscard]] CcdFileReport evaluate_ccd_file(const std::filesystem::path& path, const CcdFileOptions& options = {});
 
 } // namespace flotilla

@@ -22,8 +22,8 @@ struct DifferentStep {
     double time = 0;                    ///< s
     bool state = false;                 ///< the state hashes differ
     std::vector<ComparedValue> columns; ///< those that differ, state_hash included, in the order of the file
-    /// The earliest stage that a counter of this step speaks of, and those counters; empty where only the state differs. A stage before
-    /// it may differ too: a counter is no hash.
+    /// The earliest stage that a counter of this step speaks of, and those counters; empty where only the state
+    /// differs. A stage before it may differ too: a counter is no hash.
     std::string stage;
 };
 
@@ -49,7 +49,8 @@ struct DifferentFrame {
 };
 
 struct CompareReport {
-    /// What the bits of a run depend on (scene and settings), and the rest of the record (machine, threads, version, ...).
+    /// What the bits of a run depend on (scene and settings), and the rest of the record (machine, threads, version,
+    /// ...).
     std::vector<ComparedValue> inputs, record;
     bool same_bodies = true; ///< number, names, types and meshes; frames are compared only then
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Changes of a World between steps, as values: what World::apply() takes, what a World records, and what a file of edits holds.
+// Changes of a World between steps, as values: what World::apply() takes, what a World records, and what a file of
+// edits holds.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +12,8 @@
 
 namespace flotilla {
 
-/// A body of a World. The place of a removed body is given to the next one that comes, with another generation: an id that outlives its
-/// body is refused, never mistaken.
+/// A body of a World. The place of a removed body is given to the next one that comes, with another generation: an id
+/// that outlives its body is refused, never mistaken.
 struct BodyId {
     std::int32_t index = -1;
     std::uint32_t generation = 0;

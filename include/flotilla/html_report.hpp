@@ -29,8 +29,9 @@ struct HtmlReport {
     std::optional<VerifyReport> verification;  ///< where it was asked for
 };
 
-/// Writes `output`; an existing file is replaced once the new one is complete. What can be read of a damaged run is shown.
-/// IoError where `folder` is no run folder or the file cannot be written; InputError where options are out of range.
+/// Writes `output`; an existing file is replaced once the new one is complete. What can be read of a damaged run is
+/// shown. IoError where `folder` is no run folder or the file cannot be written; InputError where options are out of
+/// range.
 HtmlReport write_html_report(const std::filesystem::path& folder, const std::filesystem::path& output,
                              const HtmlReportOptions& options = {});
 

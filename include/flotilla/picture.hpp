@@ -33,8 +33,8 @@ struct PictureReport {
     std::size_t bodies = 0;
 };
 
-/// Writes a PNG of frame `frame` (default: the last one) of a run folder, or of the initial state of a scene file. The same
-/// input gives the same bytes. Throws InputError (bad options, scene or frame number) and IoError.
+/// Writes a PNG of frame `frame` (default: the last one) of a run folder, or of the initial state of a scene file. The
+/// same input gives the same bytes. Throws InputError (bad options, scene or frame number) and IoError.
 PictureReport write_picture(const std::filesystem::path& source, const std::filesystem::path& output,
                             const PictureOptions& options = {}, std::optional<std::int64_t> frame = {});
 

@@ -14,8 +14,9 @@ struct PlanLine {
     std::string text;  ///< one line, SI units
 };
 
-/// Derived from the scene, with a line `saved` for each thing that it does not need and that steps leave out; of its steps those are run in
-/// which nothing touches yet, 240 at most. Throws InputError with every problem of an invalid scene; `source` starts each line.
+/// Derived from the scene, with a line `saved` for each thing that it does not need and that steps leave out; of its
+/// steps those are run in which nothing touches yet, 240 at most. Throws InputError with every problem of an invalid
+/// scene; `source` starts each line.
 [[nodiscard]] std::vector<PlanLine> plan_scene(const SceneDescription& scene, const std::string& source = "scene");
 
 } // namespace flotilla

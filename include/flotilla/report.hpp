@@ -11,8 +11,8 @@
 
 namespace flotilla {
 
-/// The timed parts of a step, in the order in which it runs them. `detection` and the three after it split the same time
-/// another way (the paper's figure 17), so they are not part of the sum.
+/// The timed parts of a step, in the order in which it runs them. `detection` and the three after it split the same
+/// time another way (the paper's figure 17), so they are not part of the sum.
 enum class Phase : std::uint8_t {
     collisions,          ///< stage 1
     half_velocity,       ///< stage 2
@@ -40,19 +40,20 @@ enum StepWarning : std::uint32_t {
     kCollisionLimit = 1u << 0,
     /// dynamic_iterations ended Algorithm 2: the failsafe had to finish.
     kDynamicLimit = 1u << 1,
-    /// A contact solve ended above its tolerance (of fast bodies: and above the rounding of its normals): at static_iterations, or as
-    /// more sweeps gained nothing.
+    /// A contact solve ended above its tolerance (of fast bodies: and above the rounding of its normals): at
+    /// static_iterations, or as more sweeps gained nothing.
     kStaticLimit = 1u << 2,
     /// A scripted body was held for this step, as bodies were in its way (unsatisfiable_script).
     kScriptDelayed = 1u << 3,
     /// A body that the failsafe held lost a rebound of stage 1.
     kReboundLost = 1u << 4,
-    /// A contact solve ended above its tolerance, but only by what loaded contacts of resting jams are allowed: up to ten times it.
+    /// A contact solve ended above its tolerance, but only by what loaded contacts of resting jams are allowed: up to
+    /// ten times it.
     kStaticLetOff = 1u << 5,
 };
 
-/// A step that is made of inner ones (Settings::substeps) reports their times and counts together, of residual, smallest distance, clusters
-/// and held bodies the worst of them, and of the rest what the last one left.
+/// A step that is made of inner ones (Settings::substeps) reports their times and counts together, of residual,
+/// smallest distance, clusters and held bodies the worst of them, and of the rest what the last one left.
 struct StepReport {
     std::int64_t step = 0; ///< 1 after the first step
     double time = 0;       ///< s, at the end of the step
@@ -89,8 +90,8 @@ struct StepReport {
     double energy_removed = 0;           ///< J, taken from them
     double lift = 0;                     ///< J, of all bodies, written down at the end of the step
 
-    // Pruning at the end poses (section 4.3.1): of the feature pairs within the proximity distance, those that are no contact
-    // points, by the first rule that left them out.
+    // Pruning at the end poses (section 4.3.1): of the feature pairs within the proximity distance, those that are no
+    // contact points, by the first rule that left them out.
     std::int64_t proximities = 0; ///< feature pairs within the proximity distance, of pairs searched (contact_reuse)
     std::int64_t pruned_end_points = 0;     ///< ends of edges, which repeat a vertex and a face
     std::int64_t pruned_same_direction = 0; ///< farther faces of the same vertex in the same direction
@@ -111,11 +112,12 @@ enum class ClusterState : std::uint8_t {
 
 /// What a step did with one body. The same at any number of threads, and in a resumed run.
 struct BodyActivity {
-    /// Contact points with other bodies at the end poses, nearer than the proximity distance; of sleeping bodies as well.
+    /// Contact points with other bodies at the end poses, nearer than the proximity distance; of sleeping bodies as
+    /// well.
     std::int64_t contacts = 0;
     ClusterState cluster = ClusterState::free;
-    /// How often the step set the body's end state: 0 for bodies that rest or have infinite mass, 2 for one that nothing touched; the
-    /// more, the more work it was.
+    /// How often the step set the body's end state: 0 for bodies that rest or have infinite mass, 2 for one that
+    /// nothing touched; the more, the more work it was.
     std::int64_t cost = 0;
 };
 
@@ -125,11 +127,11 @@ struct ContactState {
     Vec3 point;                          ///< m, world
     Vec3 normal;                         ///< unit, from a to b
     double distance = 0;                 ///< m
-    /// On b, N s, world; of the last step's stage 7, zero where that left the contact out. a got its opposite. With substeps that of the
-    /// last inner one times their number: divided by the time step, it is the force.
+    /// On b, N s, world; of the last step's stage 7, zero where that left the contact out. a got its opposite. With
+    /// substeps that of the last inner one times their number: divided by the time step, it is the force.
     Vec3 impulse;
-    /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse is that of the step
-    /// in which the island fell asleep.
+    /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse
+    /// is that of the step in which the island fell asleep.
     bool asleep = false;
     friend bool operator==(const ContactState&, const ContactState&) = default;
 };

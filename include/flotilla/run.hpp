@@ -32,18 +32,20 @@ struct RunOptions {
     WorldOptions world; ///< threads and their use
     std::vector<std::string> command_line;
     std::string scene_json; ///< the scene file's text, for the record
-    /// Where the executed tasks are recorded (flotilla/trace.hpp reads it); empty: nowhere. Written when the run ends, compressed where
-    /// the name ends with .gz.
+    /// Where the executed tasks are recorded (flotilla/trace.hpp reads it); empty: nowhere. Written when the run ends,
+    /// compressed where the name ends with .gz.
     std::filesystem::path trace;
     int trace_every = 1; ///< steps per recorded step; a step of many bodies in impact has 100,000 tasks of 30 bytes
-    /// Where the contact points of every step and their impulses are written as CSV (io/contacts_csv.hpp); empty: nowhere. There when the
-    /// run ends, compressed where the name ends with .gz. A resumed run has the contacts from there on.
+    /// Where the contact points of every step and their impulses are written as CSV (io/contacts_csv.hpp); empty:
+    /// nowhere. There when the run ends, compressed where the name ends with .gz. A resumed run has the contacts from
+    /// there on.
     std::filesystem::path contacts;
-    /// Made on the way, sorted by step: each after so many steps. What is refused ends the run with InputError or OverlapError, once what
-    /// came before is written with a checkpoint. A resumed run needs the same.
+    /// Made on the way, sorted by step: each after so many steps. What is refused ends the run with InputError or
+    /// OverlapError, once what came before is written with a checkpoint. A resumed run needs the same.
     std::vector<Edit> edits;
-    /// Called after every step; returning false ends the run early. Where there is a folder, the run can then be resumed. What this or
-    /// another callback throws comes out of run_scene as it is, and leaves the folder like a run that was killed: whole, to be resumed.
+    /// Called after every step; returning false ends the run early. Where there is a folder, the run can then be
+    /// resumed. What this or another callback throws comes out of run_scene as it is, and leaves the folder like a run
+    /// that was killed: whole, to be resumed.
     std::function<bool(const StepReport&)> after_step;
     /// Called with what was done, before run_scene throws ScriptError; may be empty.
     std::function<void(const RunTotals&)> blocked;
@@ -71,8 +73,8 @@ struct RunTotals {
     std::vector<ThreadReport> threads;
 };
 
-/// Simulates `scene`; `source` names it in messages. Throws InputError, OverlapError, BrokenPromise, IoError or, once the
-/// steps before are written with a checkpoint, ScriptError; what was written before stays readable.
+/// Simulates `scene`; `source` names it in messages. Throws InputError, OverlapError, BrokenPromise, IoError or, once
+/// the steps before are written with a checkpoint, ScriptError; what was written before stays readable.
 [[nodiscard]] RunTotals run_scene(const SceneDescription& scene, const std::string& source, const RunOptions& options);
 
 } // namespace flotilla

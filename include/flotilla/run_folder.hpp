@@ -47,14 +47,14 @@ struct RunFrames {
     std::vector<BodyActivity> activity; ///< of the steps that ended there; empty where a frame of the range has none
 };
 
-/// Reads frames of a run, also of one that goes on; 13 doubles and an activity for every body and frame. InputError where the run has no
-/// frame of the range, IoError where one cannot be read.
+/// Reads frames of a run, also of one that goes on; 13 doubles and an activity for every body and frame. InputError
+/// where the run has no frame of the range, IoError where one cannot be read.
 [[nodiscard]] RunFrames read_frames(const std::filesystem::path& folder, const FrameRange& range = {});
 
 /// Writes a CSV to a stream. InputError where the run has no frame of the range.
 void export_csv(const std::filesystem::path& folder, std::ostream& out, const FrameRange& range = {});
-/// Writes `output`: a file for csv, glb and usd, a folder for vtp and obj. Existing files are replaced. InputError where the run has no
-/// frame of the range, IoError where something cannot be read or written.
+/// Writes `output`: a file for csv, glb and usd, a folder for vtp and obj. Existing files are replaced. InputError
+/// where the run has no frame of the range, IoError where something cannot be read or written.
 void export_run(const std::filesystem::path& folder, ExportFormat format, const std::filesystem::path& output,
                 const FrameRange& range = {});
 

@@ -21,9 +21,10 @@ enum class MassKind : std::uint8_t {
     line_density,    ///< kg/m, segments alone
 };
 
-/// One mesh, shared by all its bodies. Segments and points may be among its triangles, or all there is (segment_element(),
-/// point_element()): nets, rods, clouds. They hold other bodies off as any other edge or vertex does; two points, or a point and a
-/// segment, never meet but by chance, and may pass each other at less than the rest distance unnoticed. Vertices are in the mesh's own coordinates, already multiplied by `scale`.
+/// One mesh, shared by all its bodies. Segments and points may be among its triangles, or all there is
+/// (segment_element(), point_element()): nets, rods, clouds. They hold other bodies off as any other edge or vertex
+/// does; two points, or a point and a segment, never meet but by chance, and may pass each other at less than the rest
+/// distance unnoticed. Vertices are in the mesh's own coordinates, already multiplied by `scale`.
 struct ShapeDescription {
     std::string name;
     std::string mesh_path; ///< as written in the scene file; empty for an inline mesh
@@ -56,8 +57,8 @@ struct BodyDescription {
     double friction = 0.1;
     double restitution = 0.1;
     std::vector<Keyframe> keyframes; ///< kinematic bodies, times strictly increasing
-    /// Dynamic bodies: world axes x, y, z along which the centre of mass never moves, and about which the body never turns. Whatever pushes
-    /// that way is carried by the world. The velocities at the start have no part there.
+    /// Dynamic bodies: world axes x, y, z along which the centre of mass never moves, and about which the body never
+    /// turns. Whatever pushes that way is carried by the world. The velocities at the start have no part there.
     std::array<bool, 3> locked_translation{};
     std::array<bool, 3> locked_rotation{};
     Vec3 force;        ///< N, constant, at the centre of mass of a dynamic body, world axes
@@ -76,8 +77,8 @@ struct SceneDescription {
     Settings settings;
     std::vector<ShapeDescription> shapes;
     std::vector<BodyDescription> bodies;
-    /// What may pass through each other, and intersect at the start: bodies of two groups, or of one where both names are the same; and
-    /// pairs of bodies. Nothing is promised of them.
+    /// What may pass through each other, and intersect at the start: bodies of two groups, or of one where both names
+    /// are the same; and pairs of bodies. Nothing is promised of them.
     std::vector<NamedPair> ignored_groups, ignored_bodies;
 };
 

@@ -35,15 +35,16 @@ struct SceneCheck {
     std::int64_t triangles = 0;     ///< of all bodies
     double mass = 0;                ///< kg, of the dynamic bodies
     std::vector<std::string> warnings;
-    /// The scene cannot start with these. With `initial_overlap: separate` they are listed only where no moves free all bodies.
+    /// The scene cannot start with these. With `initial_overlap: separate` they are listed only where no moves free all
+    /// bodies.
     std::vector<InitialIntersection> intersections;
     std::vector<InitialRepair> repairs; ///< with `initial_overlap: separate`: the moves that free all bodies
     /// Between bodies of infinite mass (static, kinematic): allowed, nothing keeps them apart.
     std::vector<InitialIntersection> ignored_intersections;
 };
 
-/// Validates a scene and looks for bodies that intersect at t = 0, exactly. Throws InputError with every problem of an invalid
-/// scene; `source` starts each line.
+/// Validates a scene and looks for bodies that intersect at t = 0, exactly. Throws InputError with every problem of an
+/// invalid scene; `source` starts each line.
 [[nodiscard]] SceneCheck check_scene(const SceneDescription& scene, const std::string& source = "scene");
 
 /// Writes the triangles of `intersections` as an OBJ file, one group per pair and body. Throws IoError.

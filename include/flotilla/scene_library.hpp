@@ -20,8 +20,9 @@ struct LibraryScene {
 /// Every scene that make_scene knows.
 [[nodiscard]] std::vector<LibraryScene> list_scenes();
 
-/// Makes a scene of `bodies` bodies in all (0: its default number). A pure function of its arguments, the same bits on every
-/// machine; no two bodies of it intersect, whatever the seed. Throws InputError for an unknown name or a number out of range.
+/// Makes a scene of `bodies` bodies in all (0: its default number). A pure function of its arguments, the same bits on
+/// every machine; no two bodies of it intersect, whatever the seed. Throws InputError for an unknown name or a number
+/// out of range.
 [[nodiscard]] SceneDescription make_scene(std::string_view name, int bodies = 0, std::uint64_t seed = 0);
 
 } // namespace flotilla

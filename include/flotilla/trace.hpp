@@ -9,8 +9,8 @@
 
 namespace flotilla {
 
-/// How the cost of bringing threads together grows beyond the widest measured team: as log2 of the width (signals passed on as a tree),
-/// or with the width (one after the other).
+/// How the cost of bringing threads together grows beyond the widest measured team: as log2 of the width (signals
+/// passed on as a tree), or with the width (one after the other).
 enum class CostGrowth { log2, linear };
 
 struct TraceOptions {
@@ -52,8 +52,8 @@ struct TraceReport {
     int trace_every = 1;         ///< steps per recorded step
     double wall_seconds = 0;     ///< of the recorded steps; least of all recordings
     double cpu_seconds = 0;      ///< of the process in them; least of all recordings
-    double covered =
-        0; ///< tasks and serial stretches as a share of cpu_seconds; above 1 where others had the core; least of all recordings
+    double covered = 0; ///< tasks and serial stretches as a share of cpu_seconds; above 1 where others had the core;
+                        ///< least of all recordings
     std::vector<int> cores;
     std::vector<TraceCosts> costs; ///< by `cores`
     int measured_cores = 1;        ///< costs of more follow CostGrowth; 1: none was measured, all are assumed
@@ -65,10 +65,10 @@ struct TraceReport {
 /// Below this share the record misses too much of the run for its numbers to stand for it.
 inline constexpr double kTraceCoverage = 0.95;
 
-/// Reads files of `flotilla run --trace` and builds greedy schedules (a core that becomes free takes the lowest task that is ready) for
-/// each number of cores. Several files must be recordings of the same run on one thread: of each task the shortest time
-/// counts, so that what other work on the machine took from one of them drops out. Throws InputError (content, options) and IoError
-/// (file that cannot be read).
+/// Reads files of `flotilla run --trace` and builds greedy schedules (a core that becomes free takes the lowest task
+/// that is ready) for each number of cores. Several files must be recordings of the same run on one thread: of each
+/// task the shortest time counts, so that what other work on the machine took from one of them drops out. Throws
+/// InputError (content, options) and IoError (file that cannot be read).
 [[nodiscard]] TraceReport analyze_trace(const std::vector<std::filesystem::path>& files,
                                         const TraceOptions& options = {});
 

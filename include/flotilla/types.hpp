@@ -26,8 +26,8 @@ struct Mat3 {
     friend constexpr bool operator==(const Mat3&, const Mat3&) = default;
 };
 
-/// Where a body is. World vertices are computed from `origin`, the place of the mesh's own origin; `com` is the centre of mass. Neither
-/// is rebuilt from the other.
+/// Where a body is. World vertices are computed from `origin`, the place of the mesh's own origin; `com` is the centre
+/// of mass. Neither is rebuilt from the other.
 struct Pose {
     Vec3 com;      ///< m
     Quat rotation; ///< unit; mesh axes to world
@@ -37,9 +37,8 @@ struct Pose {
 
 struct Motion {
     Vec3 velocity; ///< of the centre of mass, m/s
-    Vec3
-        momentum; ///< angular, about the centre of mass, kg m^2/s; of static and kinematic bodies the angular velocity, rad/s;
-                  ///< zero about locked axes
+    Vec3 momentum; ///< angular, about the centre of mass, kg m^2/s; of static and kinematic bodies the angular
+                   ///< velocity, rad/s; zero about locked axes
 };
 
 /// Vertex indices of a triangle; of a segment, where one is there twice; of a point, where all are the same.

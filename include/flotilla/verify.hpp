@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Independent proof that a recorded trajectory is free of intersections: every frame with exact predicates, and the motion
-// between successive frames.
+// Independent proof that a recorded trajectory is free of intersections: every frame with exact predicates, and the
+// motion between successive frames.
 #pragma once
 
 #include <cstdint>
@@ -75,12 +75,13 @@ struct VerifyReport {
     [[nodiscard]] bool proved() const { return intersecting_pairs + crossing_pairs + unproved_pairs + bad_poses == 0; }
 };
 
-/// Checks a run folder along the paths that it records, inner step by inner step where its steps have some. IoError where it is no run folder; damaged segments are listed in
-/// the report and the rest is checked.
+/// Checks a run folder along the paths that it records, inner step by inner step where its steps have some. IoError
+/// where it is no run folder; damaged segments are listed in the report and the rest is checked.
 [[nodiscard]] VerifyReport verify_run(const std::filesystem::path& folder, const VerifyOptions& options = {});
 
-/// Checks a trajectory in the CSV export format against a scene. Rotations between frames are taken as the shortest arcs,
-/// vertices move straight unless the scene's `trajectory` is rigid; with `substeps` the motion is not known. InputError where scene or file are not valid.
+/// Checks a trajectory in the CSV export format against a scene. Rotations between frames are taken as the shortest
+/// arcs, vertices move straight unless the scene's `trajectory` is rigid; with `substeps` the motion is not known.
+/// InputError where scene or file are not valid.
 [[nodiscard]] VerifyReport verify_poses(const std::filesystem::path& scene, const std::filesystem::path& poses,
                                         const VerifyOptions& options = {});
 

@@ -30,8 +30,8 @@ struct BodyState {
     Vec3 angular_velocity; ///< rad/s, world axes
 };
 
-/// Where an inner step of a body's last step ended (Settings::substeps), and how it came there from the one before: its centre of mass on
-/// a straight line, its orientation by `turn`.
+/// Where an inner step of a body's last step ended (Settings::substeps), and how it came there from the one before: its
+/// centre of mass on a straight line, its orientation by `turn`.
 struct WayPoint {
     Vec3 position; ///< of the mesh's own origin, m
     Quat rotation;
@@ -50,14 +50,14 @@ enum class Executor : std::uint8_t {
     serial,   ///< everything in a plain loop on the calling thread
 };
 
-/// None changes a bit of the results. The threads are OpenMP's, for the time of a step: OMP_PROC_BIND and OMP_PLACES bind them,
-/// OMP_WAIT_POLICY says how they wait between steps.
+/// None changes a bit of the results. The threads are OpenMP's, for the time of a step: OMP_PROC_BIND and OMP_PLACES
+/// bind them, OMP_WAIT_POLICY says how they wait between steps.
 struct WorldOptions {
-    /// Up to 1024, the calling thread among them; a negative number is refused. 0: FLOTILLA_NUM_THREADS, else what OpenMP would take
-    /// (OMP_NUM_THREADS, else the cores that the process may use); less what steps of other Worlds use at the time; and one inside an
-    /// active parallel region of OpenMP or a task of TBB, whose other threads have work of their own. A number is taken as it is, inside
-    /// a parallel region as far as OpenMP allows regions within regions (OMP_MAX_ACTIVE_LEVELS), and as one where the process may not have
-    /// the memory for their stacks.
+    /// Up to 1024, the calling thread among them; a negative number is refused. 0: FLOTILLA_NUM_THREADS, else what
+    /// OpenMP would take (OMP_NUM_THREADS, else the cores that the process may use); less what steps of other Worlds
+    /// use at the time; and one inside an active parallel region of OpenMP or a task of TBB, whose other threads have
+    /// work of their own. A number is taken as it is, inside a parallel region as far as OpenMP allows regions within
+    /// regions (OMP_MAX_ACTIVE_LEVELS), and as one where the process may not have the memory for their stacks.
     int threads = 0;
     Executor executor = Executor::parallel;
 };
@@ -74,29 +74,33 @@ struct ThreadReport {
 /// on all threads that it uses, and the host's environment is as before when a call returns or throws.
 class World {
   public:
-    /// Throws InputError for an invalid scene or number of threads, and OverlapError where bodies intersect at the start
-    /// and, with `initial_overlap: separate`, no move of at most their own size frees them. `source` starts messages.
+    /// Throws InputError for an invalid scene or number of threads, and OverlapError where bodies intersect at the
+    /// start and, with `initial_overlap: separate`, no move of at most their own size frees them. `source` starts
+    /// messages.
     explicit World(const SceneDescription& scene, const std::string& source = "scene",
                    const WorldOptions& options = {});
-    /// Goes on from a snapshot of a World of the same scene and settings, with the same bits as that one, whatever the number of threads of
-    /// either. Throws InputError for an invalid scene and for a snapshot that is damaged or of another scene.
+    /// Goes on from a snapshot of a World of the same scene and settings, with the same bits as that one, whatever the
+    /// number of threads of either. Throws InputError for an invalid scene and for a snapshot that is damaged or of
+    /// another scene.
     World(const SceneDescription& scene, std::span<const std::byte> snapshot, const std::string& source = "scene",
           const WorldOptions& options = {});
     ~World();
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
 
-    /// Advances by settings().time_step, in settings().substeps inner steps, each of them proved. Throws BrokenPromise rather than leave
-    /// bodies that are not proved apart; with `unsatisfiable_script: error` ScriptError, which leaves everything as it was before. After
-    /// any exception but ScriptError (memory may be refused) the World is finished: it can be destroyed and assigned to, and step() and snapshot()
-    /// throw Error; a snapshot taken before goes on.
+    /// Advances by settings().time_step, in settings().substeps inner steps, each of them proved. Throws BrokenPromise
+    /// rather than leave bodies that are not proved apart; with `unsatisfiable_script: error` ScriptError, which leaves
+    /// everything as it was before. After any exception but ScriptError (memory may be refused) the World is finished:
+    /// it can be destroyed and assigned to, and step() and snapshot() throw Error; a snapshot taken before goes on.
     StepReport step();
 
-    // Changes between steps. What cannot be done is refused by InputError or OverlapError, and then nothing has changed; bodies that an edit
-    // concerns wake, with those near them. Every edit counts in state_hash(), and a snapshot holds them all.
+    // Changes between steps. What cannot be done is refused by InputError or OverlapError, and then nothing has
+    // changed; bodies that an edit concerns wake, with those near them. Every edit counts in state_hash(), and a
+    // snapshot holds them all.
 
     /// Every other function of this section is a short form of this one.
-    /// Returns the body of an AddBody or of the edit, the shape's number as `index` of an AddShape, and nobody of others.
+    /// Returns the body of an AddBody or of the edit, the shape's number as `index` of an AddShape, and nobody of
+    /// others.
     BodyId apply(const Edit& edit);
     /// The number that add_body() knows the shape by.
     std::int32_t add_shape(ShapeDescription shape);
@@ -121,14 +125,15 @@ class World {
     void ignore_pair(BodyId a, BodyId b, bool ignored = true);
     void wake(BodyId body);
 
-    /// Called at the start of every step, when it may change the World as above; what it throws leaves step() with nothing done but
-    /// its edits. Empty: none.
+    /// Called at the start of every step, when it may change the World as above; what it throws leaves step() with
+    /// nothing done but its edits. Empty: none.
     void set_force_callback(std::function<void(World&)> callback);
-    /// Called after stages 1, 3, 5 and 7 of a step, or of each inner one, on the thread that calls step(). Where it returns false, or throws, everything is as it was before
-    /// the step, and step() throws StepCancelled, or what it threw. Costs a copy of the state in every step. Empty: none.
+    /// Called after stages 1, 3, 5 and 7 of a step, or of each inner one, on the thread that calls step(). Where it
+    /// returns false, or throws, everything is as it was before the step, and step() throws StepCancelled, or what it
+    /// threw. Costs a copy of the state in every step. Empty: none.
     void set_observer(std::function<bool(Phase)> observer);
-    /// Takes one line for what is worth a look: warnings of a step that the step before did not have, and edits that were refused. Empty:
-    /// nobody.
+    /// Takes one line for what is worth a look: warnings of a step that the step before did not have, and edits that
+    /// were refused. Empty: nobody.
     void set_log(std::function<void(const std::string&)> log);
     /// Keeps the edits from now on, in order, with the step after which each was made.
     void record_edits(bool record);
@@ -165,9 +170,11 @@ class World {
     [[nodiscard]] BodyContacts contacts_of(BodyId body) const;
     [[nodiscard]] MemoryUse memory() const;
 
-    /// Another World in the same state, with the same bits from here on. Callbacks, log and recorded edits are not copied.
+    /// Another World in the same state, with the same bits from here on. Callbacks, log and recorded edits are not
+    /// copied.
     [[nodiscard]] World clone(const WorldOptions& options = {}) const;
-    /// Goes back, or on, to a snapshot of this scene, edited or not. Throws InputError as the constructor does, and then nothing changed.
+    /// Goes back, or on, to a snapshot of this scene, edited or not. Throws InputError as the constructor does, and
+    /// then nothing changed.
     void restore(std::span<const std::byte> snapshot);
 
     /// Places of bodies; of a World whose bodies were never removed: bodies.
@@ -180,9 +187,11 @@ class World {
     [[nodiscard]] BodyState body(std::size_t index) const;
     /// The rotation vector of a body's motion in the last inner step, with whole turns, radians, world axes.
     [[nodiscard]] Vec3 turn(std::size_t index) const;
-    /// Of all inner steps of the last step, whose end is the present pose; before a step of this World, the present pose alone.
+    /// Of all inner steps of the last step, whose end is the present pose; before a step of this World, the present
+    /// pose alone.
     [[nodiscard]] std::vector<WayPoint> way(std::size_t index) const;
-    /// Sorted by bodies. Those of sleeping bodies with each other or with infinite mass are among them, marked as asleep.
+    /// Sorted by bodies. Those of sleeping bodies with each other or with infinite mass are among them, marked as
+    /// asleep.
     [[nodiscard]] std::vector<ContactState> contacts() const;
     /// Of every body, in scene order; before the first step only the contacts are known.
     [[nodiscard]] std::vector<BodyActivity> activity() const;

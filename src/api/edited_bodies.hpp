@@ -38,7 +38,8 @@ struct EditedBodies {
 /// The same with the step after which it is made.
 [[nodiscard]] std::uint64_t chained_with_step(std::uint64_t hash, const Edit& edit);
 
-/// A snapshot of an edited scene: the edited part, then `state`, which is a snapshot of what moves (state/snapshot.hpp).
+/// A snapshot of an edited scene: the edited part, then `state`, which is a snapshot of what moves
+/// (state/snapshot.hpp).
 [[nodiscard]] std::vector<std::byte> join_snapshot(const EditedBodies& bodies, std::span<const std::byte> state);
 
 struct SplitSnapshot {
@@ -46,8 +47,8 @@ struct SplitSnapshot {
     EditedBodies bodies; ///< where it is
     std::span<const std::byte> state;
 };
-/// What join_snapshot() made, or a plain snapshot of the scene that `start` describes. Throws InputError where it is damaged: whatever is read
-/// is a scene that an edit could have left.
+/// What join_snapshot() made, or a plain snapshot of the scene that `start` describes. Throws InputError where it is
+/// damaged: whatever is read is a scene that an edit could have left.
 [[nodiscard]] SplitSnapshot split_snapshot(std::span<const std::byte> snapshot, const EditedBodies& start);
 
 } // namespace flotilla

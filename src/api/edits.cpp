@@ -419,7 +419,8 @@ BodyId World::Impl::operator()(const edits::SetGravity& edit) {
     return {};
 }
 
-/// Bodies that were let through each other and shall meet must be apart where they are. `body`: it is about its pairs alone.
+/// Bodies that were let through each other and shall meet must be apart where they are. `body`: it is about its pairs
+/// alone.
 void World::Impl::check_filter(const FilteredBodies& filter, const std::string& doing,
                                std::optional<std::size_t> body) const {
     stepper->place_changed();

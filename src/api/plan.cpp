@@ -245,7 +245,8 @@ class Planner {
                                                    "steps sleep until something moves near them"
                                              : "no body sleeps: every contact is solved in every step");
     }
-    /// What is left out because the scene does not need it: Savings, and what State, Scene and the settings leave out by themselves.
+    /// What is left out because the scene does not need it: Savings, and what State, Scene and the settings leave out
+    /// by themselves.
     void savings() {
         const std::size_t dynamic = count(BodyType::dynamic);
         const auto bodies = [](std::size_t n) { return std::to_string(n) + (n == 1 ? " body" : " bodies"); };

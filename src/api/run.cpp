@@ -293,8 +293,8 @@ class CheckpointClock {
     Clock::time_point last_time_ = Clock::now();
 };
 
-/// What is written into the run folder, step by step: collected after a step and written, in order, while the next ones compute.
-/// An error is thrown by the next call after it.
+/// What is written into the run folder, step by step: collected after a step and written, in order, while the next ones
+/// compute. An error is thrown by the next call after it.
 class RunRecorder {
   public:
     RunRecorder(std::unique_ptr<io::RunWriter> writer, const World& world, const RunOptions& options,

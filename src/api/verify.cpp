@@ -105,7 +105,8 @@ class Verifier {
     /// Why motions are skipped, for people.
     void explain(std::string reason) { why_skipped_ = std::move(reason); }
 
-    /// `one_step`: this frame is one time step after the one before; `way`: what came between, where that step has inner ones.
+    /// `one_step`: this frame is one time step after the one before; `way`: what came between, where that step has
+    /// inner ones.
     void add(io::Frame frame, bool one_step, const io::Way& way = {}) {
         if (edited_ != nullptr) make_edits(frame.step - 1);
         audit::Placement placement = audit::place(scene_, poses_of(frame, edited_), threads_);
@@ -146,8 +147,8 @@ class Verifier {
         return options_.motion == VerifyMotion::always || (options_.motion == VerifyMotion::automatic && one_step);
     }
 
-    /// Those of the steps up to this one, which is the last frame's where there is one for every step: then its bodies are where edits put
-    /// them, and apart there.
+    /// Those of the steps up to this one, which is the last frame's where there is one for every step: then its bodies
+    /// are where edits put them, and apart there.
     void make_edits(std::int64_t step) {
         if (edited_->advance(step).empty()) return;
         for (std::size_t i = 0; i < bodies_.size(); ++i)

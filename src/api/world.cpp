@@ -106,8 +106,8 @@ auto in_own_environment(Work&& work) {
 
 } // namespace
 
-/// A scene whose movable bodies do not intersect at the start. Exact, because continuous detection cannot see an overlap that is there
-/// already.
+/// A scene whose movable bodies do not intersect at the start. Exact, because continuous detection cannot see an
+/// overlap that is there already.
 struct CheckedStart {
     CheckedStart(const SceneDescription& given, const std::string& source)
         : description(given), described(build_scene(given, source)), scene(described) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The independent proof that no two bodies intersect, at a frame and between two frames (G1 and G2).
 //
-// It shares with the solver the exact triangle predicate and the one function that places vertices, and nothing else: its
-// hierarchy, its broad phase and its sweep test are its own. Pairs of two infinite-mass bodies are left out, as in G1.
+// It shares with the solver the exact triangle predicate and the one function that places vertices, and nothing else:
+// its hierarchy, its broad phase and its sweep test are its own. Pairs of two infinite-mass bodies are left out, as in
+// G1.
 //
-// Between frames every vertex moves on a path (Motion): a straight segment, or the turning motion of its body. The proof
-// (audit/sweep) bisects time until a plane separates the two triangles over the whole interval.
+// Between frames every vertex moves on a path (Motion): a straight segment, or the turning motion of its body. The
+// proof (audit/sweep) bisects time until a plane separates the two triangles over the whole interval.
 #pragma once
 
 #include <cstdint>
@@ -110,8 +111,9 @@ struct SmallestDistance {
     double distance = 0; ///< m; infinity where there is no pair
     std::int32_t body_a = -1, body_b = -1;
 };
-/// The smallest distance of two bodies, of equal ones that of the first pair by (a, b). In double arithmetic: a measurement, not a
-/// proof. Only distances below `bound` (m) are looked for: where there is none the result is infinite.
+/// The smallest distance of two bodies, of equal ones that of the first pair by (a, b). In double arithmetic: a
+/// measurement, not a proof. Only distances below `bound` (m) are looked for: where there is none the result is
+/// infinite.
 [[nodiscard]] SmallestDistance smallest_distance(const Scene& scene, const Placement& placement, int threads,
                                                  double bound = std::numeric_limits<double>::infinity());
 

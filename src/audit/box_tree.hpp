@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The audit's own bounding hierarchy, kept apart from the solver's so that a mistake there cannot hide here. Plain: median
-// splits, boxes refitted from the vertices.
+// The audit's own bounding hierarchy, kept apart from the solver's so that a mistake there cannot hide here. Plain:
+// median splits, boxes refitted from the vertices.
 #pragma once
 
 #include <array>

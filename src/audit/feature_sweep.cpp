@@ -21,7 +21,8 @@ bool keeps_sign(const Differences& s, const Differences& e, const Slack& slack) 
         determinant(e[0], e[1], e[2])};
     std::array<double, 3> l{};
     for (std::size_t k = 0; k < 3; ++k) l[k] = 1.0001 * std::sqrt(std::max(length_sq(s[k]), length_sq(e[k])));
-    // Both points may be of the body that strays farther; twice the rounding is more than its sqrt(3) over three coordinates.
+    // Both points may be of the body that strays farther; twice the rounding is more than its sqrt(3) over three
+    // coordinates.
     const double eta = 2 * (slack.straying + slack.rounding);
     const double margin = eta * ((l[0] * l[1] + l[0] * l[2]) + l[1] * l[2]) + eta * eta * ((l[0] + l[1]) + l[2]) +
                           eta * eta * eta + 0x1p-47 * (l[0] * l[1] * l[2]);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Between two frames: every pair of triangles whose moving boxes meet goes through the bisection of audit/sweep.
 //
-// Moving boxes: over an interval, box faces interpolated between their values at both ends hold all points whose paths are
-// straight, and those of curved paths once inflated by their deviation. Along an axis, the gap of two moving boxes is
-// linear in time, so the times at which all gaps are closed form one interval, found by two divisions per axis.
+// Moving boxes: over an interval, box faces interpolated between their values at both ends hold all points whose paths
+// are straight, and those of curved paths once inflated by their deviation. Along an axis, the gap of two moving boxes
+// is linear in time, so the times at which all gaps are closed form one interval, found by two divisions per axis.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -30,9 +30,9 @@ struct Window {
     double begin, end;
 };
 
-/// When two moving boxes come within `inflation` of each other. Nothing: never, which is a proof. `rounding` is at least
-/// 64 u M: subtracting coordinates errs by 2 u M at most, and the root of a gap by 4 u of itself, during which the gap changes by
-/// at most 16 u M.
+/// When two moving boxes come within `inflation` of each other. Nothing: never, which is a proof. `rounding` is at
+/// least 64 u M: subtracting coordinates errs by 2 u M at most, and the root of a gap by 4 u of itself, during which
+/// the gap changes by at most 16 u M.
 std::optional<Window> meeting(const Bounds& a0, const Bounds& a1, const Bounds& b0, const Bounds& b1, double inflation,
                               double rounding) {
     Window window{0, 1};

@@ -10,7 +10,8 @@
 
 namespace flotilla::audit {
 
-/// What lies between computed points, moved linearly from one end of an interval to the other, and those on the true paths.
+/// What lies between computed points, moved linearly from one end of an interval to the other, and those on the true
+/// paths.
 struct Slack {
     double straying; ///< m, of a point of either set together, in any direction
     double rounding; ///< m, of one coordinate, in a difference of two points and in its product with a direction
@@ -81,8 +82,8 @@ template <std::size_t M, std::size_t N>
     return once - (dot(once, u) / uu) * u; // what the first time left by rounding
 }
 
-/// A vector across u and v: along each of them it has no more than a rounding of its own length, also where they are nearly parallel,
-/// where u x v is all rounding. Zero where they are parallel.
+/// A vector across u and v: along each of them it has no more than a rounding of its own length, also where they are
+/// nearly parallel, where u x v is all rounding. Zero where they are parallel.
 [[nodiscard]] inline Vec3 across(const Vec3& u, const Vec3& v) {
     const Vec3 a = scaled(u), b = without(scaled(v), a);
     return without(without(cross(a, scaled(b)), a), b);

@@ -15,8 +15,9 @@
 namespace flotilla::audit {
 namespace {
 
-/// Bounds and distances compared are rounded differently: what may be nearer by less than that is looked at. Far above the rounding of
-/// either side, and what makes the result one of the frame, not of the order in which pairs are looked at.
+/// Bounds and distances compared are rounded differently: what may be nearer by less than that is looked at. Far above
+/// the rounding of either side, and what makes the result one of the frame, not of the order in which pairs are looked
+/// at.
 constexpr double kRoundingRoom = 1 + 0x1p-20;
 
 /// The smallest squared distance found so far, by any thread.

@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: MIT
 // The proof that two moving triangles stay apart over an interval of time, by bisection.
 //
-// Let the corners a_i(t) and b_j(t) be given at the ends s and e of an interval, and let every corner stay within delta of
-// the straight line between its two ends, taken at equal times. For any vector d and all i, j
-//   d.(b_j(t) - a_i(t)) >= (1-l) d.(b_j(s) - a_i(s)) + l d.(b_j(e) - a_i(e)) - |d| (delta_a + delta_b),  l = (t-s)/(e-s).
-// So if min_j d.b_j - max_i d.a_i exceeds |d| (delta_a + delta_b) at both ends, the plane family with normal d separates the
-// triangles at every t between. Where no d among the candidates does, the interval is halved; delta falls with the square of
-// its length. Candidates are the axes and, in the middle of the interval, the separating axes of two triangles and the line
-// of their closest points, so that for triangles a positive distance apart some d works once the interval is short enough.
-// Faces that turn together at a tiny gap would need very short ones; audit/feature_sweep proves those at once, or a
-// direction that turns with them does (separated_on_the_way()).
+// Let the corners a_i(t) and b_j(t) be given at the ends s and e of an interval, and let every corner stay within delta
+// of the straight line between its two ends, taken at equal times. For any vector d and all i, j
+//   d.(b_j(t) - a_i(t)) >= (1-l) d.(b_j(s) - a_i(s)) + l d.(b_j(e) - a_i(e)) - |d| (delta_a + delta_b),  l =
+//   (t-s)/(e-s).
+// So if min_j d.b_j - max_i d.a_i exceeds |d| (delta_a + delta_b) at both ends, the plane family with normal d
+// separates the triangles at every t between. Where no d among the candidates does, the interval is halved; delta falls
+// with the square of its length. Candidates are the axes and, in the middle of the interval, the separating axes of two
+// triangles and the line of their closest points, so that for triangles a positive distance apart some d works once the
+// interval is short enough. Faces that turn together at a tiny gap would need very short ones; audit/feature_sweep
+// proves those at once, or a direction that turns with them does (separated_on_the_way()).
 //
 // delta for a body that turns at angular speed w about its moving centre, all points within r of it: r (w (e-s))^2 / 8,
 // because |x''| <= r w^2 and linear interpolation of x errs by at most |x''| (e-s)^2 / 8; and never more than 2 r,
 // since the point and the line between its two ends are both within r of the centre.
 //
-// Rounding, u = 2^-53. Coordinates are relative to a corner of one of the triangles, from place to place of it, and at most M. Corners
-// at s and e are computed: differences r0 = x0 - o0, r1 = x1 - o1 err by u M, linear interpolation r0 + t (r1 - r0) by 5 u M in a
-// coordinate. Two dot products and their difference err by at most 8 u M |d|_1. Together 20 u M |d|_1; kSweepRounding = 32 u covers it.
-// d itself is whatever double vector was computed, without error. So the proof is as fine far from the world's origin, and of bodies
-// that fly there, as it is near. What a turning path adds
+// Rounding, u = 2^-53. Coordinates are relative to a corner of one of the triangles, from place to place of it, and at
+// most M. Corners at s and e are computed: differences r0 = x0 - o0, r1 = x1 - o1 err by u M, linear interpolation r0 +
+// t (r1 - r0) by 5 u M in a coordinate. Two dot products and their difference err by at most 8 u M |d|_1. Together 20 u
+// M |d|_1; kSweepRounding = 32 u covers it. d itself is whatever double vector was computed, without error. So the
+// proof is as fine far from the world's origin, and of bodies that fly there, as it is near. What a turning path adds
 // is in its position_error.
 #pragma once
 

@@ -30,8 +30,8 @@ double vertex_face(const Vec3& x, const Corners& f, Vec3& foot) {
 
 } // namespace
 
-/// Segments p + s d and q + t e: the minimum of a convex quadratic over the unit square, at the inner stationary point after
-/// clamping s, or with s = 0 or s = 1.
+/// Segments p + s d and q + t e: the minimum of a convex quadratic over the unit square, at the inner stationary point
+/// after clamping s, or with s = 0 or s = 1.
 ClosestPoints closest_points(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {
     const Vec3 &p = a[0], &q = b[0];
     const Vec3 d = a[1] - p, e = b[1] - q, r = p - q;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Closest points of two triangles, any degeneracy, in double arithmetic: a measurement and a source of directions for the
-// sweep, never a proof.
+// Closest points of two triangles, any degeneracy, in double arithmetic: a measurement and a source of directions for
+// the sweep, never a proof.
 #pragma once
 
 #include <array>

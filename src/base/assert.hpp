@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// FLOTILLA_ASSERT checks for bugs, not for input: on in debug and RelWithDebInfo builds (no NDEBUG or FLOTILLA_ASSERTIONS).
+// FLOTILLA_ASSERT checks for bugs, not for input: on in debug and RelWithDebInfo builds (no NDEBUG or
+// FLOTILLA_ASSERTIONS).
 #pragma once
 
 namespace flotilla {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Axes of the world along which a body does not move and about which it does not turn.
 //
-// What is locked has no inverse mass: an impulse along a locked axis moves nothing and a torque about one turns nothing, because the world
-// carries both. So the components of velocities along locked axes are zero to the bit.
+// What is locked has no inverse mass: an impulse along a locked axis moves nothing and a torque about one turns
+// nothing, because the world carries both. So the components of velocities along locked axes are zero to the bit.
 //
-// Rotation: the angular velocity w lies in the span of the free axes. Of the angular momentum I w only the part there is kept, L; the rest
-// is what the world's torques make of it. With I_ff, the block of the inertia on the free axes, L = I_ff w and w = I_ff^-1 L there, zero
-// elsewhere. In free flight L does not change, for the world's torques have no part about the free axes; the energy is w . L / 2.
+// Rotation: the angular velocity w lies in the span of the free axes. Of the angular momentum I w only the part there
+// is kept, L; the rest is what the world's torques make of it. With I_ff, the block of the inertia on the free axes, L
+// = I_ff w and w = I_ff^-1 L there, zero elsewhere. In free flight L does not change, for the world's torques have no
+// part about the free axes; the energy is w . L / 2.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +27,9 @@ struct AxisLocks {
     friend constexpr bool operator==(const AxisLocks&, const AxisLocks&) = default;
 };
 
-/// Of its inverse mass, what an impulse along a contact's normal must move of a body at least to act on it: below, normals are rounding
-/// apart from locked axes (a millionth of a radian), and a push of a millimetre would take the body along by a kilometre.
+/// Of its inverse mass, what an impulse along a contact's normal must move of a body at least to act on it: below,
+/// normals are rounding apart from locked axes (a millionth of a radian), and a push of a millimetre would take the
+/// body along by a kilometre.
 inline constexpr double kLeastMobility = 0x1p-40;
 
 constexpr bool is_locked(AxisMask locked, int axis) { return (locked >> axis & 1) != 0; }
@@ -47,7 +49,8 @@ constexpr Mat3 free_block(AxisMask locked, Mat3 a) {
     return a;
 }
 
-/// The inverse of a symmetric positive definite matrix's block on the free axes, of which there are two at most; zero elsewhere.
+/// The inverse of a symmetric positive definite matrix's block on the free axes, of which there are two at most; zero
+/// elsewhere.
 constexpr Mat3 free_inverse(AxisMask locked, const Mat3& a) {
     Mat3 out;
     int free[3] = {}, n = 0;

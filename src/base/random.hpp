@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Counter-based random numbers: a pure function of a key, so that neither order nor threads can change them. Words of the
-// key are absorbed one by one with the finaliser of SplitMix64 (Steele, Lea, Flood 2014), a bijection of 64 bits.
+// Counter-based random numbers: a pure function of a key, so that neither order nor threads can change them. Words of
+// the key are absorbed one by one with the finaliser of SplitMix64 (Steele, Lea, Flood 2014), a bijection of 64 bits.
 #pragma once
 
 #include <concepts>

@@ -68,7 +68,8 @@ Quat normalized(const Quat& q) {
 Quat rotation_from_vector(const Vec3& w) {
     const double angle = length(w);
     const auto [s, c] = sin_cos(0.5 * angle);
-    // sin(a/2)/a tends to 1/2; below 1e-9 the next term, a^2/48, is under one ulp. The length itself underflows there too.
+    // sin(a/2)/a tends to 1/2; below 1e-9 the next term, a^2/48, is under one ulp. The length itself underflows there
+    // too.
     const double k = angle > 1e-9 ? s / angle : 0.5;
     return {c, k * w.x, k * w.y, k * w.z};
 }

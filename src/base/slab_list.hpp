@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A list that grows at its end and whose items stay where they are, in slabs of many: neighbours in the list are neighbours in memory,
-// and an item costs no allocation of its own.
+// A list that grows at its end and whose items stay where they are, in slabs of many: neighbours in the list are
+// neighbours in memory, and an item costs no allocation of its own.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Arithmetic of three-component vectors. Every sum is written in one fixed order, (x + y) + z, because the same bits are
-// promised from every compiler and at every vector width.
+// Arithmetic of three-component vectors. Every sum is written in one fixed order, (x + y) + z, because the same bits
+// are promised from every compiler and at every vector width.
 #pragma once
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Candidate body pairs by a list that is kept: of boxes with a margin, and right for as long as every body stays inside its own. A search
-// then goes over that list and over the bodies once; only those that left theirs are sorted in again.
+// Candidate body pairs by a list that is kept: of boxes with a margin, and right for as long as every body stays inside
+// its own. A search then goes over that list and over the bodies once; only those that left theirs are sorted in again.
 //
-// All searches of a step ask for nearly the same boxes, and bodies at rest for the same ones in every step. What a search answers is the
-// same with any list.
+// All searches of a step ask for nearly the same boxes, and bodies at rest for the same ones in every step. What a
+// search answers is the same with any list.
 #pragma once
 
 #include "broadphase/pairs.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Candidate body pairs: swept boxes that overlap, found with a Cartesian grid (paper, section 3).
 //
-// Bodies much larger than the others (a bowl, the ground) would fill the grid; they are never rasterized but held against
-// everybody's box. Bodies that stand still have a grid of their own, which is kept as long as they do: what a search costs goes by the
-// bodies that move.
+// Bodies much larger than the others (a bowl, the ground) would fill the grid; they are never rasterized but held
+// against everybody's box. Bodies that stand still have a grid of their own, which is kept as long as they do: what a
+// search costs goes by the bodies that move.
 #pragma once
 
 #include <array>

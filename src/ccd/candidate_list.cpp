@@ -9,7 +9,8 @@
 namespace flotilla {
 namespace {
 
-// Room for the rounding of world vertices (8 u |x| or so each, four of them) and of the bounds themselves, far above both.
+// Room for the rounding of world vertices (8 u |x| or so each, four of them) and of the bounds themselves, far above
+// both.
 constexpr double kRounding = 0x1p-40;
 // Room for the rounding of the excess of a gap over the reach (2^-24 of the largest coordinate), and of its scales.
 constexpr double kExcessRounding = 0x1p-21, kScaleRoom = 1 + 0x1p-10;
@@ -76,10 +77,11 @@ bool CandidateList::build(const BodyMotion& a, const BodyMotion& b, const Candid
     return true;
 }
 
-// Straying by x along every axis, both at the start and at the end of the step, moves points of the two bodies by at most sqrt(3) x
-// against each other at any time of it. So features that are d apart where the reference ends
+// Straying by x along every axis, both at the start and at the end of the step, moves points of the two bodies by at
+// most sqrt(3) x against each other at any time of it. So features that are d apart where the reference ends
 //  - come within the reach at the end only for x >= (d - reach.end) / sqrt(3), and
-//  - within the other reach at some time only for x >= (d - way - reach.swept) / sqrt(3), with the relative way of the reference.
+//  - within the other reach at some time only for x >= (d - way - reach.swept) / sqrt(3), with the relative way of the
+//    reference.
 // A list is read up to the larger of both strayings, that at the start counted margins.end / margins.start >= 1 times.
 std::size_t CandidateList::refine(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
                                   std::span<ListedFeature> listed) const {

@@ -2,8 +2,9 @@
 // A neighbour list (Verlet list) of two bodies: the feature pairs that can come near each other while both bodies stay
 // close to a reference motion.
 //
-// Most queries of a body pair repeat an earlier one with slightly other end states: the sweeps of stage 1, dynamic contact, the
-// contact search, and at rest the steps themselves. The list is found once, with room for that, by one traversal.
+// Most queries of a body pair repeat an earlier one with slightly other end states: the sweeps of stage 1, dynamic
+// contact, the contact search, and at rest the steps themselves. The list is found once, with room for that, by one
+// traversal.
 //
 // Within the list the feature pairs stand in the order in which they become possible: for each the build finds how far
 // a motion must stray from the reference before it can matter, and a query reads those within what its own motion
@@ -37,9 +38,9 @@ struct MatrixPose {
 };
 [[nodiscard]] inline MatrixPose matrix_pose(const BodyPlacement& p) { return {p.pose->origin, *p.rotation}; }
 
-/// An upper bound on how much the gap between a point of each body changes along any axis when the bodies go from one pair of
-/// placements to another, m: for each body its displacement is affine in the local coordinates, so it is bounded by that of the
-/// centre and of the half extents of the shape's box; a common translation cancels.
+/// An upper bound on how much the gap between a point of each body changes along any axis when the bodies go from one
+/// pair of placements to another, m: for each body its displacement is affine in the local coordinates, so it is
+/// bounded by that of the centre and of the half extents of the shape's box; a common translation cancels.
 [[nodiscard]] double relative_displacement(const RigidShape& a, const MatrixPose& a_from, const MatrixPose& a_to,
                                            const RigidShape& b, const MatrixPose& b_from, const MatrixPose& b_to);
 
@@ -66,23 +67,25 @@ class CandidateList {
         return strayed.start <= margins_.start && strayed.end <= margins_.end;
     }
 
-    /// Finds the pairs anew. `refined`: by the distances of the features themselves where the reference motion ends, not only by
-    /// their boxes. That takes longer and leaves a fraction: for lists that will serve many queries. False, and no list, where there
-    /// are more than kMostListed: features much thinner than the distances asked for, as in the fans of two poles, are near
-    /// each other by the square of their number, and a list would take memory for every one of these pairs.
+    /// Finds the pairs anew. `refined`: by the distances of the features themselves where the reference motion ends,
+    /// not only by their boxes. That takes longer and leaves a fraction: for lists that will serve many queries. False,
+    /// and no list, where there are more than kMostListed: features much thinner than the distances asked for, as in
+    /// the fans of two poles, are near each other by the square of their number, and a list would take memory for every
+    /// one of these pairs.
     [[nodiscard]] bool build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
                              const CandidateMargins& margins, bool refined, ListingScratch& scratch);
     void drop();
 
-    /// All pairs of the list whose coarse boxes come within the reach, which is at most the list's (FeatureTest::near: for bodies
-    /// that rest at the end of a covered motion, of which `strayed` need say no more than that). They stand in `buffer`, until its
-    /// next use.
+    /// All pairs of the list whose coarse boxes come within the reach, which is at most the list's (FeatureTest::near:
+    /// for bodies that rest at the end of a covered motion, of which `strayed` need say no more than that). They stand
+    /// in `buffer`, until its next use.
     [[nodiscard]] std::span<const FeaturePair> select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,
                                                       const CandidateMargins& strayed, const CoarseReach& reach,
                                                       FeatureBuffer& buffer) const;
 
-    /// How much farther than `strayed` (a covered motion's, at its end) the bodies may stray from where they stand at the end of the
-    /// reference before any feature pair can come within CandidateReach::end, m; not positive where that is not known.
+    /// How much farther than `strayed` (a covered motion's, at its end) the bodies may stray from where they stand at
+    /// the end of the reference before any feature pair can come within CandidateReach::end, m; not positive where that
+    /// is not known.
     [[nodiscard]] double room_at_end(double strayed) const;
 
     [[nodiscard]] bool empty() const { return margins_.end < 0; } ///< there is no list

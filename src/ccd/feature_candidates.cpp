@@ -22,7 +22,8 @@ Corners corners(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) 
     return {a_first ? &a : &b, a_first ? &b : &a, ccd_corners(a, b, f), f.kind == FeatureKind::edge_edge ? 2u : 1u};
 }
 
-/// Puts the corners [begin, end) of a turning body where they are at time t, and both ends where the velocity there leads.
+/// Puts the corners [begin, end) of a turning body where they are at time t, and both ends where the velocity there
+/// leads.
 void follow_turn(const BodyMotion& body, double t, const Corners& c, std::size_t begin, std::size_t end, CcdQuery& q,
                  std::array<Vec3, 4>& x) {
     const Pose pose = body.pose(t);

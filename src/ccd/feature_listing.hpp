@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The feature pairs of two bodies that may come near each other along motions near a given one, by one traversal of both
-// hierarchies.
+// The feature pairs of two bodies that may come near each other along motions near a given one, by one traversal of
+// both hierarchies.
 #pragma once
 
 #include "ccd/feature_tests.hpp"
 
 namespace flotilla {
 
-/// How near a feature pair must come to be listed. Along each axis and either way round take the gap of its boxes less `reach0` at
-/// t = 0, times `scale0`, and less `reach1` at t = 1: unless both exceed x for one of these six, the pair is listed, x being the
-/// margin. The least x for which that is so is how far the motion must stray before the pair can matter.
+/// How near a feature pair must come to be listed. Along each axis and either way round take the gap of its boxes less
+/// `reach0` at t = 0, times `scale0`, and less `reach1` at t = 1: unless both exceed x for one of these six, the pair
+/// is listed, x being the margin. The least x for which that is so is how far the motion must stray before the pair can
+/// matter.
 struct ListingReach {
     float reach0, reach1, scale0, margin;
 };
@@ -33,8 +34,9 @@ struct NodeIds {
 
 inline constexpr int kListingBlock = 8; // node pairs opened together
 
-/// Node pairs that wait. Each pair of a block is replaced by at most two, one node level further down; so, taking blocks from the
-/// top, no more than a block for each level of both trees wait, and one. One slot more is written and not kept.
+/// Node pairs that wait. Each pair of a block is replaced by at most two, one node level further down; so, taking
+/// blocks from the top, no more than a block for each level of both trees wait, and one. One slot more is written and
+/// not kept.
 struct ListingStack {
     int size = 0;
     NodeIds pairs[kListingBlock * (2 * kMaxBvhDepth + 2) + 2];
@@ -47,12 +49,12 @@ struct ListedFeature {
     std::int32_t place; ///< for the list's use
 };
 
-/// Opens node pairs of the stack until it is empty or `room` pairs of leaves are found; returns how many were. The stack's pairs
-/// are taken to meet.
+/// Opens node pairs of the stack until it is empty or `room` pairs of leaves are found; returns how many were. The
+/// stack's pairs are taken to meet.
 [[nodiscard]] long open_node_pairs(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
                                    ListingStack& stack, NodeIds* leaves, long room, Isa isa);
-/// Lists the feature pairs that leaf pairs own; returns how many. `out` has room for kFeaturesPerTrianglePair for each pair of
-/// their triangles and one more.
+/// Lists the feature pairs that leaf pairs own; returns how many. `out` has room for kFeaturesPerTrianglePair for each
+/// pair of their triangles and one more.
 [[nodiscard]] long list_features(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
                                  const NodeIds* leaves, long count, ListedFeature* out, Isa isa);
 inline constexpr std::size_t kFeaturesPerTrianglePair = 15;

@@ -24,7 +24,8 @@ enum class FeatureTest : std::uint8_t {
     near   ///< at rest at t = 0
 };
 
-/// Writes the pairs among `count` of one kind whose boxes come within a reach. Returns how many; `out` has room for all.
+/// Writes the pairs among `count` of one kind whose boxes come within a reach. Returns how many; `out` has room for
+/// all.
 [[nodiscard]] long select_features(FeatureTest test, FeatureKind kind, const FeatureIds* ids, long count,
                                    const FeatureArrays& a, const FeatureArrays& b, const CoarseReach& reach,
                                    FeaturePair* out, Isa isa);

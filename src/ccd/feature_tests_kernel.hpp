@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Box tests of feature pairs, written once for every width of the box packs. Boxes stay in registers: put together in memory
-// from their vertices' they cost several times as much.
+// Box tests of feature pairs, written once for every width of the box packs. Boxes stay in registers: put together in
+// memory from their vertices' they cost several times as much.
 #pragma once
 
 #include "ccd/feature_tests.hpp"

@@ -6,8 +6,8 @@
 // time: where all of b is beyond all of a along it, by some gap at both ends, the bodies are no nearer than the lesser
 // gap at any time between.
 //
-// The direction is found by reflection (Chung and Wang, 1996): where p of a and q of b are the points that a direction d separates
-// least, d is turned by -2 (d . r) r, r along q - p.
+// The direction is found by reflection (Chung and Wang, 1996): where p of a and q of b are the points that a direction
+// d separates least, d is turned by -2 (d . r) r, r along q - p.
 #pragma once
 
 #include "state/trajectories.hpp"

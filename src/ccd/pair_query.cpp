@@ -11,8 +11,9 @@ namespace flotilla {
 namespace {
 
 constexpr std::size_t kBatch = 32; // queries between two updates of the earliest hit
-// A feature pair counts where its own coarse boxes come within kFeatureMargin times the separation. Boxes around features are
-// tried with more, far beyond rounding: so a feature pair that counts is never lost on the way to it, whatever the way.
+// A feature pair counts where its own coarse boxes come within kFeatureMargin times the separation. Boxes around
+// features are tried with more, far beyond rounding: so a feature pair that counts is never lost on the way to it,
+// whatever the way.
 constexpr double kFeatureMargin = 1 + 0x1p-6;
 constexpr double kNodeMargin = 1 + 0x1p-5;
 constexpr double kNodeRoom = 0x1p-19; // of the largest coordinate

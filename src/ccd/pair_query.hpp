@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Earliest collision of a body pair along the linear trajectories of all its vertices (paper, section 3.1).
 //
-// The continuous collision detection of the features is the conservative one, whose "no hit" is a proof, or as a baseline the
-// paper's cubic, whose "no hit" proves nothing.
+// The continuous collision detection of the features is the conservative one, whose "no hit" is a proof, or as a
+// baseline the paper's cubic, whose "no hit" proves nothing.
 #pragma once
 
 #include <vector>
@@ -14,14 +14,15 @@
 
 namespace flotilla {
 
-/// The earliest hit of a pair. No hit of the conservative method: both bodies are proved farther apart than the separation
-/// (relaxed for features that start closer, see CcdStart) during the whole motion.
+/// The earliest hit of a pair. No hit of the conservative method: both bodies are proved farther apart than the
+/// separation (relaxed for features that start closer, see CcdStart) during the whole motion.
 struct PairHit {
     bool hit = false;
     double toi = 1;       ///< [0, 1]
     FeaturePair features; ///< of the hit
     Vec3 normal;          ///< unit, from a to b at the time of impact
-    /// The bodies start too near each other for what they turn: as long as both turn so far there is a hit, wherever they go.
+    /// The bodies start too near each other for what they turn: as long as both turn so far there is a hit, wherever
+    /// they go.
     bool by_turn = false;
 };
 
@@ -63,9 +64,9 @@ struct HitOptions {
 };
 
 /// A pure function of the two motions and the options. A feature pair whose own moving (coarse) boxes stay farther
-/// apart than the separation cannot hit; among the others the least (time, feature key) wins, where the time is not before the
-/// entry of their boxes: so the answer does not depend on how candidates were found or in which order they were tried.
-/// `list`, where given, must cover the motions and have been built to reach swept_reach(separation).
+/// apart than the separation cannot hit; among the others the least (time, feature key) wins, where the time is not
+/// before the entry of their boxes: so the answer does not depend on how candidates were found or in which order they
+/// were tried. `list`, where given, must cover the motions and have been built to reach swept_reach(separation).
 [[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
                                    const CoveringList& list, CcdScratch& scratch);
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Earliest collision of a body pair along the turning paths of both bodies (`trajectory: rigid`).
 //
-// The centre of mass moves on a straight line, the orientation is R(t w) q with the rotation vector w of the whole step. The step
-// is cut into k = 1, 2, 4, ... segments of equal angle. In each, the chords of the vertices go through the linear query, with
-// the separation s + g, where g bounds how far the vertices of both bodies together are from their chords: what the linear query
-// proves apart by s + g is apart by s on the arcs. k grows until g is below a tenth of min(d0, d_rest), d0 being the distance at
-// the start, so that the detour costs no more room than that.
+// The centre of mass moves on a straight line, the orientation is R(t w) q with the rotation vector w of the whole
+// step. The step is cut into k = 1, 2, 4, ... segments of equal angle. In each, the chords of the vertices go through
+// the linear query, with the separation s + g, where g bounds how far the vertices of both bodies together are from
+// their chords: what the linear query proves apart by s + g is apart by s on the arcs. k grows until g is below a tenth
+// of min(d0, d_rest), d0 being the distance at the start, so that the detour costs no more room than that.
 //
-// Bodies that start nearer than s + g: as for straight paths, the separation becomes 0.95 d0, less g on the arcs. All segments use
-// the same one. d0 is a guide: were it wrong, more hits would be reported, never fewer. Where 64 segments leave too little of it, the
-// motion cannot be proved and is a hit.
+// Bodies that start nearer than s + g: as for straight paths, the separation becomes 0.95 d0, less g on the arcs. All
+// segments use the same one. d0 is a guide: were it wrong, more hits would be reported, never fewer. Where 64 segments
+// leave too little of it, the motion cannot be proved and is a hit.
 #pragma once
 
 #include "ccd/pair_query.hpp"

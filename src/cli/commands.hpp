@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The subcommands, one file each. A command declares its arguments in register_<name> and leaves what it does in `action`,
-// which runs once the whole command line is parsed; main.cpp turns exceptions into exit codes, in one place.
+// The subcommands, one file each. A command declares its arguments in register_<name> and leaves what it does in
+// `action`, which runs once the whole command line is parsed; main.cpp turns exceptions into exit codes, in one place.
 #pragma once
 
 #include <filesystem>

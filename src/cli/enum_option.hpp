@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// An option whose value is one of a few words. CLI11's own CheckedTransformer prints the values beside the words, and those of
-// an 8-bit enum as raw bytes.
+// An option whose value is one of a few words. CLI11's own CheckedTransformer prints the values beside the words, and
+// those of an 8-bit enum as raw bytes.
 #pragma once
 
 #include <CLI/CLI.hpp>

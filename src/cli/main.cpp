@@ -33,8 +33,8 @@ std::string memory_limit_text() {
     return ": the process may have " + std::to_string(limit.rlim_cur >> 20) + " MiB (ulimit -v)";
 }
 
-/// Memory for the way out: where some is refused, destructors may need some all the same (a JSON document's lists what it holds), and one
-/// that throws ends the process.
+/// Memory for the way out: where some is refused, destructors may need some all the same (a JSON document's lists what
+/// it holds), and one that throws ends the process.
 std::atomic<void*> g_reserve = nullptr;
 
 void keep_reserve() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// flotilla plan: what will be modelled of a scene and why; with --settings, what can be set and what each setting costs.
+// flotilla plan: what will be modelled of a scene and why; with --settings, what can be set and what each setting
+// costs.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>

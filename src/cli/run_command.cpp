@@ -99,8 +99,8 @@ void print_threads(const std::vector<ThreadReport>& threads) {
                     static_cast<long>(threads[k].tasks), static_cast<long>(threads[k].stolen));
 }
 
-/// The most memory that the process ever had resident, MiB, without what was inherited from the one that started it; none where the
-/// system does not say.
+/// The most memory that the process ever had resident, MiB, without what was inherited from the one that started it;
+/// none where the system does not say.
 std::optional<double> peak_memory() {
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);)

@@ -8,14 +8,15 @@
 
 namespace flotilla::cli {
 
-/// "H:M:S", "M:S" or "S" (whole numbers, each part after the first below 60) as a duration; nothing for an empty text. Throws InputError.
+/// "H:M:S", "M:S" or "S" (whole numbers, each part after the first below 60) as a duration; nothing for an empty text.
+/// Throws InputError.
 [[nodiscard]] std::optional<std::chrono::seconds> parse_time_limit(const std::string& text);
 
 /// One at a time in a process.
 class StopRequest {
   public:
-    /// The clock of `limit` starts now. With `catch_signals` the first signal asks to stop; a second one ends the process at once.
-    /// Signals that the process ignores stay so.
+    /// The clock of `limit` starts now. With `catch_signals` the first signal asks to stop; a second one ends the
+    /// process at once. Signals that the process ignores stay so.
     StopRequest(std::optional<std::chrono::seconds> limit, bool catch_signals);
     ~StopRequest();
     StopRequest(const StopRequest&) = delete;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Checks of options that CLI11's own leave out: its PositiveNumber lets nan pass, and an integer beyond 64 bits is read as the largest.
+// Checks of options that CLI11's own leave out: its PositiveNumber lets nan pass, and an integer beyond 64 bits is read
+// as the largest.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -89,8 +89,8 @@ void merge_active(StepData& data, const std::vector<ListedPair>& list, std::vect
     active.erase(std::unique(active.begin(), active.end()), active.end());
 }
 
-/// Runs the stale pairs of a list, `rounds` times or until none is left; odd sweeps go backwards. Returns the number of sweeps
-/// that found any.
+/// Runs the stale pairs of a list, `rounds` times or until none is left; odd sweeps go backwards. Returns the number of
+/// sweeps that found any.
 int sweep(StepData& data, const std::vector<ListedPair>& list, int rounds, StageCounters& counters) {
     const auto current = [&](std::size_t i) {
         const PairRecord& r = *list[i].record;
@@ -129,7 +129,8 @@ StageCounters handle_collisions(StepData& data, const KnownContacts& known, HitL
         const std::size_t proved_early = list.size() - data.lists.num_open;
         counters.pairs += static_cast<std::int64_t>(proved_early);
         if (data.lists.num_open == 0 || sweep(data, list, 1, counters) == 0) {
-            // What was known of pairs, a cache, must not decide how many sweeps count: proving pairs in turn would have been one.
+            // What was known of pairs, a cache, must not decide how many sweeps count: proving pairs in turn would have
+            // been one.
             if (proved_early > 0) ++counters.sweeps;
             counters.limit = left() <= 0;
             return counters;

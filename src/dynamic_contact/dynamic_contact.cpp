@@ -8,9 +8,10 @@
 namespace flotilla {
 namespace {
 
-/// When Algorithm 2 is given up. The hits left get fewer geometrically, and what a sweep costs with them; a deep pile in an impact may
-/// have some left of a hundred thousand at the limit. The failsafe would merge those into clusters, and these with all that they push,
-/// a body a sweep. So from the limit on it is given up when the list of pairs was never shorter than before for half as many sweeps.
+/// When Algorithm 2 is given up. The hits left get fewer geometrically, and what a sweep costs with them; a deep pile
+/// in an impact may have some left of a hundred thousand at the limit. The failsafe would merge those into clusters,
+/// and these with all that they push, a body a sweep. So from the limit on it is given up when the list of pairs was
+/// never shorter than before for half as many sweeps.
 class Patience {
   public:
     explicit Patience(int limit) : limit_(limit) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage 5, first part: dynamic contact (paper, section 4.1, Algorithm 2), as frozen sweeps (pair/ordered_sweep.hpp). Pairs that do
-// not resolve within their iterations are rigidified at the end of the sweep (section 4.2.1).
+// Stage 5, first part: dynamic contact (paper, section 4.1, Algorithm 2), as frozen sweeps (pair/ordered_sweep.hpp).
+// Pairs that do not resolve within their iterations are rigidified at the end of the sweep (section 4.2.1).
 #pragma once
 
 #include "pair/inelastic.hpp"

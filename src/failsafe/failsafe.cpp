@@ -37,9 +37,9 @@ class Failsafe {
     }
 
   private:
-    /// Clusters whose motion does not keep their members apart by itself need a proof for every pair of members, others for those
-    /// that are nearer than rounding can tell; without it a kinematic one becomes rigid and a rigid one is held
-    /// (step/certificate.hpp).
+    /// Clusters whose motion does not keep their members apart by itself need a proof for every pair of members, others
+    /// for those that are nearer than rounding can tell; without it a kinematic one becomes rigid and a rigid one is
+    /// held (step/certificate.hpp).
     void check_moved_clusters() {
         for (const std::int32_t c : data_.model.active) {
             while (data_.clusters[c].members.size() > 1 && data_.clusters[c].rung != Rung::held && !members_apart(c))
@@ -65,7 +65,8 @@ class Failsafe {
                !query(data_, data_.worker(0), record).hit;
     }
 
-    /// Whether a common motion that halves the distance of two bodies at most keeps it above the rounding of their coordinates.
+    /// Whether a common motion that halves the distance of two bodies at most keeps it above the rounding of their
+    /// coordinates.
     bool far_enough(std::int32_t a, std::int32_t b) {
         constexpr double kFloorPerError = 16, kShrinks = 2;
         const BodyMotion x = data_.trajectories.motion(at(a)), y = data_.trajectories.motion(at(b));
@@ -135,8 +136,8 @@ class Failsafe {
         }
     }
 
-    /// A script goes as far as what stands in its way, if that is anywhere, and where that is not proved either it stays at x^n. So it is
-    /// held twice at most.
+    /// A script goes as far as what stands in its way, if that is anywhere, and where that is not proved either it
+    /// stays at x^n. So it is held twice at most.
     void hold_script(std::int32_t body, std::int32_t victim, double toi) {
         constexpr double kOfWay = 0.9, kLeastShare = 1.0 / 64; // below it a body hardly moves, and queries cost as ever
         if (data_.trajectories.still(at(body))) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A coarse box in registers, two of four floats: the reference that the wide pack must equal bit for bit. Everything has internal
-// linkage (box_pack_avx2.hpp says why).
+// A coarse box in registers, two of four floats: the reference that the wide pack must equal bit for bit. Everything
+// has internal linkage (box_pack_avx2.hpp says why).
 #pragma once
 
 #include "geometry/coarse_box.hpp"

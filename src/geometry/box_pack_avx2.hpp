@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A coarse box in one register. Included only by files compiled for that instruction set; everything has internal linkage, so
-// that no inline function compiled here can replace the baseline one of another file at link time.
+// A coarse box in one register. Included only by files compiled for that instruction set; everything has internal
+// linkage, so that no inline function compiled here can replace the baseline one of another file at link time.
 #pragma once
 
 #include <immintrin.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Continuous collision detection of moving features with a minimum separation.
 //
-// A query is a vertex and a triangle (v, f0, f1, f2) or two edges (a0, a1, b0, b1); every point moves on a straight line from
-// x0 at t = 0 to x1 at t = 1. The answer "no hit" is a proof: the features stay farther apart than the separation at every
-// t in [0, 1], in exact arithmetic on the doubles given. Everything doubtful is a hit.
+// A query is a vertex and a triangle (v, f0, f1, f2) or two edges (a0, a1, b0, b1); every point moves on a straight
+// line from x0 at t = 0 to x1 at t = 1. The answer "no hit" is a proof: the features stay farther apart than the
+// separation at every t in [0, 1], in exact arithmetic on the doubles given. Everything doubtful is a hit.
 #pragma once
 
 #include <array>
@@ -41,9 +41,9 @@ struct CcdOptions {
 
 [[nodiscard]] CcdResult ccd(CcdKind kind, const CcdQuery& query, const CcdOptions& options);
 
-/// Does `direction` (from the second feature to the first, any length) alone prove the features farther apart than `separation`
-/// during the whole motion? A query costs a fifth of ccd(); false proves nothing. Directions kept from earlier answers are
-/// good witnesses for slow pairs.
+/// Does `direction` (from the second feature to the first, any length) alone prove the features farther apart than
+/// `separation` during the whole motion? A query costs a fifth of ccd(); false proves nothing. Directions kept from
+/// earlier answers are good witnesses for slow pairs.
 [[nodiscard]] bool certified_along(CcdKind kind, const CcdQuery& query, const Vec3& direction, double separation);
 
 /// Rounding allowance of a query whose largest coordinate difference between the features is w (metres): distances are
@@ -52,7 +52,8 @@ struct CcdOptions {
 
 /// Instruction sets of the wide kernels. All of them, and the scalar code, give the same bits.
 enum class Isa : std::uint8_t { scalar, avx2, avx512 };
-/// The widest instruction set that this processor has, or what the variable FLOTILLA_SIMD allows: scalar, avx2 or avx512. Looked up once.
+/// The widest instruction set that this processor has, or what the variable FLOTILLA_SIMD allows: scalar, avx2 or
+/// avx512. Looked up once.
 [[nodiscard]] Isa best_isa();
 
 /// results[i] = ccd(kind, queries[i], options), several queries at a time. Sizes must agree.

@@ -47,8 +47,8 @@ Roots turning_points(const Cubic& c) {
     return roots;
 }
 
-/// The root between low and high, where the cubic has opposite signs, by bisection: to the last bit, or to 2^-60 where the
-/// root is smaller than that.
+/// The root between low and high, where the cubic has opposite signs, by bisection: to the last bit, or to 2^-60 where
+/// the root is smaller than that.
 double bracketed_root(const Cubic& c, double low, double high) {
     const bool rising = evaluate(c, low) < 0;
     for (;;) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How near two moving features come: bounds of their minimum distance over a step, to judge a CCD by. Slow and exhaustive.
+// How near two moving features come: bounds of their minimum distance over a step, to judge a CCD by. Slow and
+// exhaustive.
 #pragma once
 
 #include <limits>
@@ -20,11 +21,11 @@ struct DistanceGoal {
     int budget = 1'000'000;                                 ///< evaluations used up; the bounds hold all the same
 };
 
-/// Branch and bound on t. Every interval gets an upper bound, the distance at its middle, and a lower one: for a unit vector d
-/// the distance is at least d . w for every difference w of points of the two features, each d . w of corner points is linear
-/// in t, and convex combinations of the corners are the whole features. d is the closest direction at the middle; a poor d
-/// costs evaluations, never truth. Both bounds are widened by 64 u M (M: largest coordinate), more than all roundings of an
-/// evaluation together. Precondition: finite coordinates below 1e150 m.
+/// Branch and bound on t. Every interval gets an upper bound, the distance at its middle, and a lower one: for a unit
+/// vector d the distance is at least d . w for every difference w of points of the two features, each d . w of corner
+/// points is linear in t, and convex combinations of the corners are the whole features. d is the closest direction at
+/// the middle; a poor d costs evaluations, never truth. Both bounds are widened by 64 u M (M: largest coordinate), more
+/// than all roundings of an evaluation together. Precondition: finite coordinates below 1e150 m.
 [[nodiscard]] DistanceBounds sweep_distance(CcdKind kind, const CcdQuery& query, const DistanceGoal& goal);
 
 } // namespace flotilla

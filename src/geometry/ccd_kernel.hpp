@@ -4,32 +4,33 @@
 // Idea: conservative advancement (Mirtich 1996) with a direction in place of a bound on the speed. With
 //     w_k(t) = p(t) - f_k(t), k = 1..3        (vertex p, triangle f)
 //     w_k(t) = a_i(t) - b_j(t), k = (i, j)    (edges a, b)
-// the vector between any point of the one feature and any point of the other is a convex combination of the w_k(t). So for
-// any vector d the features are at least min_k d.w_k(t) / |d| apart, and each d.w_k is LINEAR in t: g_k(t) = (1-t) g_k0 +
-// t g_k1. At time t take d towards the closest points, advance to the first t' at which some g_k falls to the separation,
-// repeat. Every interval advanced over is proved; how good d is decides only how many iterations it takes and how many
-// misses are reported as hits. Comparisons are written so that NaN means "not proved".
+// the vector between any point of the one feature and any point of the other is a convex combination of the w_k(t). So
+// for any vector d the features are at least min_k d.w_k(t) / |d| apart, and each d.w_k is LINEAR in t: g_k(t) = (1-t)
+// g_k0 + t g_k1. At time t take d towards the closest points, advance to the first t' at which some g_k falls to the
+// separation, repeat. Every interval advanced over is proved; how good d is decides only how many iterations it takes
+// and how many misses are reported as hits. Comparisons are written so that NaN means "not proved".
 //
 // The vector d is used as it comes, without normalising: the test is g_k >= (separation) |d|.
 //
-// Rounding. u = 2^-53; W = max |component of any w_k(0), w_k(1)|; the coordinates given are exact, so only differences of them
-// enter, and the bound does not grow with the distance from the origin. Write G for exact and g for computed values of d.w_k
-// at t = 0 and t = 1, where d is the computed (and from then on exact) vector; l for the computed |d|, s for the separation.
+// Rounding. u = 2^-53; W = max |component of any w_k(0), w_k(1)|; the coordinates given are exact, so only differences
+// of them enter, and the bound does not grow with the distance from the origin. Write G for exact and g for computed
+// values of d.w_k at t = 0 and t = 1, where d is the computed (and from then on exact) vector; l for the computed |d|,
+// s for the separation.
 //  (1) l = |d| (1 + e), |e| <= 2.6u: a sum of squares (relative error 3u) under a root (half of it, plus u).
-//  (2) |g - G| <= 7.1 u W |d|: each component of w is off by at most u W and |d|_1 <= sqrt(3) |d|, which gives 1.74 u W |d|;
-//      three products and two sums give 3.01u sum |d_i w_i| <= 3.01u |d| |w| <= 5.3 u W |d|.
-//  (3) The value at t is tested as g0 + t (g1 - g0) >= h l, h = s + err. |g| <= 1.74 W |d|, so the difference and the product
-//      are off by at most 3.5 u W |d| each and the sum by 1.75 u W |d|: 8.8 u W |d| together.
+//  (2) |g - G| <= 7.1 u W |d|: each component of w is off by at most u W and |d|_1 <= sqrt(3) |d|, which gives 1.74 u W
+//      |d|; three products and two sums give 3.01u sum |d_i w_i| <= 3.01u |d| |w| <= 5.3 u W |d|.
+//  (3) The value at t is tested as g0 + t (g1 - g0) >= h l, h = s + err. |g| <= 1.74 W |d|, so the difference and the
+//      product are off by at most 3.5 u W |d| each and the sum by 1.75 u W |d|: 8.8 u W |d| together.
 //  (4) A falling line reaches h l at t' = (g0 - h l)/(g0 - g1), computed to a relative 3.1u, which moves the value by
 //      3.1u (g0 - h l) <= 5.4 u W |d|. A line with g1 >= h l and a value >= h l at t stays so up to t = 1.
 //  (5) h and its product with l are off by a relative 4.7u, and h <= 1.75 W wherever anything is proved: 8.3 u W |d|.
-// On an interval whose ends were found by (3) and (4) the exact distance is thus at least s + err - (7.1 + 8.8 + 8.3) u W >
-// s + err - 25 u W. With err = 64 u 2^ceil(log2 W) + tiny this exceeds s strictly, with more than half of err to spare. Tiny
-// covers underflow: |d| > 2^-250, so tiny |d| > 2^-1050, above the sum of all underflow errors. Queries with W > 2^80 are hits;
-// nothing overflows in what is left.
+// On an interval whose ends were found by (3) and (4) the exact distance is thus at least s + err - (7.1 + 8.8 + 8.3) u
+// W > s + err - 25 u W. With err = 64 u 2^ceil(log2 W) + tiny this exceeds s strictly, with more than half of err to
+// spare. Tiny covers underflow: |d| > 2^-250, so tiny |d| > 2^-1050, above the sum of all underflow errors. Queries
+// with W > 2^80 are hits; nothing overflows in what is left.
 //
-// W here replaces the largest coordinate M of the plain bound (W <= 2M): as good near the origin, and much tighter for small
-// features far away from it.
+// W here replaces the largest coordinate M of the plain bound (W <= 2M): as good near the origin, and much tighter for
+// small features far away from it.
 #pragma once
 
 #include <cstddef>
@@ -125,8 +126,8 @@ struct Candidate {
     P square;
 };
 
-/// The shortest vector of the segment from w along e. A zero e has an infinite inv_ee, whose product with the zero beside it is
-/// NaN, which max() turns into t = 0. kNormal: made normal to e once more where it should be.
+/// The shortest vector of the segment from w along e. A zero e has an infinite inv_ee, whose product with the zero
+/// beside it is NaN, which max() turns into t = 0. kNormal: made normal to e once more where it should be.
 template <bool kNormal, class P>
 inline Candidate<P> shortest_of_segment(const PackVec<P>& w, const PackVec<P>& e, P inv_ee) {
     const P zero = P::all(0);
@@ -180,8 +181,9 @@ inline P products(const PackVec<P>& d, const PackVec<P> (&w)[kCount], P (&g)[kCo
 }
 
 /// The better of two candidates, the closest boundary point and the normal of the hull's plane: that with the larger
-/// min_k d.w_k / |d|. In exact arithmetic one of them is the closest point of the hull, which maximises it; choosing by the
-/// proved gap itself keeps needles and parallel edges, whose normals are noise, harmless. Also returns the products d.w_k.
+/// min_k d.w_k / |d|. In exact arithmetic one of them is the closest point of the hull, which maximises it; choosing by
+/// the proved gap itself keeps needles and parallel edges, whose normals are noise, harmless. Also returns the products
+/// d.w_k.
 template <bool kNormal, class P, std::size_t kCount>
 inline Candidate<P> separating_direction(const PackVec<P> (&w)[kCount], P (&g)[kCount]) {
     const P zero = P::all(0);
@@ -317,7 +319,8 @@ inline Verdict<P> judge(const Advance<P, kCount>& a, P err, unsigned in_range, c
     unsigned opening = 0;
     if (kAtStart && wanted.relaxed) {
         opening = valid & mask_bits(mask_and(err * a.length <= a.least, err * a.length <= least_rise(a)));
-        // At twice the separation start_separation() leaves it as it is, and rounding has room: most are spared the division.
+        // At twice the separation start_separation() leaves it as it is, and rounding has room: most are spared the
+        // division.
         const P far = ((state.separation + err) + (state.separation + err)) * a.length;
         if (mask_bits(far <= a.least) != kAll)
             out.separation = start_separation(a.least / a.length - err, err, state.separation);
@@ -337,8 +340,9 @@ inline Verdict<P> judge(const Advance<P, kCount>& a, P err, unsigned in_range, c
     return out;
 }
 
-/// Where rounding has more slack than the separation, it may be why lanes stopped: of features a nanometre apart and metres long, the
-/// shortest vector to an edge of the hull is normal to it as to 1e-6 rad, and the far end of the edge comes out beyond.
+/// Where rounding has more slack than the separation, it may be why lanes stopped: of features a nanometre apart and
+/// metres long, the shortest vector to an edge of the hull is normal to it as to 1e-6 rad, and the far end of the edge
+/// comes out beyond.
 template <bool kAtStart, CcdKind kKind, class P, std::size_t kCount>
 inline void look_closely(const Differences<P, kKind>& x, P err, unsigned in_range, const Wanted& wanted,
                          const Progress<P>& state, Advance<P, kCount>& a, Verdict<P>& verdict) {
@@ -406,8 +410,8 @@ inline Loaded<P, kKind> load(const Queries<P>& queries) {
     return out;
 }
 
-/// The first iteration of the active lanes. Writes the results of the lanes that finish and returns the bits of those that do
-/// not.
+/// The first iteration of the active lanes. Writes the results of the lanes that finish and returns the bits of those
+/// that do not.
 template <CcdKind kKind, class P>
 inline unsigned begin(const Loaded<P, kKind>& x, const Wanted& wanted, Progress<P>& state, unsigned active,
                       CcdResult* const* results) {
@@ -488,9 +492,9 @@ inline void begin_pack(const Lanes<P, Source>& lanes, const Wanted& wanted, doub
     }
 }
 
-/// At most kBlock queries, P::kWidth at a time: one iteration for everybody (that settles nearly all misses), then the survivors
-/// packed together until they are done. A lane's arithmetic never depends on its neighbours. Flattened: a pack handed to a
-/// function travels through memory (a sixth of the time).
+/// At most kBlock queries, P::kWidth at a time: one iteration for everybody (that settles nearly all misses), then the
+/// survivors packed together until they are done. A lane's arithmetic never depends on its neighbours. Flattened: a
+/// pack handed to a function travels through memory (a sixth of the time).
 template <CcdKind kKind, class P, class Source>
 [[gnu::flatten]] inline void run_block(const Source& source, int count, double separation, const Wanted& wanted,
                                        CcdResult* results) {

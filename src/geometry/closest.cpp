@@ -19,8 +19,9 @@ double segment_parameter(const Vec3& p, const Vec3& a, const Vec3& e) {
 } // namespace
 
 VertexTriangleClosest closest_vertex_triangle(const Vec3& v, const Vec3& f0, const Vec3& f1, const Vec3& f2) {
-    // The nearest point is interior to the face or on one of the three edges. The edges are always right; the face is taken
-    // only where the foot of the perpendicular lies inside and comes out nearer, so a needle's useless normal does no harm.
+    // The nearest point is interior to the face or on one of the three edges. The edges are always right; the face is
+    // taken only where the foot of the perpendicular lies inside and comes out nearer, so a needle's useless normal
+    // does no harm.
     const std::array<const Vec3*, 3> f{&f0, &f1, &f2};
     VertexTriangleClosest best{{1, 0, 0}, f0, length_sq(v - f0)};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -105,11 +106,11 @@ TriangleTriangleClosest closest_triangle_triangle(const std::array<Vec3, 3>& a, 
 }
 
 Vec3 direction_between(const Vec3& d, double largest, const Vec3& e, const Vec3& f) {
-    // Closest points are off by a few units of 2^-53 of the largest coordinate: nearer than kNear, their difference by 2^-37 rad or more,
-    // which an exact contact solve takes for real (kOfSpeed). Two walls close beside a body then make a wedge that holds it. The floor of
-    // the CCD is 8 times kRounding.
-    // Besides, squares of distances do not tell a foot beside an edge from the edge, and the point of the edge is taken for
-    // closest; that turns d by the root of what they are rounded by.
+    // Closest points are off by a few units of 2^-53 of the largest coordinate: nearer than kNear, their difference by
+    // 2^-37 rad or more, which an exact contact solve takes for real (kOfSpeed). Two walls close beside a body then
+    // make a wedge that holds it. The floor of the CCD is 8 times kRounding.
+    // Besides, squares of distances do not tell a foot beside an edge from the edge, and the point of the edge is taken
+    // for closest; that turns d by the root of what they are rounded by.
     constexpr double kNear = 0x1p-16, kRounding = 0x1p-46, kOfSquares = 0x1p-34;
     const double square = length_sq(d), near = kNear * largest, rounding = kRounding * largest;
     if (!(square < near * near)) return normalized(d);

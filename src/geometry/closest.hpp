@@ -23,8 +23,8 @@ struct EdgeEdgeClosest {
     double distance_sq; ///< |p - q|^2, m^2
 };
 
-/// Closest points of two triangles. Where they intersect the distance is zero and p = q is one common point, up to rounding:
-/// the exact answer to "do they intersect" is geometry/exact's.
+/// Closest points of two triangles. Where they intersect the distance is zero and p = q is one common point, up to
+/// rounding: the exact answer to "do they intersect" is geometry/exact's.
 struct TriangleTriangleClosest {
     Vec3 p, q; ///< on the first, on the second
     double distance_sq;
@@ -37,9 +37,10 @@ struct TriangleTriangleClosest {
 [[nodiscard]] TriangleTriangleClosest closest_triangle_triangle(const std::array<Vec3, 3>& a,
                                                                 const std::array<Vec3, 3>& b);
 
-/// The direction of `d`, the difference of the closest points of a vertex and a face with the edges e and f, or of the edges e and f. Of
-/// points much nearer to each other than to the origin it is that of rounding: then that of the features' common normal, where d is normal
-/// to them but for rounding. `largest`: no coordinate of the corners is larger.
+/// The direction of `d`, the difference of the closest points of a vertex and a face with the edges e and f, or of the
+/// edges e and f. Of points much nearer to each other than to the origin it is that of rounding: then that of the
+/// features' common normal, where d is normal to them but for rounding. `largest`: no coordinate of the corners is
+/// larger.
 [[nodiscard]] Vec3 direction_between(const Vec3& d, double largest, const Vec3& e, const Vec3& f);
 
 } // namespace flotilla

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Boxes in single precision, rounded outwards: half the memory of Box and a test of two moving ones in a dozen instructions.
-// They only rule out; whatever they let through is decided in double precision.
+// Boxes in single precision, rounded outwards: half the memory of Box and a test of two moving ones in a dozen
+// instructions. They only rule out; whatever they let through is decided in double precision.
 //
-// A box is stored as (lower, -upper). So the smallest box around two is one minimum, and the six gaps of two boxes are two sums:
-// a.lower + b.neg_upper holds a.lower - b.upper along x, y and z.
+// A box is stored as (lower, -upper). So the smallest box around two is one minimum, and the six gaps of two boxes are
+// two sums: a.lower + b.neg_upper holds a.lower - b.upper along x, y and z.
 //
-// What rounding can do (e = 2^-24; all coordinates have magnitude at most M, see moving_box.hpp for the argument in double):
-//  1. The stored bounds hold the points exactly: a coordinate's nearest float f is at most e |f| away, and both bounds are moved
-//     out by 4 e |f|, two of which survive the rounding of that move.
-//  2. A gap is the rounded sum of two stored bounds, so it exceeds the exact gap by at most 2 e M. CoarseReach adds 16 e M to the
-//     distance asked for: where gap > reach at both ends, the bodies stay farther apart than that distance.
-//  3. The root of the line through gap - reach at both ends is found with a relative error of 4 e at most, and lies in [0, 1]:
-//     kCoarseTimeSlack = 8 e covers it.
+// What rounding can do (e = 2^-24; all coordinates have magnitude at most M, see moving_box.hpp for the argument in
+// double):
+//  1. The stored bounds hold the points exactly: a coordinate's nearest float f is at most e |f| away, and both bounds
+//     are moved out by 4 e |f|, two of which survive the rounding of that move.
+//  2. A gap is the rounded sum of two stored bounds, so it exceeds the exact gap by at most 2 e M. CoarseReach adds 16
+//     e M to the distance asked for: where gap > reach at both ends, the bodies stay farther apart than that distance.
+//  3. The root of the line through gap - reach at both ends is found with a relative error of 4 e at most, and lies in
+//     [0, 1]: kCoarseTimeSlack = 8 e covers it.
 // Coordinates beyond the range of float give infinities, their differences NaN, and NaN means overlap.
 #pragma once
 
@@ -79,8 +80,9 @@ inline bool coarse_overlap(const CoarseBox& a, const CoarseBox& b, const CoarseR
     return !any((load4(a.lower) + load4(b.neg_upper) > r) | (load4(b.lower) + load4(a.neg_upper) > r));
 }
 
-/// Whether two moving boxes come within a distance that goes from `reach0` to `reach1`, linearly, at some t in [0, t_max].
-/// `entry_time` becomes a lower bound of the first, in [0, 1], if they do. `slack` is at least kCoarseTimeSlack.
+/// Whether two moving boxes come within a distance that goes from `reach0` to `reach1`, linearly, at some t in [0,
+/// t_max]. `entry_time` becomes a lower bound of the first, in [0, 1], if they do. `slack` is at least
+/// kCoarseTimeSlack.
 inline bool coarse_overlap(const MovingCoarseBox& a, const MovingCoarseBox& b, const CoarseReach& reach0,
                            const CoarseReach& reach1, float& entry_time, float t_max = 1,
                            float slack = kCoarseTimeSlack) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Four floats side by side. SSE2 is part of baseline x86-64; elsewhere plain code with the same results, bit for bit. Every
-// operation is the IEEE one per lane; larger() and smaller() return their second argument where a lane holds a NaN.
+// Four floats side by side. SSE2 is part of baseline x86-64; elsewhere plain code with the same results, bit for bit.
+// Every operation is the IEEE one per lane; larger() and smaller() return their second argument where a lane holds a
+// NaN.
 #pragma once
 
 #if defined(__SSE2__)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Four lanes of AVX2. Included only by files compiled for that instruction set; everything has internal linkage, so that no
-// inline function compiled here can replace the baseline one of another file at link time.
+// Four lanes of AVX2. Included only by files compiled for that instruction set; everything has internal linkage, so
+// that no inline function compiled here can replace the baseline one of another file at link time.
 #pragma once
 
 #include <immintrin.h>

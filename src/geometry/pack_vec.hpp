@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Three-component vectors of packs, for kernels written once for every vector width. The sums are those of vec3.hpp, lane
-// by lane. Include after a pack header; like the packs, everything has internal linkage.
+// Three-component vectors of packs, for kernels written once for every vector width. The sums are those of vec3.hpp,
+// lane by lane. Include after a pack header; like the packs, everything has internal linkage.
 #pragma once
 
 namespace flotilla {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The plane test of feature pairs, written once for every vector width.
 //
-// With n = e x f the features lie in planes n . x = const, |n . w| / |n| apart, w being any vector between them: (e, f) are two
-// edges of the face, or the two edges. The factor on the distance is far above the rounding of either side as long as n is more than
-// noise, which the sine of the angle between e and f tells.
+// With n = e x f the features lie in planes n . x = const, |n . w| / |n| apart, w being any vector between them: (e, f)
+// are two edges of the face, or the two edges. The factor on the distance is far above the rounding of either side as
+// long as n is more than noise, which the sine of the angle between e and f tells.
 #pragma once
 
 #include "geometry/corner_pack.hpp"

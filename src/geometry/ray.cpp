@@ -8,8 +8,8 @@ namespace flotilla {
 
 namespace {
 
-// Of the height of a point over a triangle's plane, times the triangle's edges: the corners' own rounding moves the plane by a few
-// u M (M: largest coordinate), cross and dot products add as much.
+// Of the height of a point over a triangle's plane, times the triangle's edges: the corners' own rounding moves the
+// plane by a few u M (M: largest coordinate), cross and dot products add as much.
 constexpr double kHeightNoise = 0x1p-46; // 128 u
 
 } // namespace

@@ -10,8 +10,8 @@
 namespace flotilla {
 namespace {
 
-// Coordinates and directions are rounded once (2^-24 of each), products once, sums twice: five roundings of terms that sum up to |p| at
-// most, in magnitude. Beyond the limits products overflow, or lose bits below the least normal number.
+// Coordinates and directions are rounded once (2^-24 of each), products once, sums twice: five roundings of terms that
+// sum up to |p| at most, in magnitude. Beyond the limits products overflow, or lose bits below the least normal number.
 constexpr double kError = 0x1p-21;
 constexpr double kLargest = 0x1p60, kSmallest = 0x1p-60;
 constexpr std::size_t kMost = std::size_t{1} << 24; // places are counted in floats

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How far a set of points reaches in a direction, in single precision: for bounds that cost little and know their error.
+// How far a set of points reaches in a direction, in single precision: for bounds that cost little and know their
+// error.
 #pragma once
 
 #include <span>
@@ -13,7 +14,8 @@ struct alignas(16) FourPoints {
     float x[4], y[4], z[4]; ///< m
 };
 
-/// Four side by side; the last one fills what is left over. None where they are too large or too small for single precision.
+/// Four side by side; the last one fills what is left over. None where they are too large or too small for single
+/// precision.
 struct SupportPoints {
     std::vector<FourPoints> fours;
     double error = 0; ///< m, more than what any reach() is off

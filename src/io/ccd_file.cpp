@@ -52,7 +52,8 @@ std::vector<std::string_view> split_fields(std::string_view line) {
 double parse_number(std::string_view text, const Place& place, const char* what) {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    // from_chars refuses numbers beyond the range of double, at both ends, instead of rounding them to infinity or zero.
+    // from_chars refuses numbers beyond the range of double, at both ends, instead of rounding them to infinity or
+    // zero.
     if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
         place.fail(std::string(what) + " is not a finite number: '" + std::string(text) + "'");
     return value;

@@ -24,8 +24,8 @@ struct Checkpoint {
     std::vector<std::string> warnings; ///< newer checkpoints that were damaged and passed over
 };
 
-/// Writes checkpoint-<step>.h5 durably, then removes all but the newest two. RunWriter::flush comes first: a checkpoint may
-/// not be newer than the frames.
+/// Writes checkpoint-<step>.h5 durably, then removes all but the newest two. RunWriter::flush comes first: a checkpoint
+/// may not be newer than the frames.
 void write_checkpoint(const std::filesystem::path& folder, std::int64_t step, std::span<const std::byte> state,
                       std::span<const CheckpointArray> arrays = {});
 

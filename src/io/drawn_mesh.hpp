@@ -6,12 +6,12 @@
 
 namespace flotilla::io {
 
-/// The mesh with tubes for its segments and balls for its points and where segments meet, m thick from the middle. Vertices and triangles
-/// that were there keep their numbers, segments and points among them too.
+/// The mesh with tubes for its segments and balls for its points and where segments meet, m thick from the middle.
+/// Vertices and triangles that were there keep their numbers, segments and points among them too.
 [[nodiscard]] TriangleMesh drawn_mesh(const TriangleMesh& mesh, double radius);
 
-/// The radius for a shape whose bounding sphere has `size` as diameter, m: the distance at which bodies of that size rest, so that what rests
-/// on each other seems to touch.
+/// The radius for a shape whose bounding sphere has `size` as diameter, m: the distance at which bodies of that size
+/// rest, so that what rests on each other seems to touch.
 [[nodiscard]] double drawn_radius(double size);
 
 /// Whether there is anything of that kind.

@@ -31,8 +31,8 @@ class Glb {
   public:
     Json json;
 
-    /// Appends values to the binary chunk; returns the accessor's index. `type` is SCALAR, VEC3 or VEC4, `target` 0 for data
-    /// that is no vertex attribute. Minimum and maximum are written where the specification wants them.
+    /// Appends values to the binary chunk; returns the accessor's index. `type` is SCALAR, VEC3 or VEC4, `target` 0 for
+    /// data that is no vertex attribute. Minimum and maximum are written where the specification wants them.
     template <typename T>
     std::size_t add(std::span<const T> values, const std::string& type, int target, bool bounds) {
         const std::size_t width = type == "SCALAR" ? 1 : type == "VEC3" ? 3 : 4;

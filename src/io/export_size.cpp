@@ -70,7 +70,8 @@ Features of_bodies(const RunScene& scene) {
     return all;
 }
 
-// Bodies differ: what is fixed, sleeps or was never turned has few digits, anything else all that read back to the same number.
+// Bodies differ: what is fixed, sleeps or was never turned has few digits, anything else all that read back to the same
+// number.
 
 double csv_frame(const RunScene& scene, const Frame& frame) {
     std::vector<std::string> names;
@@ -115,7 +116,8 @@ double faces(const RunScene& scene, const Features& features) {
     return features.triangles * (2 + 3 * (digits + 1));
 }
 
-/// A node in JSON for each body, and where its position or its rotation changes a track: JSON, and 4 bytes a number and frame.
+/// A node in JSON for each body, and where its position or its rotation changes a track: JSON, and 4 bytes a number and
+/// frame.
 double glb_bodies(const Samples& samples) {
     constexpr double kNode = 60, kTrack = 260;
     const auto frames = static_cast<double>(samples.count);

@@ -99,7 +99,8 @@ std::string instances(const RunScene& scene) {
            " (\n            interpolation = \"vertex\"\n        )\n";
 }
 
-/// One attribute over all frames. The file has attribute after attribute, so that a run is read once for each and never held.
+/// One attribute over all frames. The file has attribute after attribute, so that a run is read once for each and never
+/// held.
 template <class Values>
 void write_samples(RunReader& run, const FrameRange& range, OutputStream& out, const std::string& attribute,
                    Values values) {

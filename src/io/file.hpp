@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whole files, read and written so that a crash, a full disk or a power cut leaves the old content or the new one, never a
-// mixture. Every failure is an IoError that names the path and carries the system's own text.
+// Whole files, read and written so that a crash, a full disk or a power cut leaves the old content or the new one,
+// never a mixture. Every failure is an IoError that names the path and carries the system's own text.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ namespace flotilla::io {
 [[nodiscard]] std::vector<std::byte> read_file(const std::filesystem::path& path);
 [[nodiscard]] std::string read_text(const std::filesystem::path& path);
 
-/// Writes beside `path` under a temporary name, syncs, renames over `path`, syncs the folder. On failure the temporary file
-/// is removed and `path` is as it was.
+/// Writes beside `path` under a temporary name, syncs, renames over `path`, syncs the folder. On failure the temporary
+/// file is removed and `path` is as it was.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_file(const std::filesystem::path& path, std::string_view text);
 
@@ -31,10 +31,12 @@ void sync_folder(const std::filesystem::path& folder);
 /// Creates the folder and its parents where they are missing.
 void create_folder(const std::filesystem::path& folder);
 
-/// Keeps other processes from writing into a folder while it lives; the system gives it up with the process, however that ends.
+/// Keeps other processes from writing into a folder while it lives; the system gives it up with the process, however
+/// that ends.
 class FolderLock {
   public:
-    /// IoError where another process (or another lock of this one) has it. File systems without locks are left unlocked.
+    /// IoError where another process (or another lock of this one) has it. File systems without locks are left
+    /// unlocked.
     explicit FolderLock(const std::filesystem::path& folder);
     ~FolderLock();
     FolderLock(const FolderLock&) = delete;

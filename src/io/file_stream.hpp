@@ -39,7 +39,8 @@ class OutputStream {
     std::string buffer_;
 };
 
-/// Reads plain and compressed files alike, whatever the name. Damage of a compressed file is an IoError, thrown while reading.
+/// Reads plain and compressed files alike, whatever the name. Damage of a compressed file is an IoError, thrown while
+/// reading.
 class InputStream {
   public:
     explicit InputStream(const std::filesystem::path& path);

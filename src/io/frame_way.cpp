@@ -12,7 +12,8 @@
 namespace flotilla::io {
 namespace {
 
-/// Below this angle (rad) the shortest arc between two rounded rotations is the turn; nearer to pi it could be its complement.
+/// Below this angle (rad) the shortest arc between two rounded rotations is the turn; nearer to pi it could be its
+/// complement.
 constexpr double kLargestShortArc = 3.0;
 
 void append(std::vector<double>& to, std::span<const double> values) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What bodies did between two frames, where a step is made of inner ones (Settings::substeps).
 //
-// Segments of runs with a frame a step then have, float64: way_position [frames][inner][bodies][3] and way_rotation [..][4] as those of
-// frames, at the ends of all inner steps but the last, which ends at the frame; way_checksum [frames] over a frame's part of all that
-// is said here. The path in an inner step is as that between two frames of a run without inner steps: the rows of way_index [rows][2]
-// (frame in the segment, inner step times bodies plus body) have their w in way_turn [rows][3] (rad); all others took the shortest arc.
-// The last inner step's are in path_index. Before the run's first frame nothing moved.
+// Segments of runs with a frame a step then have, float64: way_position [frames][inner][bodies][3] and way_rotation
+// [..][4] as those of frames, at the ends of all inner steps but the last, which ends at the frame; way_checksum
+// [frames] over a frame's part of all that is said here. The path in an inner step is as that between two frames of a
+// run without inner steps: the rows of way_index [rows][2] (frame in the segment, inner step times bodies plus body)
+// have their w in way_turn [rows][3] (rad); all others took the shortest arc. The last inner step's are in path_index.
+// Before the run's first frame nothing moved.
 #pragma once
 
 #include <cstdint>

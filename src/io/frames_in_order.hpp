@@ -9,7 +9,8 @@
 
 namespace flotilla::io {
 
-/// use(make(frame), k) for the frames k of the range: read and used in order, made into something else side by side in between.
+/// use(make(frame), k) for the frames k of the range: read and used in order, made into something else side by side in
+/// between.
 template <class Make, class Use>
 void frames_in_order(RunReader& run, const FrameRange& range, Make&& make, Use&& use) {
     const auto frame_of = [&](std::size_t i) { return range.first + range.every * static_cast<std::int64_t>(i); };

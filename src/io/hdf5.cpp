@@ -85,8 +85,8 @@ hid_t type_of<std::uint8_t>() {
     return H5T_NATIVE_UINT8;
 }
 
-/// Strings have a fixed size, padded with zeros. Those of variable size live in a heap without checksums, and damage there
-/// crashes the library.
+/// Strings have a fixed size, padded with zeros. Those of variable size live in a heap without checksums, and damage
+/// there crashes the library.
 Id string_type(std::size_t size) {
     const Id type(H5Tcopy(H5T_C_S1), H5Tclose);
     H5Tset_size(type.get(), std::max<std::size_t>(size, 1));
@@ -100,9 +100,9 @@ void require(bool ok, const std::string& what) {
     if (!ok) throw IoError("HDF5 could not write " + what + " (out of memory?)");
 }
 
-/// The library does not survive memory that is refused: it follows pointers that it did not get (H5AC_create, 1.10.8) or cannot close its
-/// files any more. So what a call may need is asked for here, all at once, and given back: refused, nothing has begun. `data`: bytes, of
-/// the image and of what is added to it.
+/// The library does not survive memory that is refused: it follows pointers that it did not get (H5AC_create, 1.10.8)
+/// or cannot close its files any more. So what a call may need is asked for here, all at once, and given back: refused,
+/// nothing has begun. `data`: bytes, of the image and of what is added to it.
 void ensure_memory(std::size_t data) {
     constexpr std::size_t kLibrary = std::size_t{4} << 20; // an open file and its caches take 1.8 MB
     constexpr std::size_t kCopies = 2;                     // a growing image is moved

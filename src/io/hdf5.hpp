@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// HDF5 files as byte images. HDF5 builds and reads images in memory only; the bytes go through io/file, so that a full disk
-// or an interrupted write is one kind of failure with one kind of message, and HDF5 never holds a file open.
+// HDF5 files as byte images. HDF5 builds and reads images in memory only; the bytes go through io/file, so that a full
+// disk or an interrupted write is one kind of failure with one kind of message, and HDF5 never holds a file open.
 // HDF5 itself is not safe against damaged files: with bits flipped in its metadata it crashes or never returns. So a
-// trailer behind the image, which HDF5 tools ignore, holds a checksum, and a file that does not match never reaches HDF5.
-// Datasets whose owner checks each row itself can be left out of it, so that damage there costs the row and not the file.
-// Debian's library is not thread-safe: every call here holds one lock of the process.
+// trailer behind the image, which HDF5 tools ignore, holds a checksum, and a file that does not match never reaches
+// HDF5. Datasets whose owner checks each row itself can be left out of it, so that damage there costs the row and not
+// the file. Debian's library is not thread-safe: every call here holds one lock of the process.
 #pragma once
 
 #include <cstddef>

@@ -34,8 +34,8 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
     return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
 
-// nlohmann's "[json.exception...] parse error at line 1, column 2: syntax error while parsing value - unexpected ..." without
-// the parts that are ours or nobody's.
+// nlohmann's "[json.exception...] parse error at line 1, column 2: syntax error while parsing value - unexpected ..."
+// without the parts that are ours or nobody's.
 std::string bare_reason(const std::string& what) {
     const std::size_t colon = what.find(": ");
     return what.starts_with("[json.exception.parse_error") && colon != std::string::npos ? what.substr(colon + 2)

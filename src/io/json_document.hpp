@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Strict JSON text: nlohmann's parser with what it leaves out, that is duplicate keys, line and column of numbers beyond
-// double's range, and a bound on nesting.
+// Strict JSON text: nlohmann's parser with what it leaves out, that is duplicate keys, line and column of numbers
+// beyond double's range, and a bound on nesting.
 #pragma once
 
 #include <new>
@@ -27,12 +27,12 @@ struct JsonPlace {
     [[nodiscard]] std::string text() const;
 };
 
-/// Parses `text`. Syntax errors end the reading ("line 3, column 7: ..."); every duplicate key up to there is reported too.
-/// Returns a discarded value after a syntax error.
+/// Parses `text`. Syntax errors end the reading ("line 3, column 7: ..."); every duplicate key up to there is reported
+/// too. Returns a discarded value after a syntax error.
 [[nodiscard]] Json parse_json(std::string_view text, ErrorList& errors);
 
-/// Memory for the end of a document, whose destructor lists what it destroys and ends the process where it gets none. Declared after the
-/// document, so that it is free when that goes; never touched before.
+/// Memory for the end of a document, whose destructor lists what it destroys and ends the process where it gets none.
+/// Declared after the document, so that it is free when that goes; never touched before.
 class MemoryForTheEnd {
   public:
     /// Of a document of so many characters: of what it holds, siblings along one path wait in the list at most.

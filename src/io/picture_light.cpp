@@ -118,8 +118,8 @@ class ShadowMap {
         find_highest();
     }
 
-    /// Share of the light that reaches a point. The point is lifted off its surface by 1.5 texels, which keeps a surface
-    /// seen at any slant out of its own shadow: the farthest of the four texels looked at is 1.41 away.
+    /// Share of the light that reaches a point. The point is lifted off its surface by 1.5 texels, which keeps a
+    /// surface seen at any slant out of its own shadow: the farthest of the four texels looked at is 1.41 away.
     [[nodiscard]] float visibility(const Surfel& s, float cosine, Jitter::Point jitter) const {
         Float3 p = s.position + (1.5F * texel_) * s.face_normal;
         float x = (dot(p, u_) - low_u_) * inv_texel_ - 0.5F, y = (dot(p, v_) - low_v_) * inv_texel_ - 0.5F;

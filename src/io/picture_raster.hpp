@@ -9,7 +9,8 @@
 
 namespace flotilla::picture {
 
-/// A projected vertex: pixel coordinates (sample i covers i .. i+1, its centre is i + 0.5) and the value to interpolate.
+/// A projected vertex: pixel coordinates (sample i covers i .. i+1, its centre is i + 0.5) and the value to
+/// interpolate.
 struct ScreenVertex {
     float x, y, value;
 };

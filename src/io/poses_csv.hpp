@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Trajectories as CSV: one row per body and frame, bodies numbered in scene order from 0, 17 significant digits. p is the position of the mesh's own origin, q rotates mesh coordinates into the world, v is the velocity of the
-// centre of mass.
+// Trajectories as CSV: one row per body and frame, bodies numbered in scene order from 0, 17 significant digits. p is
+// the position of the mesh's own origin, q rotates mesh coordinates into the world, v is the velocity of the centre of
+// mass.
 #pragma once
 
 #include <array>
@@ -23,14 +24,15 @@ struct Frame;
 /// The rows of one frame.
 [[nodiscard]] std::string poses_csv_rows(const Frame& frame, std::span<const std::string> names);
 
-/// Reads frame after frame, so that a file may be larger than memory. All problems are InputErrors "<file>:<line>: ...".
-/// Values may be nan or inf: whether a pose makes sense is the audit's question.
+/// Reads frame after frame, so that a file may be larger than memory. All problems are InputErrors "<file>:<line>:
+/// ...". Values may be nan or inf: whether a pose makes sense is the audit's question.
 class PosesCsvReader {
   public:
     /// `names` are the bodies of the scene that the file is about. IoError where the file cannot be opened.
     PosesCsvReader(const std::filesystem::path& path, std::vector<std::string> names);
 
-    /// The next frame. False at the end of the file. Within a frame rows may stand in any order; every body must be there.
+    /// The next frame. False at the end of the file. Within a frame rows may stand in any order; every body must be
+    /// there.
     [[nodiscard]] bool next(Frame& frame);
     /// Bytes read so far, and of the whole file: for progress.
     [[nodiscard]] std::uintmax_t position() const { return position_; }

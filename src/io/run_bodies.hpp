@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The bodies of a run whose World is edited: who is there after which step, and what may pass through what.
 //
-// A body of a run is one that its scene or an edit brought. Bodies that follow each other at one place of the World are different ones, so the
-// arrays of a run's frames have one column for each; what is not there lies at the origin and is marked as absent.
+// A body of a run is one that its scene or an edit brought. Bodies that follow each other at one place of the World are
+// different ones, so the arrays of a run's frames have one column for each; what is not there lies at the origin and is
+// marked as absent.
 #pragma once
 
 #include <cstdint>

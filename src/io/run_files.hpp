@@ -23,8 +23,8 @@ inline constexpr std::string_view kStepsCsv = "steps.csv";
 [[nodiscard]] std::string padded(std::int64_t value);
 [[nodiscard]] std::filesystem::path segment_path(const std::filesystem::path& folder, std::int64_t first,
                                                  std::int64_t last);
-/// The segments in the folder by their names, in frame order; where two overlap (a crash while one replaced the other) the
-/// longer one.
+/// The segments in the folder by their names, in frame order; where two overlap (a crash while one replaced the other)
+/// the longer one.
 [[nodiscard]] std::vector<SegmentFile> list_segments(const std::filesystem::path& folder);
 /// Everything in the folder that a run wrote, temporary files included; other people's files are not touched.
 void remove_run_files(const std::filesystem::path& folder);

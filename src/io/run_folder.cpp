@@ -153,8 +153,8 @@ std::string RunWriter::read_steps() const {
     return steps;
 }
 
-/// Removes the frames from `count` on, once those before are known to be there. A segment on both sides of the border goes back
-/// into the buffer and is replaced when the buffer is written; until then its file stays.
+/// Removes the frames from `count` on, once those before are known to be there. A segment on both sides of the border
+/// goes back into the buffer and is replaced when the buffer is written; until then its file stays.
 void RunWriter::keep_frames(RunReader& reader, std::int64_t count) {
     std::vector<fs::path> later;
     for (const auto& segment : list_segments(folder_)) {
@@ -224,7 +224,8 @@ void RunWriter::append_frame(const FrameView& frame, std::span<const PathRotatio
     checksums_.push_back(frame_checksum(frame, path));
 }
 
-/// A segment has the activity of all its frames or of none: a run that older versions began goes on without it until the next segment.
+/// A segment has the activity of all its frames or of none: a run that older versions began goes on without it until
+/// the next segment.
 void RunWriter::append_activity(const ActivityView& activity) {
     if (activity.contacts.size() != bodies_ || activity_checksums_.size() != steps_.size()) return;
     append(activity_.contacts, activity.contacts);

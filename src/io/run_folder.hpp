@@ -9,16 +9,17 @@
 //   checkpoint-S.h5   everything needed to go on after step S (io/checkpoint)
 // Every file but steps.csv is written beside its place, synced and renamed, so that a crash leaves whole files only.
 //
-// A segment holds, float64: position [frames][bodies][3] of the mesh's origin (m), rotation [..][4] as w x y z, velocity
-// [..][3] of the centre of mass (m/s), angular_velocity [..][3] (rad/s); step [frames], time [frames] (s), and
+// A segment holds, float64: position [frames][bodies][3] of the mesh's origin (m), rotation [..][4] as w x y z,
+// velocity [..][3] of the centre of mass (m/s), angular_velocity [..][3] (rad/s); step [frames], time [frames] (s), and
 // checksum [frames] over all of a frame's values, so that one flipped bit costs one frame and is never taken for data.
-// Runs of the solver also have what the step that ended at the frame did with each body, [frames][bodies]: contacts, uint16, contact
-// points of the body; cluster, uint8, 0 free, 1 kinematic, 2 rigid, 3 held by the failsafe, 4 asleep, 255 not there (io/run_bodies.hpp); cost,
-// uint16, how often the step set the body's end state (the counts end at 65535); and activity_checksum [frames] over these. A segment has all four or none.
-// The path of a body between two frames one step apart is its centre of mass on a straight line and the orientation R(t w) q.
-// w is the shortest arc between the two stored rotations, except for the rows of path_index [rows][2] (frame in the segment,
-// body): their w is in path_rotation [rows][3] (rad). Only bodies that turn by nearly half a turn in one step have a row. Where a step is
-// made of inner ones this is the path in the last of them, and what came before is in io/frame_way.hpp.
+// Runs of the solver also have what the step that ended at the frame did with each body, [frames][bodies]: contacts,
+// uint16, contact points of the body; cluster, uint8, 0 free, 1 kinematic, 2 rigid, 3 held by the failsafe, 4 asleep,
+// 255 not there (io/run_bodies.hpp); cost, uint16, how often the step set the body's end state (the counts end at
+// 65535); and activity_checksum [frames] over these. A segment has all four or none. The path of a body between two
+// frames one step apart is its centre of mass on a straight line and the orientation R(t w) q. w is the shortest arc
+// between the two stored rotations, except for the rows of path_index [rows][2] (frame in the segment, body): their w
+// is in path_rotation [rows][3] (rad). Only bodies that turn by nearly half a turn in one step have a row. Where a step
+// is made of inner ones this is the path in the last of them, and what came before is in io/frame_way.hpp.
 #pragma once
 
 #include <cstdint>
@@ -130,7 +131,8 @@ struct Frame {
     [[nodiscard]] bool absent(std::size_t body) const { return !activity.empty() && activity.cluster[body] == kAbsent; }
 };
 
-/// Of one body in one frame: 13 doubles, and contacts, cluster and cost; 7 more doubles for each inner step that is kept.
+/// Of one body in one frame: 13 doubles, and contacts, cluster and cost; 7 more doubles for each inner step that is
+/// kept.
 [[nodiscard]] constexpr std::size_t frame_bytes_per_body(int substeps) {
     return (13 + 7 * (static_cast<std::size_t>(substeps) - 1)) * sizeof(double) + 5;
 }
@@ -146,17 +148,20 @@ class RunReader;
 enum class OpenRun {
     create,    ///< the folder is missing or empty
     overwrite, ///< what an earlier run wrote is removed first
-    restart, ///< as overwrite, for an earlier run of the same scene and settings only, and with nothing else in the folder
+    restart,   ///< as overwrite, for an earlier run of the same scene and settings only, and with nothing else in the
+               ///< folder
 };
 
 /// Writes a run folder. Used from one thread.
 class RunWriter {
   public:
-    /// Starts a run. InputError where the folder has content that `mode` excludes, IoError where another process writes into it.
+    /// Starts a run. InputError where the folder has content that `mode` excludes, IoError where another process writes
+    /// into it.
     RunWriter(const std::filesystem::path& folder, const RunInfo& info, const RunScene& scene, OpenRun mode);
     /// Goes on with the run in the folder after step `step`: frames and rows of later steps are removed.
-    /// InputError where that run had another scene, other settings or another frame_every; IoError where frames are missing, or
-    /// where steps.csv is missing or has other columns than this version writes. Then nothing in the folder has changed.
+    /// InputError where that run had another scene, other settings or another frame_every; IoError where frames are
+    /// missing, or where steps.csv is missing or has other columns than this version writes. Then nothing in the folder
+    /// has changed.
     RunWriter(const std::filesystem::path& folder, const RunInfo& info, const RunScene& scene, std::int64_t step);
     /// Writes what is left and swallows errors; close() reports them.
     ~RunWriter();
@@ -224,8 +229,8 @@ class RunReader {
     /// Frame k. IoError naming the file and the frames that are lost where it is missing or damaged; the others stay
     /// readable.
     [[nodiscard]] Frame frame(std::int64_t k);
-    /// What came between frame k and the one before; IoError as frame(). Empty where the run has no inner steps, or more than one step a
-    /// frame.
+    /// What came between frame k and the one before; IoError as frame(). Empty where the run has no inner steps, or
+    /// more than one step a frame.
     [[nodiscard]] Way way(std::int64_t k);
     /// Bytes of all segments.
     [[nodiscard]] std::uintmax_t frame_file_bytes() const;
@@ -258,7 +263,8 @@ class RunReader {
 /// The turn of every body from frame a to the next frame b: the recorded one or the shortest arc (rad).
 [[nodiscard]] std::vector<Vec3> path_rotations(const Frame& a, const Frame& b);
 
-/// The frames that bodies passed through on their way from frame a to the next one, without velocities. Empty where `way` is.
+/// The frames that bodies passed through on their way from frame a to the next one, without velocities. Empty where
+/// `way` is.
 [[nodiscard]] std::vector<Frame> inner_frames(const Frame& a, const Frame& b, const Way& way);
 
 /// True where `folder` has a run.json.

@@ -14,8 +14,9 @@ struct RecordDifference {
     std::string a, b; ///< empty where a run does not have it
     bool input;       ///< the bits of a run depend on it
 };
-/// Differences of run.json and scene.json, in the order of the first. Not compared: what changes while a run is written (dates, counts of
-/// frames), and of scene.json the settings (run.json holds the resolved ones) and the paths of meshes (the meshes themselves count).
+/// Differences of run.json and scene.json, in the order of the first. Not compared: what changes while a run is written
+/// (dates, counts of frames), and of scene.json the settings (run.json holds the resolved ones) and the paths of meshes
+/// (the meshes themselves count).
 [[nodiscard]] std::vector<RecordDifference> record_differences(const RunReader& a, const RunReader& b);
 
 /// The same bodies by name and type, and bit for bit the same meshes and centres of mass.

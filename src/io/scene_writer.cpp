@@ -83,7 +83,8 @@ void write_mass(std::ostream& out, const ShapeDescription& shape) {
     if (shape.center_of_mass) out << ", \"center_of_mass\": " << json(*shape.center_of_mass);
 }
 
-/// The lists that a reader appends to each other, or all as triangles where that would be other elements or another order.
+/// The lists that a reader appends to each other, or all as triangles where that would be other elements or another
+/// order.
 void write_elements(std::ostream& out, const std::vector<Triangle>& triangles) {
     std::vector<Triangle> faces, elements;
     std::vector<std::array<std::int32_t, 2>> segments;

@@ -16,11 +16,12 @@ namespace flotilla::io {
 [[nodiscard]] std::string step_csv_header();
 [[nodiscard]] std::string step_csv_row(const StepReport& row);
 
-/// What the columns of `text` (a whole steps.csv) have that this version does not write, or the other way round: the first
-/// difference, as a reason. Empty where there is none, and for an empty text.
+/// What the columns of `text` (a whole steps.csv) have that this version does not write, or the other way round: the
+/// first difference, as a reason. Empty where there is none, and for an empty text.
 [[nodiscard]] std::string step_csv_difference(std::string_view text);
 
-/// The rows of `text` (a whole steps.csv) up to and including step `last_step`, header included. A torn last line is dropped.
+/// The rows of `text` (a whole steps.csv) up to and including step `last_step`, header included. A torn last line is
+/// dropped.
 [[nodiscard]] std::string step_csv_until(std::string_view text, std::int64_t last_step);
 
 /// A steps.csv taken apart: the fields of each row stay one text.

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT
-// The file of `flotilla run --trace`: the executed task graph in the Chrome trace format, which chrome://tracing and Perfetto show.
+// The file of `flotilla run --trace`: the executed task graph in the Chrome trace format, which chrome://tracing and
+// Perfetto show.
 //
 // A JSON object:
-//   "otherData"    flotilla_trace (the format's version, 1), version, commit, processor, threads, command_line, steps, trace_every,
-//                  cpu_seconds and wall_seconds of the recorded steps, and what was measured of thread costs: the arrays
-//                  cost_threads, cost_fork_join_ns, cost_barrier_ns, cost_hand_over_ns, an element per width
-//   "traceEvents"  complete events (ph "X"; ts, dur in us with three decimals, so exact in ns), a line each, told apart by cat:
+//   "otherData"    flotilla_trace (the format's version, 1), version, commit, processor, threads, command_line, steps,
+//                  trace_every, cpu_seconds and wall_seconds of the recorded steps, and what was measured of thread
+//                  costs: the arrays cost_threads, cost_fork_join_ns, cost_barrier_ns, cost_hand_over_ns, an element
+//                  per width
+//   "traceEvents"  complete events (ph "X"; ts, dur in us with three decimals, so exact in ns), a line each, told apart
+//     by cat:
 //     phase                  a step or a part of one; args: step
-//     loop, ordered, sweeps  a region, named as the team's call; args: region (its number), tasks, step; of sweeps tasks is the
-//                            most threads they get, and groups is [tasks, visits, busy ns] of each, because visits are too many
-//     task                   a task of a loop or an ordered run; tid is its thread; args: region, task (number within it), and
-//                            of ordered ones next: the tasks that waited for it
+//     loop, ordered, sweeps  a region, named as the team's call; args: region (its number), tasks, step; of sweeps
+//                            tasks is the most threads they get, and groups is [tasks, visits, busy ns] of each,
+//                            because visits are too many
+//     task                   a task of a loop or an ordered run; tid is its thread; args: region, task (number within
+//                            it), and of ordered ones next: the tasks that waited for it
 // Phases and regions are on the thread that calls the team, 0. Regions come before all tasks.
 #pragma once
 

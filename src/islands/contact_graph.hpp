@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Islands and heights of the contact graph. Bodies of infinite mass join nothing: two piles on one floor are two islands.
+// Islands and heights of the contact graph. Bodies of infinite mass join nothing: two piles on one floor are two
+// islands.
 #pragma once
 
 #include <cstdint>

@@ -28,8 +28,8 @@ struct SleepScratch {
     std::vector<std::int32_t> island, lowest;
 };
 
-/// Puts islands to rest: all bodies quiet long enough, none touching a scripted one. `pairs`: touching bodies, sorted; one of each
-/// at least is movable. Velocities of bodies that fall asleep become zero. Returns whether any did.
+/// Puts islands to rest: all bodies quiet long enough, none touching a scripted one. `pairs`: touching bodies, sorted;
+/// one of each at least is movable. Velocities of bodies that fall asleep become zero. Returns whether any did.
 bool fall_asleep(const Model& model, const SleepRule& rule, std::span<const BodyPair> pairs, SleepScratch& scratch,
                  State& state);
 

@@ -148,9 +148,9 @@ struct PrincipalInertia {
     DdMat3 vectors;                     ///< columns, right-handed
 };
 
-/// Cyclic Jacobi in a fixed order. In double-double, so that small values are right relative to themselves after rounding,
-/// which Eigen's solver for double would not give, and of our own, so that the axes have the same bits with every compiler.
-/// Convergence is quadratic: below ten sweeps; the bound is for input with NaN.
+/// Cyclic Jacobi in a fixed order. In double-double, so that small values are right relative to themselves after
+/// rounding, which Eigen's solver for double would not give, and of our own, so that the axes have the same bits with
+/// every compiler. Convergence is quadratic: below ten sweeps; the bound is for input with NaN.
 PrincipalInertia principal_inertia(DdMat3 a) {
     constexpr int kMaxSweeps = 40;
     DdMat3 v{};

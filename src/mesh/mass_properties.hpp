@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Mass, centre of mass and inertia of a triangle mesh, as a thin shell (surface integral), as a solid (volume integral), or, where it
-// is a net of segments or a cloud of points, of those.
+// Mass, centre of mass and inertia of a triangle mesh, as a thin shell (surface integral), as a solid (volume
+// integral), or, where it is a net of segments or a cloud of points, of those.
 //
 // A linear map sends the unit triangle (tetrahedron) to each triangle (tetrahedron with the reference point), so with
 // corners a, b, c and s = a + b + c the moments are closed forms:
@@ -25,16 +25,16 @@ struct MassProperties {
     Mat3 inertia;           ///< kg m^2, about the centre of mass, mesh axes; symmetric, positive definite
     Vec3 principal_inertia; ///< kg m^2, ascending, > 0; the first is 0 for a line
     Quat principal_axes;    ///< rotates principal axes into mesh axes: inertia = R diag(principal_inertia) R^T
-    /// The direction of a straight line of segments or points, mesh axes; zero for anything else. It has no inertia about itself, and
-    /// what pushes it has no lever there but rounding and the rest distance: the solver takes the inverse inertia about the other axes
-    /// for that one too, so that numbers stay good and the line slides where it would roll on its contacts' distance, and drops the spin
-    /// about the line at the end of every step.
+    /// The direction of a straight line of segments or points, mesh axes; zero for anything else. It has no inertia
+    /// about itself, and what pushes it has no lever there but rounding and the rest distance: the solver takes the
+    /// inverse inertia about the other axes for that one too, so that numbers stay good and the line slides where it
+    /// would roll on its contacts' distance, and drops the spin about the line at the end of every step.
     Vec3 line;
 };
 
 /// All of these throw an InputError naming the shape where the mass properties do not exist: a density or mass that is
-/// not positive and finite, no area (length, volume), all in one place, or triangles so close to one line that the smallest principal
-/// inertia is below kMinInertiaRatio of the largest.
+/// not positive and finite, no area (length, volume), all in one place, or triangles so close to one line that the
+/// smallest principal inertia is below kMinInertiaRatio of the largest.
 
 /// A thin shell of `surface_density` kg/m^2. Zero-area triangles have no part in it.
 [[nodiscard]] MassProperties shell_mass_properties(const TriangleMesh& mesh, double surface_density,
@@ -42,8 +42,8 @@ struct MassProperties {
 /// A net of segments of `line_density` kg/m. Refused where there are triangles as well.
 [[nodiscard]] MassProperties line_mass_properties(const TriangleMesh& mesh, double line_density,
                                                   const std::string& name);
-/// `mass` kg, spread evenly over the surface, or over the segments where nothing has more than a length, or over the points where nothing
-/// has a length.
+/// `mass` kg, spread evenly over the surface, or over the segments where nothing has more than a length, or over the
+/// points where nothing has a length.
 [[nodiscard]] MassProperties spread_mass_properties(const TriangleMesh& mesh, double mass, const std::string& name);
 /// A solid of `density` kg/m^3. Refused unless the mesh is closed and consistently oriented (topology.hpp); all
 /// triangles facing outwards and all facing inwards mean the same solid. A closed part facing the other way than the

@@ -11,7 +11,8 @@ namespace flotilla {
 
 struct BvhNode;
 
-/// world_vertices() with their boxes: `rotation` row by row, `low` and `high` the corners of the box of all, which is not empty.
+/// world_vertices() with their boxes: `rotation` row by row, `low` and `high` the corners of the box of all, which is
+/// not empty.
 void place_vertices_avx2(const double (*local)[3], std::size_t count, const double* rotation, const double* position,
                          double (*world)[3], CoarseBox* points, double* low, double* high);
 

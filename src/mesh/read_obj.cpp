@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Wavefront OBJ: v, f, l (segments) and p (points) are read, o and g where one object or group is asked for; texture, normal and
-// material statements are skipped; anything else is refused.
+// Wavefront OBJ: v, f, l (segments) and p (points) are read, o and g where one object or group is asked for; texture,
+// normal and material statements are skipped; anything else is refused.
 #include <algorithm>
 #include <array>
 #include <limits>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Triangle soup: open, non-manifold and degenerate surfaces are all valid. An element with an index twice is a segment, one with an
-// index thrice a point: nets and clouds go through collision, contact and audit as the triangles without area that they are.
+// Triangle soup: open, non-manifold and degenerate surfaces are all valid. An element with an index twice is a segment,
+// one with an index thrice a point: nets and clouds go through collision, contact and audit as the triangles without
+// area that they are.
 #pragma once
 
 #include <algorithm>

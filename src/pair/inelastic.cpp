@@ -6,13 +6,15 @@
 namespace flotilla {
 namespace {
 
-// The exact-rest target may lie below the present velocity when the bodies turn: the hit would stay. Then the approach is
-// halved, later stopped, and if the points do not even approach they are pushed apart at this many separations per step.
+// The exact-rest target may lie below the present velocity when the bodies turn: the hit would stay. Then the approach
+// is halved, later stopped, and if the points do not even approach they are pushed apart at this many separations per
+// step.
 constexpr double kPushSeparations = 4;
 
-// A contact's impulse turns a body by dt I^-1 (r x l), and its point then moves by that turn times r: as long as the turn is small.
-// A thin body that is hit on an edge would turn many times instead, its point would be anywhere, and the next impulse would push again.
-// Beyond this angle an impulse acts on the centre of mass alone, which moves the point by just as much as is asked for.
+// A contact's impulse turns a body by dt I^-1 (r x l), and its point then moves by that turn times r: as long as the
+// turn is small. A thin body that is hit on an edge would turn many times instead, its point would be anywhere, and the
+// next impulse would push again. Beyond this angle an impulse acts on the centre of mass alone, which moves the point
+// by just as much as is asked for.
 constexpr double kLargestTurn = 1; // radians
 
 bool turns_far(const Vec3& angular_velocity, double dt) {
@@ -35,7 +37,8 @@ std::optional<Vec3> displacing_impulse(const Impulsive& a, const Impulsive& b, d
     return contact_impulse(a, b, point, target);
 }
 
-/// Whether displacing impulses leave the turns of both bodies as they are, however many they are: then a hit by turn stays.
+/// Whether displacing impulses leave the turns of both bodies as they are, however many they are: then a hit by turn
+/// stays.
 bool turns_stay(const Impulsive& a, const Impulsive& b, double dt) {
     const auto stays = [&](const Impulsive& body) {
         return !(body.inverse_mass > 0) || turns_far(body.angular_velocity, dt);

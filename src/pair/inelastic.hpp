@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Inelastic resolution of two clusters, the operation of dynamic contact (paper, section 4.1) and of the failsafe (4.2).
+// Inelastic resolution of two clusters, the operation of dynamic contact (paper, section 4.1) and of the failsafe
+// (4.2).
 #pragma once
 
 #include "pair/step_data.hpp"
@@ -13,8 +14,8 @@ struct Resolution {
     double toi = 1;                          ///< of it, [0, 1]
 };
 
-/// Handles hits in consecutive order, at most `iterations` of them, each with the impulse that brings the bodies to their rest
-/// distance at the end of the step: v'_n = (d_rest - d)/dt.
+/// Handles hits in consecutive order, at most `iterations` of them, each with the impulse that brings the bodies to
+/// their rest distance at the end of the step: v'_n = (d_rest - d)/dt.
 Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, int iterations);
 
 /// Pairs of clusters in which some pair of bodies has no current proof, sorted by (lower id, higher id).

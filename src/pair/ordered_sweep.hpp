@@ -24,7 +24,8 @@ namespace flotilla {
     return data.clusters[cluster].infinite() ? -1 : cluster;
 }
 
-/// A list run once or several times over, the first time in order or, `backwards`, from its end, then in turn the other way.
+/// A list run once or several times over, the first time in order or, `backwards`, from its end, then in turn the other
+/// way.
 struct SweepPlan {
     std::span<const std::int32_t> order; ///< places in the list
     bool backwards = false;
@@ -36,9 +37,10 @@ struct SweepPlan {
     }
 };
 
-/// The order of a frozen list: by colours, and in a colour as listed. No two pairs of a colour share a movable cluster, so that as
-/// many operations wait for one another as there are colours, some tens; in the order of the list itself chains of waiting operations
-/// go through the whole pile. Greedy, in list order: a pure function of the list. Valid until the next call.
+/// The order of a frozen list: by colours, and in a colour as listed. No two pairs of a colour share a movable cluster,
+/// so that as many operations wait for one another as there are colours, some tens; in the order of the list itself
+/// chains of waiting operations go through the whole pile. Greedy, in list order: a pure function of the list. Valid
+/// until the next call.
 template <class PairOf>
 [[nodiscard]] std::span<const std::int32_t> order_by_color(StepData& data, std::size_t size, PairOf&& pair_of) {
     constexpr int kColors = 64; // the last takes all that find none free: a chain again
@@ -73,8 +75,8 @@ template <class PairOf>
 /// Operations between asking for the memory of one and running it.
 constexpr std::size_t kFetchAhead = 8;
 
-/// Fills the order of tasks of a plan made by order_by_color. An operation is left out where its pair is current and no operation
-/// before it may change that: where none of those shares a movable cluster with it.
+/// Fills the order of tasks of a plan made by order_by_color. An operation is left out where its pair is current and no
+/// operation before it may change that: where none of those shares a movable cluster with it.
 template <class Current, class Fetch>
 void order_tasks(StepData& data, const SweepPlan& plan, Current&& current, Fetch&& fetch) {
     constexpr std::size_t kGrain = 256;
@@ -100,11 +102,12 @@ void order_tasks(StepData& data, const SweepPlan& plan, Current&& current, Fetch
         }
 }
 
-/// Calls operate(i, round, worker) for the pairs of the list in order, round after round, except where current(i) holds: a
-/// certificate that an operation leaves alone. The list must not change meanwhile. fetch(i) asks for the memory that they begin with.
+/// Calls operate(i, round, worker) for the pairs of the list in order, round after round, except where current(i)
+/// holds: a certificate that an operation leaves alone. The list must not change meanwhile. fetch(i) asks for the
+/// memory that they begin with.
 ///
-/// Rounds are one run: nothing waits for the end of a round but what shares a cluster with it. A round in which all pairs are
-/// current leaves all of them so, and with it all later rounds do nothing, as if they had not been run.
+/// Rounds are one run: nothing waits for the end of a round but what shares a cluster with it. A round in which all
+/// pairs are current leaves all of them so, and with it all later rounds do nothing, as if they had not been run.
 template <class Current, class Fetch, class Operate>
 void run_in_order(StepData& data, const char* name, const SweepPlan& plan, Current&& current, Fetch&& fetch,
                   Operate&& operate) {

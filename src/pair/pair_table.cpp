@@ -104,8 +104,8 @@ PairRecord& PairTable::new_record() {
     return r;
 }
 
-/// Closes the gap by the entries behind it that would not be found across it (Knuth, The Art of Computer Programming 3, 6.4,
-/// algorithm R).
+/// Closes the gap by the entries behind it that would not be found across it (Knuth, The Art of Computer Programming 3,
+/// 6.4, algorithm R).
 void PairTable::erase(std::int32_t a, std::int32_t b) {
     const std::size_t mask = slots_.size() - 1;
     std::size_t gap = slot(a, b);

@@ -56,8 +56,9 @@ static_assert(sizeof(PairRecord) == 128);
 /// Asks for a record, both lines.
 void fetch_record(const PairRecord& record);
 
-/// Open addressing by (a, b). Nothing that decides ever iterates over it: order comes from sorted lists of pairs. Records live as
-/// long as each step uses them, and stay where they are. Proofs need no clearing, because versions are never used again.
+/// Open addressing by (a, b). Nothing that decides ever iterates over it: order comes from sorted lists of pairs.
+/// Records live as long as each step uses them, and stay where they are. Proofs need no clearing, because versions are
+/// never used again.
 ///
 /// Several threads may find records side by side; whoever makes some must be alone.
 class PairTable {
@@ -72,8 +73,8 @@ class PairTable {
     PairRecord& get(const Model& model, const State& state, std::int32_t a, std::int32_t b);
     /// Null: there is none.
     [[nodiscard]] PairRecord* find(std::int32_t a, std::int32_t b) const;
-    /// The records of some pairs, some hundreds at most: all of them asked for, then looked up, so that the waits for memory overlap.
-    /// `out` has their number of places.
+    /// The records of some pairs, some hundreds at most: all of them asked for, then looked up, so that the waits for
+    /// memory overlap. `out` has their number of places.
     void find(std::span<const CandidatePair> pairs, std::span<PairRecord*> out) const;
     /// Bytes, of records, their index and the neighbour lists.
     [[nodiscard]] std::size_t memory() const;

@@ -15,7 +15,8 @@ Vec3 vertex_at(const BodyMotion& body, std::int32_t v, double t) {
     return body.at0.x[at(v)] + t * (body.at1.x[at(v)] - body.at0.x[at(v)]);
 }
 
-/// The box of the node at time t, but for rounding by a few units of the largest coordinate, for which CoarseReach has room.
+/// The box of the node at time t, but for rounding by a few units of the largest coordinate, for which CoarseReach has
+/// room.
 CoarseBox node_at(const BodyMotion& body, std::size_t node, Float4 t) {
     const CoarseBox &at0 = body.at0.nodes[node], &at1 = body.at1.nodes[node];
     const auto between = [&](const float* x0, const float* x1) { return load4(x0) + t * (load4(x1) - load4(x0)); };

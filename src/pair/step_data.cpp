@@ -18,8 +18,8 @@ namespace {
 enum class ListReach { separation, proximity, fall };
 
 double largest_reach(const StepData& data, std::size_t body, ListReach reach) {
-    // A pair's lengths are those of its smaller movable body, so with each body's own length as its reach the sum of both is
-    // never less than the pair's.
+    // A pair's lengths are those of its smaller movable body, so with each body's own length as its reach the sum of
+    // both is never less than the pair's.
     const PairLengths own = body_lengths(data.model, body);
     switch (reach) {
     case ListReach::separation: return own.separation;
@@ -46,8 +46,8 @@ constexpr double kRestingWay = 1.0 / 16;
 constexpr std::int32_t kUsesBeforeRefining = 4;
 constexpr double kSlowMargin = 0.5, kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
 
-/// A bound on how far the bodies' places at the end are from those at x^n, against each other and along any axis, m. Bodies that move
-/// straight are no farther in between.
+/// A bound on how far the bodies' places at the end are from those at x^n, against each other and along any axis, m.
+/// Bodies that move straight are no farther in between.
 double way_of(const BodyMotion& a, const BodyMotion& b) {
     return relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape, matrix_pose(b.at0),
                                  matrix_pose(b.at1));
@@ -121,18 +121,19 @@ constexpr double kRoundingRoom = 0x1p-20;   // of lengths compared, far above th
 constexpr double kVertexRounding = 0x1p-40; // of the largest coordinate: far above that of world vertices
 constexpr double kClearOfSeparation = 2;
 
-/// Of bodies that turn on the way, in arc_gap(1) of both: points leave the chords by one, a query cuts the paths, which brings its chords
-/// nearer by one, and adds one to the separation, which counts kClearOfSeparation times.
+/// Of bodies that turn on the way, in arc_gap(1) of both: points leave the chords by one, a query cuts the paths, which
+/// brings its chords nearer by one, and adds one to the separation, which counts kClearOfSeparation times.
 constexpr double kArcRoom = 2 + kClearOfSeparation;
 
-/// A bound on how much the distance of the bodies changes from x^n to the end, m. In between as well where they move straight.
+/// A bound on how much the distance of the bodies changes from x^n to the end, m. In between as well where they move
+/// straight.
 double change_of_distance(const BodyMotion& a, const BodyMotion& b) {
     return (1 + kRoundingRoom) * std::numbers::sqrt3 * way_of(a, b) +
            kVertexRounding * std::max(a.max_abs(), b.max_abs());
 }
 
-/// Whether the bodies, whose distance at x^n is known, move too little to come near the separation at any time: a proof of the
-/// same thing as the query's, which then has nothing to find.
+/// Whether the bodies, whose distance at x^n is known, move too little to come near the separation at any time: a proof
+/// of the same thing as the query's, which then has nothing to find.
 bool stay_apart(const StepData& data, const PairRecord& r, const BodyMotion& a, const BodyMotion& b) {
     if (!data.keep_candidates || r.start_distance < 0) return false;
     const double from = std::min(r.start_distance - r.doubt, r.lengths.proximity); // infinite: beyond that
@@ -140,8 +141,8 @@ bool stay_apart(const StepData& data, const PairRecord& r, const BodyMotion& a, 
     return (1 - kRoundingRoom) * from - change > kClearOfSeparation * r.lengths.separation;
 }
 
-/// Whether a plane is found that keeps the bodies farther apart than `reach`, m, all the time. Where it keeps them beyond the proximity
-/// distance at the end, that is remembered.
+/// Whether a plane is found that keeps the bodies farther apart than `reach`, m, all the time. Where it keeps them
+/// beyond the proximity distance at the end, that is remembered.
 bool plane_between(const StepData& data, PairRecord& r, const BodyMotion& a, const BodyMotion& b, double reach) {
     // Hulls that overlap are likely to do so again, and a failed search costs a sixth of a query: with none left out
     // detection in the impact of 252 boats costs 13 % more, with one 4 %.
@@ -169,8 +170,9 @@ bool plane_between(const StepData& data, PairRecord& r, const BodyMotion& a, con
     return false;
 }
 
-/// Whether the bodies move less against each other in the step than the record's slack, along any axis: then they do not come near
-/// the separation, and at the end they are nearer than the proximity distance if and only if they were so at x^n.
+/// Whether the bodies move less against each other in the step than the record's slack, along any axis: then they do
+/// not come near the separation, and at the end they are nearer than the proximity distance if and only if they were so
+/// at x^n.
 bool stay_by_bounds(const StepData& data, const PairRecord& r) {
     const std::vector<BodyBounds>& bounds = data.lists.bounds;
     return data.keep_candidates && (1 + kRoundingRoom) * (bounds[at(r.a)].way + bounds[at(r.b)].way) < r.slack;
@@ -281,7 +283,8 @@ const std::vector<CandidatePair>& update_pairs(StepData& data, std::span<const s
     return data.broadphase.update(data.team, search_of(data), changed);
 }
 
-/// Those of the pairs that `wanted(pair, record)` wants, the record being null where there is none yet; all of them get one.
+/// Those of the pairs that `wanted(pair, record)` wants, the record being null where there is none yet; all of them get
+/// one.
 template <class Wanted>
 const std::vector<ListedPair>& list_pairs(StepData& data, const std::vector<CandidatePair>& pairs, Wanted&& wanted) {
     ListBuffers& l = data.lists;
@@ -329,7 +332,8 @@ namespace {
 double slack_of(const StepData& data, const PairRecord& r, double least, double most) {
     const BodyMotion a = data.trajectories.at_end(at(r.a)), b = data.trajectories.at_end(at(r.b));
     const double proximity = r.lengths.proximity;
-    // As stay_apart() and near_at_end() compare, with the rounding of vertices one proximity distance farther on at most.
+    // As stay_apart() and near_at_end() compare, with the rounding of vertices one proximity distance farther on at
+    // most.
     const double rounding = 2 * kVertexRounding * (std::max(a.max_abs(), b.max_abs()) + proximity);
     const double apart = (1 - kRoundingRoom) * std::min(least, proximity) - kClearOfSeparation * r.lengths.separation;
     const double inside = most < proximity ? (1 - kRoundingRoom) * proximity - most : apart;

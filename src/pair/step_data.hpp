@@ -134,19 +134,23 @@ double start_distance(const StepData& data, Worker& worker, PairRecord& record);
 /// All pairs whose swept bounds come within the separation, or within the proximity distance, sorted.
 const std::vector<CandidatePair>& swept_pairs(StepData& data, bool with_proximity);
 
-/// Pairs of an active body with a sleeping one whose swept bounds come within the proximity distance, among others; sorted.
+/// Pairs of an active body with a sleeping one whose swept bounds come within the proximity distance, among others;
+/// sorted.
 const std::vector<CandidatePair>& waking_pairs(StepData& data);
 
-/// The frozen list of a sweep: pairs of bodies of different clusters whose swept bounds overlap and that have no current proof,
-/// sorted. Stage 1 also wants pairs within the proximity distance (`with_proximity`), stage 5 only those within the separation.
+/// The frozen list of a sweep: pairs of bodies of different clusters whose swept bounds overlap and that have no
+/// current proof, sorted. Stage 1 also wants pairs within the proximity distance (`with_proximity`), stage 5 only those
+/// within the separation.
 ///
-/// Of most pairs at rest the bounds of both bodies say that the operation would prove them apart and do nothing else. Those get their
-/// proof here, side by side; they stay in the list, because an operation before their turn may move one of the bodies.
+/// Of most pairs at rest the bounds of both bodies say that the operation would prove them apart and do nothing else.
+/// Those get their proof here, side by side; they stay in the list, because an operation before their turn may move one
+/// of the bodies.
 const std::vector<ListedPair>& freeze(StepData& data, bool with_proximity);
 
-/// Where bounds left few pairs of the list open, most of those have nothing to resolve either. Calls examine(record, worker) for
-/// them, side by side, which does what the operation would do at once if that applies no impulse and says whether it did so. An
-/// operation before their turn may still move one of the bodies: then the pair is no longer proved, and its turn comes as ever.
+/// Where bounds left few pairs of the list open, most of those have nothing to resolve either. Calls examine(record,
+/// worker) for them, side by side, which does what the operation would do at once if that applies no impulse and says
+/// whether it did so. An operation before their turn may still move one of the bodies: then the pair is no longer
+/// proved, and its turn comes as ever.
 template <class Examine>
 void prove_early(StepData& data, Examine&& examine) {
     constexpr std::size_t kFew = 8, kGrain = 64; // one pair in so many is open; pairs of a task
@@ -167,11 +171,12 @@ const std::vector<ListedPair>& end_pairs(StepData& data);
 
 /// Keeps what the contact search found of the pair, for the next step.
 void record_distance(const StepData& data, PairRecord& record, const ProximityResult& found, const CoveringList& list);
-/// The same where there was no search: the bodies are at most `distance` (m) apart, which is within the proximity distance.
+/// The same where there was no search: the bodies are at most `distance` (m) apart, which is within the proximity
+/// distance.
 void record_renewed_distance(const StepData& data, PairRecord& record, double distance);
 
-/// Whether bodies that were beyond the proximity distance at x^n still are at the end of the step, by bounds alone. Then there is
-/// nothing to search for, and this has recorded it.
+/// Whether bodies that were beyond the proximity distance at x^n still are at the end of the step, by bounds alone.
+/// Then there is nothing to search for, and this has recorded it.
 [[nodiscard]] bool far_by_bounds(const StepData& data, PairRecord& record);
 
 /// Whether a plane is known to keep the bodies beyond the proximity distance at the end of the step.
@@ -205,7 +210,8 @@ struct ClusterHit {
 };
 [[nodiscard]] ClusterHit query_clusters(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b);
 
-/// The contact of a swept hit in terms of the clusters: effective velocity and arms at the time of impact (section 3.2).
+/// The contact of a swept hit in terms of the clusters: effective velocity and arms at the time of impact (section
+/// 3.2).
 struct SweptContact {
     ContactPoint point;
     double start_gap = 0; ///< m, along the normal at t = 0

@@ -20,8 +20,8 @@
 
 namespace flotilla {
 
-/// Threads that coarse work may take in this process. oneTBB's own limit, the cores that it sees, is lifted once: one that comes and goes
-/// loses workers. A limit of the host's stands.
+/// Threads that coarse work may take in this process. oneTBB's own limit, the cores that it sees, is lifted once: one
+/// that comes and goes loses workers. A limit of the host's stands.
 inline std::size_t most_coarse_threads() {
     static const auto most = static_cast<std::size_t>(std::max(usable_cores(), default_threads()));
     static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, most);

@@ -6,7 +6,8 @@
 
 namespace flotilla {
 
-/// Runs work at some time on a thread beside the caller's (beside_tbb.cpp; beside_plain.cpp where FLOTILLA_PLAIN_THREADS is on).
+/// Runs work at some time on a thread beside the caller's (beside_tbb.cpp; beside_plain.cpp where
+/// FLOTILLA_PLAIN_THREADS is on).
 class Beside {
   public:
     Beside();

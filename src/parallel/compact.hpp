@@ -61,7 +61,8 @@ void compact_if(const ListLoop& loop, std::size_t n, Kept&& kept, std::vector<T>
     compact_if(loop, n, kept, kept, out, from, item);
 }
 
-/// Makes `out` as large as all parts together and calls put(place, part) for each, `place` being the size of those before it.
+/// Makes `out` as large as all parts together and calls put(place, part) for each, `place` being the size of those
+/// before it.
 template <class Part, class Out, class Put>
 void gather_parts(const ListLoop& loop, std::span<const Part> parts, Out& out, Put&& put) {
     const auto count = [&](std::size_t begin, std::size_t end) {

@@ -6,7 +6,8 @@
 namespace flotilla {
 namespace {
 
-/// ns that a thread lets the owner of a share come before it does the share itself: longer than a signal from core to core takes.
+/// ns that a thread lets the owner of a share come before it does the share itself: longer than a signal from core to
+/// core takes.
 constexpr std::int64_t kPatience = 500;
 
 } // namespace

@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: MIT
 // How the threads of one parallel region share out sections of work, whoever of them has a core at the time.
 //
-// A section has phases, one after another, and each phase the same number of shares. Share k belongs to thread k, which finds in its
-// caches what it left there in the phase before; but whoever comes first claims it. A phase is over when all its shares are done. So
-// nothing waits for a thread that has not come: others do its share, and it finds the section closed.
+// A section has phases, one after another, and each phase the same number of shares. Share k belongs to thread k, which
+// finds in its caches what it left there in the phase before; but whoever comes first claims it. A phase is over when
+// all its shares are done. So nothing waits for a thread that has not come: others do its share, and it finds the
+// section closed.
 //
-// Claims. Phases are numbered through the life of the crew; a share's counter holds the next phase in which it is to be done and goes up
-// by one with every claim. Since phase p + 1 begins when every share of p is done, the counters only grow, and a claim of p, a
-// compare-and-swap from p to p + 1, succeeds once, and never after p is over.
+// Claims. Phases are numbered through the life of the crew; a share's counter holds the next phase in which it is to be
+// done and goes up by one with every claim. Since phase p + 1 begins when every share of p is done, the counters only
+// grow, and a claim of p, a compare-and-swap from p to p + 1, succeeds once, and never after p is over.
 //
-// Lifetime. A helper reads the notice of the section (what to call, on what) before it claims and uses it after it claimed only. A claim
-// that succeeds shows that the section is not over, and it will not be before the share is done; so notice and callee are alive.
+// Lifetime. A helper reads the notice of the section (what to call, on what) before it claims and uses it after it
+// claimed only. A claim that succeeds shows that the section is not over, and it will not be before the share is done;
+// so notice and callee are alive.
 //
-// Order. Shares end with an increment of done_ (release) and a phase begins with a read of it (acquire): what a share wrote, every
-// share of later phases sees, and the caller after the section.
+// Order. Shares end with an increment of done_ (release) and a phase begins with a read of it (acquire): what a share
+// wrote, every share of later phases sees, and the caller after the section.
 //
-// Waits. Each is for a claimed share (its thread runs, or the system will let it: shares do not wait for one another, save in ordered
-// runs, which say for themselves why they end) or for the next section or the end of the region, which the caller announces.
+// Waits. Each is for a claimed share (its thread runs, or the system will let it: shares do not wait for one another,
+// save in ordered runs, which say for themselves why they end) or for the next section or the end of the region, which
+// the caller announces.
 #pragma once
 
 #include <atomic>
@@ -35,8 +38,8 @@ class Crew {
     /// (phase, share, thread); a thread has one share at a time.
     using Work = CallRef<std::size_t, int, int>;
 
-    /// Of at most `threads`. Helpers are only woken while fewer than `most_awake` threads are awake: more than there are cores would
-    /// take them from each other.
+    /// Of at most `threads`. Helpers are only woken while fewer than `most_awake` threads are awake: more than there
+    /// are cores would take them from each other.
     Crew(int threads, int most_awake) : most_awake_(most_awake), seats_(static_cast<std::size_t>(threads)) {}
 
     // The caller's, thread 0 of the region.
@@ -51,7 +54,8 @@ class Crew {
     // A helper's: takes part in sections until it is dismissed.
     void serve(int thread);
 
-    // For waits within a share: ns to spin before (where there are more threads than cores, others need them), and sleep.
+    // For waits within a share: ns to spin before (where there are more threads than cores, others need them), and
+    // sleep.
     [[nodiscard]] std::int64_t spin_time() const { return present_ > most_awake_ ? kSpinTime / 16 : kSpinTime; }
     template <class Ready>
     void sleep_in_run(int thread, Ready&& ready) {
@@ -71,8 +75,8 @@ class Crew {
         Bed bed;
         alignas(64) std::int64_t helped = 0; ///< ns in sections of several phases
     };
-    /// The section. Written while none is open, between two increments of version; whoever reads the same even version before and
-    /// after has one section's.
+    /// The section. Written while none is open, between two increments of version; whoever reads the same even version
+    /// before and after has one section's.
     struct alignas(64) Notice {
         std::atomic<std::uint64_t> version = 0, first = 0, done_before = 0;
         std::atomic<std::size_t> phases = 0;

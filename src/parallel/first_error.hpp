@@ -10,7 +10,8 @@
 
 namespace flotilla {
 
-/// The exception of the lowest task that throws, the one that a plain loop would throw: a task is left out only where one below it threw.
+/// The exception of the lowest task that throws, the one that a plain loop would throw: a task is left out only where
+/// one below it threw.
 class FirstError {
   public:
     void keep(std::size_t task) {

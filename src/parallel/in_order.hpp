@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Items that come and go in order and are worked on side by side in between (frames of a run that become files), on oneTBB.
+// Items that come and go in order and are worked on side by side in between (frames of a run that become files), on
+// oneTBB.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +17,9 @@ struct OrderedStages {
     std::function<void(std::size_t i)> begin, work, end;
 };
 
-/// Calls begin(i) for i in [0, n) one after another, work(i) on at most `threads` threads, and end(i) one after another and in order.
-/// At most `places` items are under way. Throws what a plain loop would throw, after as many calls of end().
+/// Calls begin(i) for i in [0, n) one after another, work(i) on at most `threads` threads, and end(i) one after another
+/// and in order. At most `places` items are under way. Throws what a plain loop would throw, after as many calls of
+/// end().
 void run_ordered_stages(std::size_t n, int threads, std::size_t places, const OrderedStages& stages);
 
 /// read(i) makes an item, make(item) something of it, and use(made, i) takes that, in order.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Arrays that sweeps read from end to end, on large pages where the system has them: with pages of 4 kB a stream of tens of megabytes
-// waits for an address translation after every few items, and the processor's prefetching ends at every page. Changes times only.
+// Arrays that sweeps read from end to end, on large pages where the system has them: with pages of 4 kB a stream of
+// tens of megabytes waits for an address translation after every few items, and the processor's prefetching ends at
+// every page. Changes times only.
 #pragma once
 
 #include <cstddef>

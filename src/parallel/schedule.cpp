@@ -281,7 +281,8 @@ class RowTree {
         for (; node >= 0; node = parent(node)) add(row(node));
     }
 
-    /// Where a phase has phases as parts, what is in none of them becomes a part of its own, unless that is next to nothing.
+    /// Where a phase has phases as parts, what is in none of them becomes a part of its own, unless that is next to
+    /// nothing.
     void add_rests() {
         for (std::size_t i = 0; i < nodes_.size(); ++i) {
             const auto parts = nodes_[i].parts;

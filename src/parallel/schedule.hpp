@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What a recorded task graph would take on other numbers of cores.
 //
-// Work W is the time of all tasks, the critical path C the time on as many cores as one likes with all costs zero. Any greedy
-// schedule (no core idles while a task is ready) on P cores takes at most W/P + C (Graham 1969) and none takes less than
-// max(W/P, C). Here the greedy schedule is built task by task, with costs: what brings threads together for a region, what a barrier
-// takes, and what a task waits for longer because the task it waited for ran on another thread.
+// Work W is the time of all tasks, the critical path C the time on as many cores as one likes with all costs zero. Any
+// greedy schedule (no core idles while a task is ready) on P cores takes at most W/P + C (Graham 1969) and none takes
+// less than max(W/P, C). Here the greedy schedule is built task by task, with costs: what brings threads together for a
+// region, what a barrier takes, and what a task waits for longer because the task it waited for ran on another thread.
 //
 // Regions follow one another, so their times add up; what lies between them runs on one core. Times are ns.
 #pragma once
@@ -29,8 +29,8 @@ struct ThreadCosts {
 /// Measured costs, and a law for widths beyond the widest of them.
 class CostModel {
   public:
-    /// How fork-join and barrier grow beyond the widest measured: as a tree of signals does, or as one after the other does. A
-    /// hand-over concerns two threads and stays.
+    /// How fork-join and barrier grow beyond the widest measured: as a tree of signals does, or as one after the other
+    /// does. A hand-over concerns two threads and stays.
     enum class Growth { log2, linear };
 
     /// `measured` at two threads or more, in any order; where there is none, kAssumedCosts stand in.
@@ -92,9 +92,9 @@ struct ScheduleScratch {
     std::vector<Running> running;
 };
 
-/// ns that the region takes on `cores` cores under a greedy schedule that takes the lowest ready task. As the team does, a region never
-/// takes more threads than it has tasks; sweeps never take more than the solver gives them. The order in which a loop's chunks go
-/// to threads, own stretch first, is simplified to list order.
+/// ns that the region takes on `cores` cores under a greedy schedule that takes the lowest ready task. As the team
+/// does, a region never takes more threads than it has tasks; sweeps never take more than the solver gives them. The
+/// order in which a loop's chunks go to threads, own stretch first, is simplified to list order.
 [[nodiscard]] double region_time(const RegionTasks& region, int cores, const CostModel& costs,
                                  ScheduleScratch& scratch);
 
@@ -124,8 +124,9 @@ struct Schedule {
     double tasks_time = 0;         ///< of all recorded tasks
 };
 
-/// Phases of one name within the same phase are one row. Recorded on one thread, what sweeps spend outside their groups counts as
-/// serial; what loops and ordered runs spend between their tasks is the recording itself and counts as nothing.
+/// Phases of one name within the same phase are one row. Recorded on one thread, what sweeps spend outside their groups
+/// counts as serial; what loops and ordered runs spend between their tasks is the recording itself and counts as
+/// nothing.
 [[nodiscard]] Schedule make_schedule(const TaskRecord& record, const CostModel& costs, std::vector<int> widths);
 
 } // namespace flotilla

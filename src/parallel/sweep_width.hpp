@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How many threads sweeps with a barrier after every group are worth: the one rule, for the solver that runs them and for the
-// prediction of what more cores would give.
+// How many threads sweeps with a barrier after every group are worth: the one rule, for the solver that runs them and
+// for the prediction of what more cores would give.
 #pragma once
 
 #include <algorithm>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Tasks in a fixed order, run so that only those wait for one another that use something in common.
 //
-// Each task uses at most two things (in a sweep: the two movable clusters of a pair). A task waits for the last earlier one that
-// uses each of its things. Running the tasks in any order that keeps to these waits gives the bits of the plain loop, if a task is a
-// pure function of data that only tasks with a common thing write (and of data that none writes): by induction over the list,
-// every task finds its things as the plain loop would leave them, because the tasks that wrote them before are the same, and their
-// order among each other is that of the list.
+// Each task uses at most two things (in a sweep: the two movable clusters of a pair). A task waits for the last earlier
+// one that uses each of its things. Running the tasks in any order that keeps to these waits gives the bits of the
+// plain loop, if a task is a pure function of data that only tasks with a common thing write (and of data that none
+// writes): by induction over the list, every task finds its things as the plain loop would leave them, because the
+// tasks that wrote them before are the same, and their order among each other is that of the list.
 #pragma once
 
 #include <cstdint>

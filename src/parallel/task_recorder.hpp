@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What a team of threads did, task by task: the executed task graph of a run.
 //
-// A region is one parallel section: a loop over chunks, an ordered run of tasks, or sweeps over groups with a barrier after each.
-// Regions follow one another; what lies between them ran on one thread. Recording changes times and nothing else.
+// A region is one parallel section: a loop over chunks, an ordered run of tasks, or sweeps over groups with a barrier
+// after each. Regions follow one another; what lies between them ran on one thread. Recording changes times and nothing
+// else.
 #pragma once
 
 #include <array>

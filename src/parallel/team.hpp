@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The threads of a solver: loops, ordered tasks and phases on the threads of a parallel region (OpenMP's; threads.hpp).
 //
-// A region is as long as a step. Within it sections follow one another, with plain code of the caller between them; crew.hpp says how
-// the threads share a section out, and why nothing waits for one that has no core. That is our own because a step has hundreds of
-// sections, many of them of some microseconds: on two cores an `omp parallel` takes 0.7 us, a section here 0.25 us and a phase
+// A region is as long as a step. Within it sections follow one another, with plain code of the caller between them;
+// crew.hpp says how the threads share a section out, and why nothing waits for one that has no core. That is our own
+// because a step has hundreds of sections, many of them of some microseconds: on two cores an `omp parallel` takes 0.7
+// us, a section here 0.25 us and a phase
 // 0.2 us; and an `omp barrier`, 0.27 us where both threads spin, waits for every thread, also for one without a core.
 //
-// No bit of a result may depend on which thread does what: items write to slots of their own, and what is collected by thread is
-// only used where order does not matter (sums of integers, minima, maxima).
+// No bit of a result may depend on which thread does what: items write to slots of their own, and what is collected by
+// thread is only used where order does not matter (sums of integers, minima, maxima).
 //
 // A team of one thread needs no region and goes in order. A call from within a task of the same team is not allowed.
 #pragma once
@@ -27,8 +28,8 @@ namespace flotilla {
 
 struct TeamOptions {
     int threads = 1;
-    /// Regions take fewer threads where others work: one among the workers of another parallel region, and at most what regions of other
-    /// teams leave. Otherwise the number is what somebody asked for.
+    /// Regions take fewer threads where others work: one among the workers of another parallel region, and at most what
+    /// regions of other teams leave. Otherwise the number is what somebody asked for.
     bool yields = false;
     /// More threads than cores are kept awake, for tests: they meet in more ways.
     bool crowds = false;
@@ -63,16 +64,17 @@ class Team {
     void region(Work&& work) {
         run_region(CallRef<>::of(work));
     }
-    /// Ends sections on several threads until the region's end, which has to wait for the threads: best called some time before.
+    /// Ends sections on several threads until the region's end, which has to wait for the threads: best called some
+    /// time before.
     void dismiss();
     /// Whether sections run on the caller alone, so that their order of tasks need not be prepared.
     [[nodiscard]] bool alone() const { return present_ == 1; }
     /// Threads of sections at present, at most size().
     [[nodiscard]] int present() const { return present_; }
 
-    /// Calls work(begin, end, thread) for the chunks [k grain, (k+1) grain) of [0, n). Every thread begins with its own stretch of
-    /// neighbouring chunks, the same in every loop of as many, and then helps others. Of several exceptions that of the lowest
-    /// chunk is thrown.
+    /// Calls work(begin, end, thread) for the chunks [k grain, (k+1) grain) of [0, n). Every thread begins with its own
+    /// stretch of neighbouring chunks, the same in every loop of as many, and then helps others. Of several exceptions
+    /// that of the lowest chunk is thrown.
     template <class Work>
     void for_chunks(const char* name, std::size_t n, std::size_t grain, Work&& work) {
         if (n == 0) return;
@@ -91,7 +93,8 @@ class Team {
         });
     }
 
-    /// Calls work(task, thread) once for every task, none before those it waits for. One thread takes them in list order.
+    /// Calls work(task, thread) once for every task, none before those it waits for. One thread takes them in list
+    /// order.
     template <class Work>
     void run(const char* name, const TaskOrder& order, Work&& work) {
         run_order(name, order, Task::of(work));
@@ -101,8 +104,8 @@ class Team {
     [[nodiscard]] int width(std::size_t tasks) const {
         return static_cast<int>(std::clamp<std::size_t>(tasks, 1, static_cast<std::size_t>(present_)));
     }
-    /// Calls work(phase, share) once for each of `shares` shares (at most size()) of each phase; a phase begins when all shares of the one
-    /// before are done. No exceptions.
+    /// Calls work(phase, share) once for each of `shares` shares (at most size()) of each phase; a phase begins when
+    /// all shares of the one before are done. No exceptions.
     template <class Work>
     void phases(int shares, std::size_t phases, Work&& work) {
         run_phases(shares, phases, CallRef<std::size_t, int>::of(work));

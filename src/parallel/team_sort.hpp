@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sorting by a team. The result is that of std::sort where equal items are the same bits, whatever the number of threads.
+// Sorting by a team. The result is that of std::sort where equal items are the same bits, whatever the number of
+// threads.
 #pragma once
 
 #include <algorithm>

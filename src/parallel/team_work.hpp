@@ -56,7 +56,8 @@ struct Team::OrderedMemory {
         std::vector<std::int32_t> tasks;
         std::size_t head = 0;
 
-        /// Held for the time of a few loads and stores, or until its holder has a core again: then the core is given away.
+        /// Held for the time of a few loads and stores, or until its holder has a core again: then the core is given
+        /// away.
         void acquire() {
             while (lock.test_and_set(std::memory_order_acquire))
                 if (!spin(kShortSpin, [&] { return !lock.test(std::memory_order_relaxed); })) lock.wait(true);

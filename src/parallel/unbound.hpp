@@ -5,8 +5,8 @@
 
 namespace flotilla {
 
-/// Where OpenMP bound the first thread of the process to a place (OMP_PROC_BIND), other runtimes see one core and put all their threads
-/// there. Lets the calling thread use all places: while this lives, or from stay() on.
+/// Where OpenMP bound the first thread of the process to a place (OMP_PROC_BIND), other runtimes see one core and put
+/// all their threads there. Lets the calling thread use all places: while this lives, or from stay() on.
 class Unbound {
   public:
     Unbound();

@@ -19,8 +19,8 @@ inline void pause_briefly() {
 #endif
 }
 
-/// ns that a thread spins before it sleeps. Waking one costs 2 to 50 us, and beside other work up to a slice of the scheduler's,
-/// milliseconds; so much is worth waiting for and no more.
+/// ns that a thread spins before it sleeps. Waking one costs 2 to 50 us, and beside other work up to a slice of the
+/// scheduler's, milliseconds; so much is worth waiting for and no more.
 inline constexpr std::int64_t kSpinTime = 50'000;
 
 /// Whether ready() became true in `time` ns.

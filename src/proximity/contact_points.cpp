@@ -18,7 +18,8 @@ namespace {
 // A ray starts and ends on the bodies themselves; crossings this near to its ends are those.
 constexpr double kRayMargin = 1e-6;
 constexpr std::size_t kBatch = 64; // feature pairs examined together
-/// Cosine of 15 degrees, the angle between facets of a circle of 24: a corner that a round body sits in, not another side of a box.
+/// Cosine of 15 degrees, the angle between facets of a circle of 24: a corner that a round body sits in, not another
+/// side of a box.
 constexpr double kOtherDirection = 0.96592582628906829;
 
 std::array<Vec3, 3> corners(const BodyMotion& body, std::int32_t t) {
@@ -81,14 +82,15 @@ bool crosses(const Side& s, std::span<const std::int32_t> around) {
     });
 }
 
-/// Whether p is, as far as the given triangles know, the nearest point to q of the body around it: none that reaches within
-/// |pq| tan(theta) of p comes nearer to q than p in a direction more than theta away.
+/// Whether p is, as far as the given triangles know, the nearest point to q of the body around it: none that reaches
+/// within |pq| tan(theta) of p comes nearer to q than p in a direction more than theta away.
 bool faces(const Side& s, std::span<const std::int32_t> triangles, double angle_cos) {
     const Vec3 to_p = s.p - s.q;
     const double distance_sq = length_sq(to_p);
     const double reach_sq = facing_reach_sq(s, angle_cos);
-    // A triangle whose corners are all as far along qp as |pq| cos(theta) has no point nearer than p that is more than theta away. Most
-    // are, and need no closest points. The room is far more than rounding, that of closest points on needles included.
+    // A triangle whose corners are all as far along qp as |pq| cos(theta) has no point nearer than p that is more than
+    // theta away. Most are, and need no closest points. The room is far more than rounding, that of closest points on
+    // needles included.
     const double least =
         (angle_cos + 0x1p-20) * distance_sq + 0x1p-40 * std::sqrt(distance_sq) * (s.body.max_abs() + length(s.q));
     return std::none_of(triangles.begin(), triangles.end(), [&](std::int32_t t) {
@@ -242,7 +244,8 @@ class Finder {
         scratch_.found.push_back({f, p.a, p.b, normal, distance});
     }
 
-    /// Of the faces near one vertex in one direction, to within theta, the nearest stays (the lowest number, at equal distance).
+    /// Of the faces near one vertex in one direction, to within theta, the nearest stays (the lowest number, at equal
+    /// distance).
     void sort_and_keep_distinct_faces() {
         const auto vertex = [](const ProximityPoint& p) {
             return p.features.kind == FeatureKind::vertex_face ? p.features.a : p.features.b;
@@ -280,10 +283,10 @@ class Finder {
     bool first_only_ = false;
 };
 
-/// Bodies that touch at one point alone slide or roll from it, within a step, onto features that do not face each other yet. A link that
-/// hangs in a corner between facets of another sees one side of it, slides past the corner, and so on in every step: ten links at 1/100 s
-/// keep 0.5 J for ever, and 1e-5 J with this. The nearest points in other directions up to kOtherDirection from that one are contacts as
-/// well. `out` ends with the one point.
+/// Bodies that touch at one point alone slide or roll from it, within a step, onto features that do not face each other
+/// yet. A link that hangs in a corner between facets of another sees one side of it, slides past the corner, and so on
+/// in every step: ten links at 1/100 s keep 0.5 J for ever, and 1e-5 J with this. The nearest points in other
+/// directions up to kOtherDirection from that one are contacts as well. `out` ends with the one point.
 void add_other_directions(const BodyMotion& a, const BodyMotion& b, double angle_cos, ProximityScratch& scratch,
                           std::vector<ProximityPoint>& out) {
     const ProximityPoint only = out.back();

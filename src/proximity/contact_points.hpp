@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Contact points of two bodies at rest: feature pairs nearer than d_proximity, pruned (paper, section 4.3.1).
 //
-// A proximity is kept if each of its two points is, seen from the other to within theta, the nearest of its own body nearby:
-// otherwise it is not what touches there (figure 11). Of several faces near a vertex in one direction the nearest counts.
-// Edge-edge proximities whose closest point is an end of an edge repeat a vertex-face proximity and are left out. Last, a ray
-// between the points must not cross either body.
+// A proximity is kept if each of its two points is, seen from the other to within theta, the nearest of its own body
+// nearby: otherwise it is not what touches there (figure 11). Of several faces near a vertex in one direction the
+// nearest counts. Edge-edge proximities whose closest point is an end of an edge repeat a vertex-face proximity and are
+// left out. Last, a ray between the points must not cross either body.
 //
-// Deviation: section 4.3.1 compares with the nearest point of the WHOLE body and keeps one face per vertex. Where a body lies in a
-// groove or corner of another, both walls are at the rest distance and only one of them would be a contact. The other is then
-// held by dynamic contact alone: the body neither falls nor comes to rest, with a velocity near |g| dt/2 for ever.
+// Deviation: section 4.3.1 compares with the nearest point of the WHOLE body and keeps one face per vertex. Where a
+// body lies in a groove or corner of another, both walls are at the rest distance and only one of them would be a
+// contact. The other is then held by dynamic contact alone: the body neither falls nor comes to rest, with a velocity
+// near |g| dt/2 for ever.
 #pragma once
 
 #include <array>
@@ -53,11 +54,11 @@ struct ProximityResult {
     double distance = 0; ///< m, of the nearest feature pair; only where near
 };
 
-// Bodies are taken at x0. `list`, where given, must cover them at the end of its motion and reach `proximity`; it changes the
-// cost and nothing else.
+// Bodies are taken at x0. `list`, where given, must cover them at the end of its motion and reach `proximity`; it
+// changes the cost and nothing else.
 
-/// Fills scratch.found with the proximities in the order of their feature keys: one face per vertex and direction, no ends of
-/// edges. `angle_cos` is the cosine of theta_proximity, here and below.
+/// Fills scratch.found with the proximities in the order of their feature keys: one face per vertex and direction, no
+/// ends of edges. `angle_cos` is the cosine of theta_proximity, here and below.
 ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
                                  const CoveringList& list, ProximityScratch& scratch);
 
@@ -69,15 +70,16 @@ ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, doubl
 [[nodiscard]] bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& point, double angle_cos,
                               ProximityScratch& scratch);
 
-/// Appends the contact points, the proximities that are admissible, to `out` in the order of their feature keys. Where that is one alone,
-/// also the nearest in other directions up to 15 degrees from it, one in each: what stops the bodies where they slide from it.
+/// Appends the contact points, the proximities that are admissible, to `out` in the order of their feature keys. Where
+/// that is one alone, also the nearest in other directions up to 15 degrees from it, one in each: what stops the bodies
+/// where they slide from it.
 ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
                                     const CoveringList& list, ProximityScratch& scratch,
                                     std::vector<ProximityPoint>& out);
 
-/// The contact points of feature pairs that were contacts a little while ago: appends them to `out`, in the order of their feature keys, and
-/// sets `distance` to that of the nearest, m. False, and nothing appended, where one of them is none any more: not within `proximity`, or
-/// at the end of an edge of two.
+/// The contact points of feature pairs that were contacts a little while ago: appends them to `out`, in the order of
+/// their feature keys, and sets `distance` to that of the nearest, m. False, and nothing appended, where one of them is
+/// none any more: not within `proximity`, or at the end of an edge of two.
 [[nodiscard]] bool renew_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity,
                                         std::span<const FeaturePair> features, double& distance,
                                         std::vector<ProximityPoint>& out);
@@ -94,8 +96,8 @@ struct PassingBodies {
     double rest = 0;
 };
 
-/// As find_contact_points(), of the feature pairs alone that come nearer than the rest distance, which takes no time where there are
-/// none.
+/// As find_contact_points(), of the feature pairs alone that come nearer than the rest distance, which takes no time
+/// where there are none.
 void find_passing_points(const BodyMotion& a, const BodyMotion& b, const PassingBodies& passing, double proximity,
                          double angle_cos, ProximityScratch& scratch, std::vector<ProximityPoint>& out);
 

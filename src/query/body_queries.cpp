@@ -22,8 +22,8 @@ Corners corners(const PlacedShape& body, std::int32_t triangle) {
     return {body.at.x[at(t[0])], body.at.x[at(t[1])], body.at.x[at(t[2])]};
 }
 
-/// Calls leaf(node_a, node_b, bound) for pairs of leaves, nearer ones before others where that is known. `bound(box_a, box_b)`: of their
-/// distance from below, m; `wanted` says whether a bound is still of interest.
+/// Calls leaf(node_a, node_b, bound) for pairs of leaves, nearer ones before others where that is known. `bound(box_a,
+/// box_b)`: of their distance from below, m; `wanted` says whether a bound is still of interest.
 template <class Wanted, class Leaf>
 void traverse(const PlacedShape& a, const PlacedShape& b, Wanted&& wanted, Leaf&& leaf) {
     const auto gap = [&](std::int32_t i, std::int32_t j) {
@@ -54,7 +54,8 @@ void descend(const PlacedShape& body, Wanted&& wanted, Leaf&& leaf) {
     }
 }
 
-/// Where a ray enters a box, m; infinite where it misses. From below: coarse boxes are larger than what is in them by more than rounding.
+/// Where a ray enters a box, m; infinite where it misses. From below: coarse boxes are larger than what is in them by
+/// more than rounding.
 double entry(const Box& box, const Vec3& origin, const Vec3& direction) {
     double first = 0, last = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) {

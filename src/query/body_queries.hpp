@@ -15,8 +15,8 @@ struct PlacedShape {
     BodyPlacement at;
 };
 
-/// Whether two bodies intersect, touch, or are too near for double precision to certify a motion: exactly what refuses bodies at the start
-/// of a scene (scene/initial_overlap.hpp).
+/// Whether two bodies intersect, touch, or are too near for double precision to certify a motion: exactly what refuses
+/// bodies at the start of a scene (scene/initial_overlap.hpp).
 [[nodiscard]] bool bodies_overlap(const PlacedShape& a, const PlacedShape& b);
 
 struct ShapeRayHit {

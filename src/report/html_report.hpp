@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One HTML file that shows a run: the page of src/report/page with the run's data inside. Everything that a run can name
-// freely (bodies, shapes, the command line) enters the page as JSON text in which "<" is escaped, and the page's script
-// writes it as text, never as markup.
+// One HTML file that shows a run: the page of src/report/page with the run's data inside. Everything that a run can
+// name freely (bodies, shapes, the command line) enters the page as JSON text in which "<" is escaped, and the page's
+// script writes it as text, never as markup.
 #pragma once
 
 #include <cstdint>

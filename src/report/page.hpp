@@ -6,7 +6,8 @@
 
 namespace flotilla::report {
 
-/// The page; "{{style}}", "{{data}}", "{{poses}}" and "{{script}}" stand where their contents go, once each, in this order.
+/// The page; "{{style}}", "{{data}}", "{{poses}}" and "{{script}}" stand where their contents go, once each, in this
+/// order.
 [[nodiscard]] std::string_view page_html();
 [[nodiscard]] std::string_view page_style();
 /// All scripts, one after the other: one module.

@@ -115,7 +115,8 @@ bool is_shown(const PoseTrack& track, std::int64_t k) {
     return k % track.frame_every == 0 || k + 1 == track.frames_in_run;
 }
 
-/// use(placed frame, k) for the given frames in order; they are read in order, and those that are shown placed side by side.
+/// use(placed frame, k) for the given frames in order; they are read in order, and those that are shown placed side by
+/// side.
 template <class Use>
 void placed_in_order(io::RunReader& run, const Source& source, const PoseTrack& track,
                      std::span<const std::int64_t> frames, int threads, Use&& use) {

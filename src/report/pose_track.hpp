@@ -2,13 +2,14 @@
 // The poses of all bodies over time, quantised for a page that shows them. 16 bytes per body and frame, which a vertex
 // shader reads as they are; most of them are differences that compress well.
 //
-// A body is placed by the middle c of its shape's bounding box, r = position + R c, so that an error of rotation moves no
-// vertex further than it must. Each body has a box of its own in which r is quantised: one that flies off does not cost the
-// others their precision. Eight words of 16 bits per body and frame:
+// A body is placed by the middle c of its shape's bounding box, r = position + R c, so that an error of rotation moves
+// no vertex further than it must. Each body has a box of its own in which r is quantised: one that flies off does not
+// cost the others their precision. Eight words of 16 bits per body and frame:
 //   0..2  (r - origin - low) / extent * 65535     3  sqrt(speed / top_speed) * 65535
 //   4..7  x y z w of the unit quaternion * 32767, two's complement, of the sign that is nearer to the frame before
-// The stream holds, frame by frame and word by word, the differences d to the frame before (modulo 2^16; the frame before
-// the first is zero) as zigzag numbers (d << 1) ^ (d >> 15), first the low bytes of all bodies, then the high bytes; zlib.
+// The stream holds, frame by frame and word by word, the differences d to the frame before (modulo 2^16; the frame
+// before the first is zero) as zigzag numbers (d << 1) ^ (d >> 15), first the low bytes of all bodies, then the high
+// bytes; zlib.
 #pragma once
 
 #include <cstddef>

@@ -21,7 +21,8 @@ struct StepColumns {
     [[nodiscard]] const std::vector<double>& column(std::string_view name) const;
 };
 
-/// A torn last line, as a run that was killed leaves it, is dropped silently; other lines that are no rows are problems.
+/// A torn last line, as a run that was killed leaves it, is dropped silently; other lines that are no rows are
+/// problems.
 [[nodiscard]] StepColumns read_step_columns(std::string_view csv);
 
 } // namespace flotilla::report

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Contact points of turning bodies move on arcs.
 //
-// A contact's constraint is linear in the velocities: d + dt u_n >= d_rest (eq. 16). A point of a body that turns at w is accelerated
-// by w x (w x r) as well. Where that leads away from the other body, a point ahead of the contact of a rolling body comes down
-// with a speed that it will have lost when it arrives. The linear form does not know that: all points within an angle 2 dt w ahead of
-// the contact brake the body, and a cylinder of 512 sides keeps 37 % of its speed in 2 s at 1/24 s.
+// A contact's constraint is linear in the velocities: d + dt u_n >= d_rest (eq. 16). A point of a body that turns at w
+// is accelerated by w x (w x r) as well. Where that leads away from the other body, a point ahead of the contact of a
+// rolling body comes down with a speed that it will have lost when it arrives. The linear form does not know that: all
+// points within an angle 2 dt w ahead of the contact brake the body, and a cylinder of 512 sides keeps 37 % of its
+// speed in 2 s at 1/24 s.
 //
-// So such a point is taken where its arc brings it nearest: its gap and its arm are those of that time. All points of a wheel that
-// pass the ground in a step then press on it right below the axle, and it rolls.
+// So such a point is taken where its arc brings it nearest: its gap and its arm are those of that time. All points of a
+// wheel that pass the ground in a step then press on it right below the axle, and it rolls.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +18,8 @@
 
 namespace flotilla {
 
-/// w x (w x r): acceleration of a point of a body that turns at `omega` (rad/s), `arm` (m) from its centre of mass, against that centre,
-/// m/s^2.
+/// w x (w x r): acceleration of a point of a body that turns at `omega` (rad/s), `arm` (m) from its centre of mass,
+/// against that centre, m/s^2.
 [[nodiscard]] inline Vec3 arc_acceleration(const Vec3& omega, const Vec3& arm) {
     return cross(omega, cross(omega, arm));
 }
@@ -32,8 +33,8 @@ namespace flotilla {
     return a * cross(w, along) + b * along;
 }
 
-/// The approach, m/s, with which points `gap` metres apart meet that approach each other at `approach` > 0 while their arcs take them
-/// apart at `acceleration`, m/s^2; 0 where the arcs stop them before.
+/// The approach, m/s, with which points `gap` metres apart meet that approach each other at `approach` > 0 while their
+/// arcs take them apart at `acceleration`, m/s^2; 0 where the arcs stop them before.
 [[nodiscard]] inline double approach_on_arrival(double approach, double gap, double acceleration) {
     if (!(gap > 0 && acceleration > 0)) return approach;
     return std::sqrt(std::max(0.0, approach * approach - 2 * acceleration * gap));

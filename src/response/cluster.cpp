@@ -8,9 +8,9 @@
 namespace flotilla {
 namespace {
 
-// radians: below it a rigid motion keeps linear trajectories apart: at every time all members are under one injective affine map, the
-// blend of that of x^n and that of the end, and distances shrink at most by cos(turn / 2). Turning ones it does not keep apart: the
-// centres of mass go straight and the bodies turn about them.
+// radians: below it a rigid motion keeps linear trajectories apart: at every time all members are under one injective
+// affine map, the blend of that of x^n and that of the end, and distances shrink at most by cos(turn / 2). Turning ones
+// it does not keep apart: the centres of mass go straight and the bodies turn about them.
 constexpr double kLargestRigidTurn = 2;
 
 /// Inverse of a symmetric positive definite matrix.
@@ -126,8 +126,8 @@ void Clusters::keep_locked(std::size_t body, const Pose& start, Vec3& com, Quat&
     turn = free_part(locked.rotation, turn);
 }
 
-/// What is locked of a member is locked of all, for they move together; and where a member's centre of mass is locked along some axis the
-/// cluster does not turn, which would move it.
+/// What is locked of a member is locked of all, for they move together; and where a member's centre of mass is locked
+/// along some axis the cluster does not turn, which would move it.
 void Clusters::gather(Cluster& c, const Trajectories& trajectories) const {
     double mass = 0;
     Vec3 sum;

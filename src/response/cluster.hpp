@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Bodies that move together: single bodies, kinematic clusters and rigid clusters (paper, section 4.2, equations 5-14).
 //
-// Every movable body belongs to one cluster, at first to its own. All clusters move by one formula: the cluster's frame goes
-// from (com0, identity) to (com0 + dt v, R), R by equation 4 from its angular momentum, and carries its members' base poses,
+// Every movable body belongs to one cluster, at first to its own. All clusters move by one formula: the cluster's frame
+// goes from (com0, identity) to (com0 + dt v, R), R by equation 4 from its angular momentum, and carries its members'
+// base poses,
 //     X_i = X_c(new) X_c(base)^-1 X_i(base).
-// Base poses at x^n make it rigid (equation 9); base poses at the end states found so far make it kinematic (equation 13): the
-// members keep their own relative motion and only what is added later is common. A body alone is both.
+// Base poses at x^n make it rigid (equation 9); base poses at the end states found so far make it kinematic (equation
+// 13): the members keep their own relative motion and only what is added later is common. A body alone is both.
 #pragma once
 
 #include <vector>
@@ -40,8 +41,8 @@ class Clusters {
     void start(const Model& model, const Trajectories& trajectories, std::span<const Motion> motion);
     /// The same in two parts. Makes room for the clusters of the model's bodies; start() begins each.
     void resize(const Model& model);
-    /// A cluster of one body with the given motion (v, L); different bodies may be started side by side. Infinite-mass bodies have
-    /// infinite clusters.
+    /// A cluster of one body with the given motion (v, L); different bodies may be started side by side. Infinite-mass
+    /// bodies have infinite clusters.
     void start(std::size_t body, const Trajectories& trajectories, const Motion& motion);
 
     [[nodiscard]] std::int32_t of(std::size_t body) const { return cluster_of_[body]; }
@@ -66,8 +67,8 @@ class Clusters {
     /// Commits the end states that follow from the cluster's velocity.
     void evolve(std::int32_t id, double dt, Trajectories& trajectories);
 
-    /// Joins b into a; the union has the lower id of the two, which is returned. Rigid: base poses at x^n and the combined momentum
-    /// (equations 5-8). Kinematic: base poses at the present end states (equations 11, 12).
+    /// Joins b into a; the union has the lower id of the two, which is returned. Rigid: base poses at x^n and the
+    /// combined momentum (equations 5-8). Kinematic: base poses at the present end states (equations 11, 12).
     std::int32_t merge(std::int32_t a, std::int32_t b, bool rigid, double dt, const Trajectories& trajectories);
     /// Makes a kinematic cluster rigid.
     void make_rigid(std::int32_t id, const Trajectories& trajectories);

@@ -23,8 +23,8 @@ std::optional<Vec3> solve(const Mat3& k, const Vec3& b) {
     return (b.x * c0 + b.y * c1 + b.z * c2) / det;
 }
 
-/// The least x with K x = b for a symmetric positive semidefinite K, as bodies with locked axes have it; nothing where b asks for a motion
-/// that no impulse makes.
+/// The least x with K x = b for a symmetric positive semidefinite K, as bodies with locked axes have it; nothing where
+/// b asks for a motion that no impulse makes.
 std::optional<Vec3> solve_semidefinite(const Mat3& k, const Vec3& b) {
     constexpr double kNoMotion = 1e-9; // of b
     Eigen::Matrix3d m;
@@ -79,7 +79,8 @@ std::optional<Vec3> contact_impulse(const Impulsive& a, const Impulsive& b, cons
     }
     const Vec3 t = normalized(point.relative_velocity - vn * n);
     const double denominator = nkn - point.friction * dot(kn, t);
-    // With a long arm friction can pull the point in faster than the normal impulse pushes it out (Painleve): without friction then.
+    // With a long arm friction can pull the point in faster than the normal impulse pushes it out (Painleve): without
+    // friction then.
     if (!(denominator > 1e-3 * nkn)) return frictionless;
     return ((target - vn) / denominator) * (n - point.friction * t);
 }

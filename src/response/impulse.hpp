@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Impulse at one point between two bodies or clusters: paper section 3.2 (from reference [15]) with the energy clamp of [13].
+// Impulse at one point between two bodies or clusters: paper section 3.2 (from reference [15]) with the energy clamp of
+// [13].
 //
-// Convention: n points from a to b, relative velocity is that of b minus that of a (approaching where its component along n is
-// negative), the impulse acts on b at its arm and its negative on a.
+// Convention: n points from a to b, relative velocity is that of b minus that of a (approaching where its component
+// along n is negative), the impulse acts on b at its arm and its negative on a.
 #pragma once
 
 #include <optional>
@@ -11,8 +12,9 @@
 
 namespace flotilla {
 
-/// What an impulse sees of a body or cluster. Infinite mass: inverse_mass = 0 and inverse_inertia = 0. What is locked is so along its axes
-/// alone: `inverse_mass` is that along the free ones, and `inverse_inertia` has nothing about locked axes.
+/// What an impulse sees of a body or cluster. Infinite mass: inverse_mass = 0 and inverse_inertia = 0. What is locked
+/// is so along its axes alone: `inverse_mass` is that along the free ones, and `inverse_inertia` has nothing about
+/// locked axes.
 struct Impulsive {
     double inverse_mass = 0; ///< 1/kg
     Mat3 inverse_inertia;    ///< world axes, about the centre of mass, 1/(kg m^2)
@@ -44,9 +46,9 @@ struct ContactPoint {
 /// n . K n for the normal n of a point, K being its matrix; 0 where neither body can move along n.
 [[nodiscard]] double normal_mobility(const Impulsive& a, const Impulsive& b, const ContactPoint& point, const Mat3& k);
 
-/// The impulse (N s, on b) after which the normal relative velocity is `target` (m/s): sticking if that lies in the friction
-/// cone, else sliding against the tangential velocity. Nothing where the point is not pushed apart by it (target not above the
-/// present normal velocity), or where both bodies have infinite mass.
+/// The impulse (N s, on b) after which the normal relative velocity is `target` (m/s): sticking if that lies in the
+/// friction cone, else sliding against the tangential velocity. Nothing where the point is not pushed apart by it
+/// (target not above the present normal velocity), or where both bodies have infinite mass.
 [[nodiscard]] std::optional<Vec3> contact_impulse(const Impulsive& a, const Impulsive& b, const ContactPoint& point,
                                                   double target);
 

@@ -14,8 +14,8 @@ constexpr int kSweeps = 200;
 /// Of the fastest approach met in a round: what is left undone, as in pair_manifold.cpp.
 constexpr double kTolerance = 1e-4;
 
-/// The largest eigenvalue of a symmetric matrix in the plane across a unit vector, where it has two: from their sum and that of their
-/// squares.
+/// The largest eigenvalue of a symmetric matrix in the plane across a unit vector, where it has two: from their sum and
+/// that of their squares.
 double largest_across(const Mat3& m, const Vec3& n) {
     const Vec3 mn = m * n;
     const double along = dot(n, mn);
@@ -103,8 +103,8 @@ class Island {
         }
     }
 
-    /// Whether the pair's hits may be solved again, from before their impulses: no other pair pushed its bodies since, and none of them
-    /// had its rebound and approaches again.
+    /// Whether the pair's hits may be solved again, from before their impulses: no other pair pushed its bodies since,
+    /// and none of them had its rebound and approaches again.
     [[nodiscard]] bool may_begin_anew(std::span<const std::int32_t> pair) {
         const KeptHit& first = hits_[at(pair[0])];
         for (const std::int32_t i : {first.a, first.b})
@@ -192,7 +192,8 @@ class Island {
             ++clock_;
             const bool changed = update(hit);
             any = any || changed;
-            // Its normal is solved at once, friction in steps: it is looked at until they end, whoever else does not move.
+            // Its normal is solved at once, friction in steps: it is looked at until they end, whoever else does not
+            // move.
             hit.seen = changed && hit.point.friction > 0 ? clock_ - 1 : clock_;
         }
         return any;
@@ -228,7 +229,8 @@ class Island {
         return true;
     }
 
-    /// How much of the round's impulses the energy allows that the island had before them ([13], as energy_clamp() has it for one).
+    /// How much of the round's impulses the energy allows that the island had before them ([13], as energy_clamp() has
+    /// it for one).
     [[nodiscard]] double energy_share() {
         const auto before = [&](std::int32_t i, const Vec3& arm) {
             return point_velocity(bodies_.saved[at(i)] != 0 ? bodies_.before[at(i)] : body(i), arm);

@@ -8,11 +8,11 @@
 // other, and the last of a row of balls leaves. Points that are near each other before anything hits, contacts, wait:
 // when a round makes one approach, it is met in the next round, and the pair need not be queried for that.
 //
-// A pair that hits at another point before any other pair pushed its bodies begins anew: its hits are solved as one, each for the
-// rebound from the approach before all of them, as pair_manifold.hpp has it, and a crate lands flat.
+// A pair that hits at another point before any other pair pushed its bodies begins anew: its hits are solved as one,
+// each for the rebound from the approach before all of them, as pair_manifold.hpp has it, and a crate lands flat.
 //
-// All impulses of a round are >= 0 along the normal and in the cone of friction, so their sums are. Where they would raise the kinetic
-// energy of the island they are cut to the share that does not, all alike, which keeps momentum.
+// All impulses of a round are >= 0 along the normal and in the cone of friction, so their sums are. Where they would
+// raise the kinetic energy of the island they are cut to the share that does not, all alike, which keeps momentum.
 #pragma once
 
 #include <cstdint>
@@ -26,10 +26,12 @@ namespace flotilla {
 /// A point where two bodies hit, or may. Those of an island are in one order: by bodies, then as they were added.
 struct KeptHit {
     std::int32_t a = -1, b = -1; ///< bodies, or clusters of one
-    /// relative_velocity: at first that of the points as they meet; once met, what that is on top of the rigid bodies' velocities.
+    /// relative_velocity: at first that of the points as they meet; once met, what that is on top of the rigid bodies'
+    /// velocities.
     ContactPoint point{};
     double restitution = 0;
-    // Of one that waits: it is met when it approaches faster than this, m/s, and as fast as brings it over the gap in the step.
+    // Of one that waits: it is met when it approaches faster than this, m/s, and as fast as brings it over the gap in
+    // the step.
     double least = 0, gap = 0, room = 0; ///< m/s, m, m/s: the gap in a step
     bool met = false;                    ///< else it waits
     bool fresh = false;                  ///< to be met in the next round

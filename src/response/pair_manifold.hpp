@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The hits of one pair in one operation of Algorithm 1, resolved together.
 //
-// A crate that lands flat touches with four corners at one time. Resolved one by one, the first corner's impulse turns it, the next
-// one's turns it back too late, and with restitution a fifth of its energy ends in spin, at any time step. So an operation forgets no hit:
-// when another one is found, the impulses of all hits so far are solved again, each for the rebound from the approach that
-// its point had before the operation, with friction, by projected Gauss-Seidel. One hit alone is resolved as in section 3.2.
+// A crate that lands flat touches with four corners at one time. Resolved one by one, the first corner's impulse turns
+// it, the next one's turns it back too late, and with restitution a fifth of its energy ends in spin, at any time step.
+// So an operation forgets no hit: when another one is found, the impulses of all hits so far are solved again, each for
+// the rebound from the approach that its point had before the operation, with friction, by projected Gauss-Seidel. One
+// hit alone is resolved as in section 3.2.
 #pragma once
 
 #include <span>
@@ -26,8 +27,9 @@ class PairManifold {
         ContactPoint point; ///< as the hit was added
         Vec3 impulse;       ///< on b, N s, on top of what was applied before
     };
-    /// More hits, at one time, with the velocities after all impulses so far. Fills `changes` with what the impulses of all hits change
-    /// by. False, and nothing is changed, where the first of the new ones gets no impulse: it cannot be resolved together with the others.
+    /// More hits, at one time, with the velocities after all impulses so far. Fills `changes` with what the impulses of
+    /// all hits change by. False, and nothing is changed, where the first of the new ones gets no impulse: it cannot be
+    /// resolved together with the others.
     [[nodiscard]] bool resolve(std::span<const ContactPoint> points, double restitution, std::vector<Change>& changes);
 
   private:

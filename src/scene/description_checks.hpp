@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Checks of a scene description: names, references, ranges, rotations, keyframes, and whether the masses exist.
-// Limits are wide enough for any sensible scene in SI units and narrow enough that nothing later overflows or underflows.
+// Limits are wide enough for any sensible scene in SI units and narrow enough that nothing later overflows or
+// underflows.
 #pragma once
 
 #include <string>
@@ -11,7 +12,8 @@
 
 namespace flotilla {
 
-/// m and m/s. Rounding of world coordinates grows with the distance from the origin: at 10^9 m a double resolves 10^-7 m.
+/// m and m/s. Rounding of world coordinates grows with the distance from the origin: at 10^9 m a double resolves 10^-7
+/// m.
 inline constexpr double kMaxCoordinate = 1e9;
 inline constexpr double kMaxAngularVelocity = 1e6; ///< rad/s
 inline constexpr double kMaxGravity = 1e6;         ///< m/s^2
@@ -24,9 +26,9 @@ inline constexpr double kMaxTime = 1e9;             ///< s, of keyframes
 inline constexpr double kRotationTolerance = 1e-6;  ///< how far |q| may be from 1
 inline constexpr std::size_t kMaxNameLength = 1000; ///< bytes
 
-/// Adds every problem of `scene` to `errors`, at JSON pointers ("/bodies/3/rotation"). What depends on a value that already
-/// has an error there is not checked. Rotations within tolerance are normalised, and a kinematic body takes the pose of its
-/// first keyframe.
+/// Adds every problem of `scene` to `errors`, at JSON pointers ("/bodies/3/rotation"). What depends on a value that
+/// already has an error there is not checked. Rotations within tolerance are normalised, and a kinematic body takes the
+/// pose of its first keyframe.
 void check_description(SceneDescription& scene, ErrorList& errors);
 
 /// Of one body; of its shape `scene` tells the name and whether it has a mass.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which bodies intersect where they start? Exact on the doubles that the first step uses. Continuous collision detection
-// cannot see an intersection that is there from the beginning, so this is asked once, before the first step.
+// Which bodies intersect where they start? Exact on the doubles that the first step uses. Continuous collision
+// detection cannot see an intersection that is there from the beginning, so this is asked once, before the first step.
 #pragma once
 
 #include <array>
@@ -22,11 +22,12 @@ struct InitialOverlaps {
     std::vector<BodyOverlap> fixed;   ///< both are static or scripted: allowed, worth a warning; sorted by (a, b)
 };
 
-/// Two triangles overlap where they have a common point, touching included, or come nearer than 16 times the rounding bound of
-/// continuous collision detection, below which no motion could be certified.
+/// Two triangles overlap where they have a common point, touching included, or come nearer than 16 times the rounding
+/// bound of continuous collision detection, below which no motion could be certified.
 [[nodiscard]] InitialOverlaps find_initial_overlaps(const Scene& scene);
 
-/// m, that no gap of two triangles within these boxes is below: that is certified against, times the same factor everywhere.
+/// m, that no gap of two triangles within these boxes is below: that is certified against, times the same factor
+/// everywhere.
 [[nodiscard]] double least_certified_distance(const Box& a, const Box& b);
 /// Whether two triangles intersect, touch, or are nearer than that.
 [[nodiscard]] bool triangles_overlap(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);

@@ -13,10 +13,11 @@ namespace flotilla {
 namespace {
 
 constexpr double kProximityOfRest = 2;
-/// Units of the last place of a coordinate that a rest distance must have: below, bodies cannot stop within it of each other.
+/// Units of the last place of a coordinate that a rest distance must have: below, bodies cannot stop within it of each
+/// other.
 constexpr double kPlacesPerRest = 16;
-/// Of the error of continuous collision detection: a motion that brings features nearer than that is not certified (ccd.hpp), and
-/// bodies rest at twice as much.
+/// Of the error of continuous collision detection: a motion that brings features nearer than that is not certified
+/// (ccd.hpp), and bodies rest at twice as much.
 constexpr double kErrorsPerRest = 32;
 
 class LengthChecks {

@@ -36,7 +36,8 @@ Quat random_rotation(std::uint64_t seed, std::size_t id) {
     return normalized(Quat{s * b.cos, r * a.sin, r * a.cos, s * b.sin});
 }
 
-// The first point of a sequence in the cube that lies in the ball; the centre, should 64 of them miss it (chance 1e-20).
+// The first point of a sequence in the cube that lies in the ball; the centre, should 64 of them miss it (chance
+// 1e-20).
 Vec3 random_in_ball(std::uint64_t seed, std::size_t id, double radius) {
     for (int draw = 0; draw < 64; ++draw) {
         const auto coordinate = [&](int axis) { return 2 * uniform(seed, Purpose::jitter, id, 3 * draw + axis) - 1; };
@@ -48,7 +49,8 @@ Vec3 random_in_ball(std::uint64_t seed, std::size_t id, double radius) {
 
 std::vector<Vec3> packed_column(std::size_t count, double radius, double column_radius, double bottom,
                                 std::uint64_t seed) {
-    // Neighbours stand 2.12 radii apart and move by up to 0.055 radii each, which leaves 0.01 radii between the spheres.
+    // Neighbours stand 2.12 radii apart and move by up to 0.055 radii each, which leaves 0.01 radii between the
+    // spheres.
     constexpr double kSpacing = 2.12, kJitter = 0.055;
     const double d = kSpacing * radius;
     const double row = d * std::sqrt(3.0) / 2, layer = d * std::sqrt(2.0 / 3.0);

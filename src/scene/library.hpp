@@ -21,9 +21,9 @@ enum class Purpose : std::uint64_t { orientation = 1, jitter = 2 };
 /// A vector, uniform in the ball of `radius`.
 [[nodiscard]] Vec3 random_in_ball(std::uint64_t seed, std::size_t id, double radius);
 
-/// Places for `count` spheres of `radius` in a vertical cylinder: a hexagonal close packing with some air, jittered, so that
-/// no two spheres touch whatever the seed. Centres lie within `column_radius` of the z axis, from `bottom` up, the lowest
-/// layer first. At least one column is used, however narrow the cylinder.
+/// Places for `count` spheres of `radius` in a vertical cylinder: a hexagonal close packing with some air, jittered, so
+/// that no two spheres touch whatever the seed. Centres lie within `column_radius` of the z axis, from `bottom` up, the
+/// lowest layer first. At least one column is used, however narrow the cylinder.
 [[nodiscard]] std::vector<Vec3> packed_column(std::size_t count, double radius, double column_radius, double bottom,
                                               std::uint64_t seed);
 

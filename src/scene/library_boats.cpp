@@ -34,8 +34,9 @@ void add_boats(SceneDescription& scene, const std::vector<Vec3>& places, const V
     }
 }
 
-// The bowl's radius, m. A settled pile takes about 4.5 m^3 per boat (a boat's box has 2.4 m^3; hulls nest a little and lie
-// criss-cross); 70 % of the bowl is left to it, so that the impact throws none out. Below 4.5 m a boat would bridge the bowl.
+// The bowl's radius, m. A settled pile takes about 4.5 m^3 per boat (a boat's box has 2.4 m^3; hulls nest a little and
+// lie criss-cross); 70 % of the bowl is left to it, so that the impact throws none out. Below 4.5 m a boat would bridge
+// the bowl.
 double bowl_radius(int boats, double angle) {
     constexpr double kVolumePerBoat = 4.5 / 0.7, kLeast = 4.5;
     const double h = 1 - sin_cos(angle).cos; // depth of the cap of a unit sphere
@@ -112,7 +113,8 @@ SceneDescription falling_boats(int bodies, std::uint64_t seed) {
     return scene;
 }
 
-// Figures 15 and 18. The boats fall into a heap; the ball comes when that lies still, and crosses it in a step of 1/24 s.
+// Figures 15 and 18. The boats fall into a heap; the ball comes when that lies still, and crosses it in a step of 1/24
+// s.
 SceneDescription boats_and_ball(int bodies, std::uint64_t seed) {
     constexpr double kBall = 0.5, kSpeed = 100, kFlight = 5, kHeight = 0.8, kGravity = 9.8; // m, m/s, s, m, m/s^2
     SceneDescription scene = falling_boats(bodies - 1, seed);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The paper's examples that the other files do not have. Sizes and speeds that it does not print are ours. Balls are meshes of flat
-// triangles here, not spheres.
+// The paper's examples that the other files do not have. Sizes and speeds that it does not print are ours. Balls are
+// meshes of flat triangles here, not spheres.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -43,7 +43,8 @@ void use_settings(SceneDescription& scene) {
 
 } // namespace
 
-// Figure 2. The plank lies level on an edge below its middle and on a support below the blocks. The fast block meets its other end.
+// Figure 2. The plank lies level on an edge below its middle and on a support below the blocks. The fast block meets
+// its other end.
 SceneDescription catapult(int bodies, std::uint64_t) {
     constexpr double kLength = 6, kWidth = 1, kThickness = 0.08, kHeight = 1, kSide = 0.4, kSpeed = 60;
     constexpr double kBlockGap = 0.0025; // the blocks' rest distance, and a little
@@ -77,7 +78,8 @@ SceneDescription catapult(int bodies, std::uint64_t) {
     return scene;
 }
 
-// Figures 3, 4 and 11. The slab's top consists of many triangles, over whose edges a box slides and on which another rests.
+// Figures 3, 4 and 11. The slab's top consists of many triangles, over whose edges a box slides and on which another
+// rests.
 SceneDescription sliding_boxes(int, std::uint64_t) {
     constexpr double kSide = 0.5;
     const double gap = gap_of(kSide * std::sqrt(3.0));
@@ -95,7 +97,8 @@ SceneDescription sliding_boxes(int, std::uint64_t) {
     return scene;
 }
 
-// Figure 5. A strip turns about its middle by so much in a step that its straight line leaves out a particle on its arc.
+// Figure 5. A strip turns about its middle by so much in a step that its straight line leaves out a particle on its
+// arc.
 SceneDescription turning_strip(int, std::uint64_t) {
     constexpr double kTurn = 2.2; // rad in a step
     SceneDescription scene;
@@ -105,7 +108,8 @@ SceneDescription turning_strip(int, std::uint64_t) {
     scene.shapes = {shell("strip", make_plate(2, 0.4), 10), solid("particle", make_sphere(0.02, 1), 1000)};
     scene.bodies.push_back(body_of("strip", 0, BodyType::dynamic, {}));
     scene.bodies.back().angular_velocity = {0, -kTurn / scene.settings.time_step, 0};
-    // The tip goes through half the turn at this angle, a unit from the middle; its chord passes at cos(kTurn / 2) of that.
+    // The tip goes through half the turn at this angle, a unit from the middle; its chord passes at cos(kTurn / 2) of
+    // that.
     const SinCos half = sin_cos(kTurn / 2);
     scene.bodies.push_back(body_of("particle", 1, BodyType::dynamic, {0.93 * half.cos, 0, 0.93 * half.sin}));
     use_settings(scene);
@@ -181,8 +185,8 @@ SceneDescription hanging_rings(int bodies, std::uint64_t) {
     return scene;
 }
 
-// Figure 14: planes at 60 degrees, all movable bodies of one mass, friction 5 % above what statics needs to hold the block. A pair's
-// friction is the geometric mean, and the cylinders have 1.
+// Figure 14: planes at 60 degrees, all movable bodies of one mass, friction 5 % above what statics needs to hold the
+// block. A pair's friction is the geometric mean, and the cylinders have 1.
 SceneDescription pinched_block(int, std::uint64_t) {
     constexpr double kSlope = 60 * kPi / 180, kRadius = 1, kSide = 1, kMargin = 1.05;
     const double tangent = std::sqrt(3.0), cosine = 0.5, sine = tangent / 2;
@@ -200,7 +204,8 @@ SceneDescription pinched_block(int, std::uint64_t) {
         shape.mass_value = 100;
         return shape;
     };
-    // Of so many sides that the pressure's way across one of them, which resists rolling, changes the thresholds by 2 % only.
+    // Of so many sides that the pressure's way across one of them, which resists rolling, changes the thresholds by 2 %
+    // only.
     scene.shapes = {heavy("block", make_box(kSide, kSide, kSide)), heavy("cylinder", make_tube(kRadius, kSide, 720)),
                     shape_of("plane", make_plate(8, 8))};
     const auto add = [&](const char* name, std::int32_t shape, BodyType type, const Vec3& at, double friction) {

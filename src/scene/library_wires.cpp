@@ -55,8 +55,8 @@ TriangleMesh cloud() {
 
 } // namespace
 
-// Wire of 0.1 kg/m, as steel 4 mm thick is; a cloud weighs as much as a hoop. Nothing holds clouds off wires, so that only what
-// lies on the bowl shows where they end.
+// Wire of 0.1 kg/m, as steel 4 mm thick is; a cloud weighs as much as a hoop. Nothing holds clouds off wires, so that
+// only what lies on the bowl shows where they end.
 SceneDescription wires(int bodies, std::uint64_t seed) {
     constexpr double kLineDensity = 0.1, kRim = 75 * std::numbers::pi / 180, kLeast = 0.5;
     constexpr double kVolumePerBody = 0.012;  // m^3, of the bowl: a heap of hoops and frames is mostly air

@@ -76,10 +76,11 @@ double longest_edge(const TriangleMesh& mesh) {
     return std::sqrt(longest_sq);
 }
 
-/// The size of a body, or ten times its thickness if that is less: the size / 330 at which a bar of aspect 1,000 would rest is three
-/// times as far as it is thick. It would stand on forces far beside its long axis, about which it hardly has inertia, and a heap of
-/// such bars has dozens of contacts for each where few can be told apart. Not less than a hundredth of the size, or doubles would not
-/// resolve the separation far from the origin; what is thinner than even the rest distance is then is a surface and keeps its size.
+/// The size of a body, or ten times its thickness if that is less: the size / 330 at which a bar of aspect 1,000 would
+/// rest is three times as far as it is thick. It would stand on forces far beside its long axis, about which it hardly
+/// has inertia, and a heap of such bars has dozens of contacts for each where few can be told apart. Not less than a
+/// hundredth of the size, or doubles would not resolve the separation far from the origin; what is thinner than even
+/// the rest distance is then is a surface and keeps its size.
 double extent_of(const Shape& shape) {
     constexpr double kAspect = 10, kLeastShare = 0.01;
     const double size = 2 * shape.sphere.radius;

@@ -17,8 +17,8 @@
 
 namespace flotilla {
 
-/// The default rest distance of a pair is the smaller bounding-sphere diameter of its movable bodies divided by this: 1 cm
-/// for the paper's boat of 3.3 m.
+/// The default rest distance of a pair is the smaller bounding-sphere diameter of its movable bodies divided by this: 1
+/// cm for the paper's boat of 3.3 m.
 inline constexpr double kSizePerRestDistance = 330;
 
 /// One surface, shared by all bodies that have it. Everything is in mesh coordinates, metres.
@@ -76,8 +76,8 @@ struct Scene {
 /// Mass, centre of mass and inertia as the description asks; empty where it gives no mass. Throws InputError.
 [[nodiscard]] std::optional<MassProperties> shape_mass_properties(const ShapeDescription& shape);
 
-/// Checks `description` and derives the rest. Shapes that describe the same surface and mass bit for bit become one. Throws
-/// InputError with every problem, one line each, starting with `source`.
+/// Checks `description` and derives the rest. Shapes that describe the same surface and mass bit for bit become one.
+/// Throws InputError with every problem, one line each, starting with `source`.
 [[nodiscard]] Scene build_scene(SceneDescription description, const std::string& source = "scene");
 
 } // namespace flotilla

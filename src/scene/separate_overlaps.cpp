@@ -31,8 +31,9 @@ constexpr int kMostAdvances = 100;
 Corners moved(const Corners& t, const Vec3& by) { return {t[0] + by, t[1] + by, t[2] + by}; }
 Box moved(const Box& box, const Vec3& by) { return {box.lower + by, box.upper + by}; }
 
-/// The place in [from, to] at which triangle a, moved along d and nearer to b than `clearance` at `from`, leaves it for good: the distance
-/// of convex sets is convex along a line. So coming back from `to`, where it is left, tangents pass nothing.
+/// The place in [from, to] at which triangle a, moved along d and nearer to b than `clearance` at `from`, leaves it for
+/// good: the distance of convex sets is convex along a line. So coming back from `to`, where it is left, tangents pass
+/// nothing.
 double place_of_leaving(const Corners& a, const Corners& b, const Vec3& d, double clearance, double from, double to) {
     double s = to;
     for (int i = 0; i < kMostAdvances; ++i) {
@@ -195,9 +196,9 @@ class Separator {
         return least * limit;
     }
 
-    /// A body stays on the side of floors and walls on which its centre is, or one caught in a thin floor would leave it below. Where it
-    /// gets free there nowhere by its own size, it is let past the movable bodies that it intersected; only then, as deep inside a solid,
-    /// through the surface.
+    /// A body stays on the side of floors and walls on which its centre is, or one caught in a thin floor would leave
+    /// it below. Where it gets free there nowhere by its own size, it is let past the movable bodies that it
+    /// intersected; only then, as deep inside a solid, through the surface.
     [[nodiscard]] Vec3 shortest_move(std::int32_t body) const {
         const std::array<bool, 3>& locked = scene_.bodies[at(body)].locked_translation;
         if (locked[0] || locked[1] || locked[2]) return {kInfinity, kInfinity, kInfinity}; // it stays where it was put
@@ -234,7 +235,8 @@ class Separator {
         return shortest * best;
     }
 
-    /// The smallest s in [0, limit) such that the body, moved by s d, is clear of every other; infinite where there is none.
+    /// The smallest s in [0, limit) such that the body, moved by s d, is clear of every other; infinite where there is
+    /// none.
     [[nodiscard]] double free_distance(std::int32_t body, const Vec3& d, double limit) const {
         double s = 0;
         while (s < limit) {
@@ -245,7 +247,8 @@ class Separator {
         return kInfinity;
     }
 
-    /// s where the body, moved by s d, is clear of every other; else where it has left the first one that it is too near to, or `limit`.
+    /// s where the body, moved by s d, is clear of every other; else where it has left the first one that it is too
+    /// near to, or `limit`.
     [[nodiscard]] double next_place(std::int32_t body, const Vec3& d, double s, double limit) const {
         const Placed& moving = placed_[at(body)];
         const Vec3 by = s * d;

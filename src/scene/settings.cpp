@@ -407,7 +407,8 @@ struct Preset {
     void (*apply)(Settings&);
 };
 
-/// Contact solves of either end below a speed that does not go by the number of inner steps: what bodies creep by in a second.
+/// Contact solves of either end below a speed that does not go by the number of inner steps: what bodies creep by in a
+/// second.
 void set_substeps(Settings& s, int substeps, double tolerance_share) {
     s.substeps = substeps;
     s.tolerance_share = substeps * tolerance_share;
@@ -432,8 +433,8 @@ constexpr std::array kPresets{
            }},
     Preset{"preview",
            [](Settings& s) {
-               // The first look's hits carry most of an impact, the second's what those made of it; one more costs as much as stage 5
-               // saves. With one pair after the other the failsafe would take over below 30 sweeps.
+               // The first look's hits carry most of an impact, the second's what those made of it; one more costs as
+               // much as stage 5 saves. With one pair after the other the failsafe would take over below 30 sweeps.
                s.collisions = Collisions::accumulated;
                s.collision_iterations = 2;
                s.dynamic_iterations = 50; // below, the failsafe takes over

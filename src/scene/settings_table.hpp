@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One table of all settings. The scene reader, --set, the listing, the checks and the JSON Schema's test all read it, so a
-// setting cannot be known to one of them and not to another.
+// One table of all settings. The scene reader, --set, the listing, the checks and the JSON Schema's test all read it,
+// so a setting cannot be known to one of them and not to another.
 #pragma once
 
 #include <cstdint>

@@ -6,7 +6,8 @@
 namespace flotilla {
 namespace {
 
-/// Inverse of a symmetric positive definite matrix from its principal form: R diag(1/d) R^T. That of a line (MassProperties::line).
+/// Inverse of a symmetric positive definite matrix from its principal form: R diag(1/d) R^T. That of a line
+/// (MassProperties::line).
 Mat3 inverse_of(const MassProperties& m) {
     if (m.line != Vec3{}) return (1 / m.principal_inertia.z) * identity();
     const Mat3 r = matrix(m.principal_axes);

@@ -27,8 +27,8 @@ struct SweptBody {
     bool present = true;     ///< else it has no box, and no pairs
 };
 
-/// What a pair finder is asked. Bodies that are not active stand still: they pair with active ones only, and it is enough to sort them in
-/// once.
+/// What a pair finder is asked. Bodies that are not active stand still: they pair with active ones only, and it is
+/// enough to sort them in once.
 struct PairSearch {
     std::span<const SweptBody> bodies;
     std::span<const std::int32_t> active; ///< ascending
@@ -41,7 +41,8 @@ struct PairSearch {
 class PairFinder {
   public:
     virtual ~PairFinder() = default;
-    /// All pairs of an active body with another where at least one is movable and whose inflated boxes overlap, sorted by (a, b).
+    /// All pairs of an active body with another where at least one is movable and whose inflated boxes overlap, sorted
+    /// by (a, b).
     virtual const std::vector<CandidatePair>& find(Team& team, const PairSearch& search) = 0;
     /// The same where the last call was for the same bodies, of which those in `changed` (ascending, all active) have
     /// other boxes now. For few.

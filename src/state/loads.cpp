@@ -9,7 +9,8 @@
 namespace flotilla {
 namespace {
 
-/// m/s^2, of the points farthest from the centre of mass: at most what the torque would do about the axis of least inertia.
+/// m/s^2, of the points farthest from the centre of mass: at most what the torque would do about the axis of least
+/// inertia.
 double most_of_torque(const Model& model, std::size_t i) {
     const Vec3 torque = turning_torque(model, i);
     if (torque == Vec3{}) return 0;

@@ -18,11 +18,12 @@ namespace flotilla {
 /// m/s^2, the least that a load gives the body which gives it any.
 [[nodiscard]] double least_acceleration(const Model& model, std::size_t body);
 
-/// J, of the body's own force and torque in a step that took its centre of mass along `way` (m) and turned it by `turn` (rad).
-/// `motion`: at the start pose, before they acted.
+/// J, of the body's own force and torque in a step that took its centre of mass along `way` (m) and turned it by `turn`
+/// (rad). `motion`: at the start pose, before they acted.
 ///
-/// A force is worth force . way, to rounding. A torque is worth torque . turn, and what the scheme adds to that where a body turns freely
-/// about changing axes, O(dt^3), which is no energy from nowhere but how far the mean of angular velocities is from the turn.
+/// A force is worth force . way, to rounding. A torque is worth torque . turn, and what the scheme adds to that where a
+/// body turns freely about changing axes, O(dt^3), which is no energy from nowhere but how far the mean of angular
+/// velocities is from the turn.
 [[nodiscard]] double work_of_loads(const Model& model, std::size_t body, const Quat& rotation, const Motion& motion,
                                    const Vec3& way, const Vec3& turn);
 

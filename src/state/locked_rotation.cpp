@@ -24,7 +24,8 @@ class PlaneTurn {
     [[nodiscard]] Energy at(const Vec3& w) const {
         const Mat3 tensor = turned(inertia_.tensor, rotation_from_vector(w));
         const Vec3 omega = free_inverse(locked_, tensor) * momentum_;
-        // A further turn by s changes the energy by s . (omega x I omega); a change of w turns further by the exponential map's Jacobian.
+        // A further turn by s changes the energy by s . (omega x I omega); a change of w turns further by the
+        // exponential map's Jacobian.
         return {0.5 * dot(momentum_, omega), free_part(locked_, pulled_back(w, cross(omega, tensor * omega)))};
     }
 
@@ -44,7 +45,8 @@ class PlaneTurn {
     Vec3 momentum_;
 };
 
-/// The rotation vector nearest to w, down the slope, that keeps the energy; if none is found, one that came nearest to it.
+/// The rotation vector nearest to w, down the slope, that keeps the energy; if none is found, one that came nearest to
+/// it.
 Vec3 keep_energy(const PlaneTurn& body, double energy, Vec3 w) {
     Vec3 best = w;
     double least = std::numeric_limits<double>::infinity();

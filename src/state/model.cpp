@@ -62,7 +62,8 @@ PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a,
     };
     const auto it = std::lower_bound(state.rest_distances.begin(), state.rest_distances.end(), std::pair(a, b), less);
     if (it == state.rest_distances.end() || it->a != a || it->b != b || !(it->distance < lengths.rest)) return lengths;
-    // In a tight joint features that were far from each other pass at the distance of the play, which must not be a hit.
+    // In a tight joint features that were far from each other pass at the distance of the play, which must not be a
+    // hit.
     lengths.rest = it->distance;
     lengths.separation = std::min(lengths.separation, kSeparationOfRest * lengths.rest);
     return lengths;

@@ -104,16 +104,17 @@ struct State {
     std::vector<double> script_delay;
     std::vector<double> lift;                 ///< J of each body's energy that are lift (step/energy_account.hpp)
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
-    /// The impulses of the last stage 3 and of the last stage 7, each sorted by (a, b, feature pair without a face, feature_key). The
-    /// stages solve different problems (half a step's velocity, a whole one's): at rest each finds its own solution of the step before.
+    /// The impulses of the last stage 3 and of the last stage 7, each sorted by (a, b, feature pair without a face,
+    /// feature_key). The stages solve different problems (half a step's velocity, a whole one's): at rest each finds
+    /// its own solution of the step before.
     std::vector<WarmImpulse> warm_half, warm_final;
     /// Those of contacts that no awake body is part of: they wait for the day their bodies wake.
     std::vector<WarmImpulse> waiting_half, waiting_final;
     std::vector<Searched> searched; ///< by body; empty where contacts are searched for in every step (contact_reuse)
 };
 
-/// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its movable
-/// bodies (paper, section 4.3.1), less for thin solids (Shape::extent).
+/// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its
+/// movable bodies (paper, section 4.3.1), less for thin solids (Shape::extent).
 struct PairLengths {
     double rest, proximity, separation; ///< m
 };
@@ -121,7 +122,8 @@ struct PairLengths {
 [[nodiscard]] PairLengths body_lengths(const Model& model, std::size_t body);
 /// The model of an inner step (Settings::substeps), which is all that the stages know of.
 [[nodiscard]] Model inner_model(Model model);
-/// How far gravity alone, and what else pulls on it all the time, moves a body from rest in one step, m; no more than its size.
+/// How far gravity alone, and what else pulls on it all the time, moves a body from rest in one step, m; no more than
+/// its size.
 [[nodiscard]] double fall_in_step(const Model& model, std::size_t body);
 [[nodiscard]] PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b);
 
@@ -132,7 +134,8 @@ struct PairLengths {
 
 /// 64-bit hash of all bits of the state.
 [[nodiscard]] std::uint64_t state_hash(const State& state);
-/// The same in two parts: what does not change while the same bodies sleep, and the rest with that. `awake`: bodies that do not sleep.
+/// The same in two parts: what does not change while the same bodies sleep, and the rest with that. `awake`: bodies
+/// that do not sleep.
 [[nodiscard]] std::uint64_t sleepers_hash(const State& state);
 [[nodiscard]] std::uint64_t state_hash(const State& state, std::span<const std::int32_t> awake,
                                        std::uint64_t of_sleepers);

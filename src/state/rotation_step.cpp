@@ -14,8 +14,8 @@ constexpr double kEnergyTolerance = 4 * std::numeric_limits<double>::epsilon();
 
 double energy(const Mat3& inverse, const Vec3& momentum) { return 0.5 * dot(momentum, inverse * momentum); }
 
-/// Coefficients of E(theta) = E - a sin(theta) cos(theta) - c sin(theta)^2, the energy after a turn by theta about the unit
-/// vector s.
+/// Coefficients of E(theta) = E - a sin(theta) cos(theta) - c sin(theta)^2, the energy after a turn by theta about the
+/// unit vector s.
 struct EnergyOfTurn {
     double a, c;
 };

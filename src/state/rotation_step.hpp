@@ -3,8 +3,8 @@
 // correction of reference [13] (Su, Schroeder, Fedkiw 2009).
 //
 // The state is (orientation, L); the angular velocity is always R I0^-1 R^T L, so L is exact. Equation 4 alone lets the
-// kinetic energy E = L.w/2 drift, by 100 % in 100 s for a fast top at 1/24 s. The correction turns the body once more, about
-// s = L x w, by the angle that restores E: L stays, the energy returns to the last bits.
+// kinetic energy E = L.w/2 drift, by 100 % in 100 s for a fast top at 1/24 s. The correction turns the body once more,
+// about s = L x w, by the angle that restores E: L stays, the energy returns to the last bits.
 #pragma once
 
 #include "base/rotation.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a step leaves out because the scene does not need it (flotilla plan prints it). Switched off, the work is done all the same and
-// comes to the same bits, but for the first one; tests and bench/scenarios/plan_savings do that, nobody else.
+// What a step leaves out because the scene does not need it (flotilla plan prints it). Switched off, the work is done
+// all the same and comes to the same bits, but for the first one; tests and bench/scenarios/plan_savings do that,
+// nobody else.
 #pragma once
 
 namespace flotilla {
@@ -18,7 +19,8 @@ struct Savings {
     bool large_bodies = true;
     /// Without scripted bodies no code of theirs runs.
     bool scripts = true;
-    /// Where gravity moves and turns bodies by less in a step than the contact search sees, nothing is looked for ahead.
+    /// Where gravity moves and turns bodies by less in a step than the contact search sees, nothing is looked for
+    /// ahead.
     bool look_ahead = true;
 };
 

@@ -7,11 +7,11 @@
 namespace flotilla {
 namespace {
 
-// Allowance for the rounding of a turning path, in parts of its lengths. u = 2^-53, M the largest coordinate, l the largest
-// distance of a vertex from the mesh's origin or the centre of mass, w the turn. The centre's interpolation errs by 4 u M; the
-// angle t |w| is known to 2 u |w|, the quaternion of the turn, its product with q0 and the matrix to 40 u more, all times l; the
-// sums that place a vertex err by 4 u (M + l). The committed end misses R(w) q0 by the rounding of w, 16 u (1 + |w|) l, and
-// coordinates have three components. Together below 200 u (M + l (1 + |w|)).
+// Allowance for the rounding of a turning path, in parts of its lengths. u = 2^-53, M the largest coordinate, l the
+// largest distance of a vertex from the mesh's origin or the centre of mass, w the turn. The centre's interpolation
+// errs by 4 u M; the angle t |w| is known to 2 u |w|, the quaternion of the turn, its product with q0 and the matrix to
+// 40 u more, all times l; the sums that place a vertex err by 4 u (M + l). The committed end misses R(w) q0 by the
+// rounding of w, 16 u (1 + |w|) l, and coordinates have three components. Together below 200 u (M + l (1 + |w|)).
 constexpr double kPathRounding = 0x1p-45; // 256 u
 
 } // namespace
@@ -22,9 +22,9 @@ Pose BodyMotion::pose(double t) const {
     return make_pose(*shape, com, straight() ? start : normalized(rotation_from_vector(t * turn) * start));
 }
 
-// A vertex at distance r from the centre has an acceleration of r |turn|^2 against the straight line, so it leaves the chord of a
-// part of length h by at most r (|turn| h)^2 / 8 (the arc's own height, r (1 - cos(|turn| h / 2)), is barely less). Nor can it be
-// farther than 2 r from a convex combination of its places, for all are within r of the centre.
+// A vertex at distance r from the centre has an acceleration of r |turn|^2 against the straight line, so it leaves the
+// chord of a part of length h by at most r (|turn| h)^2 / 8 (the arc's own height, r (1 - cos(|turn| h / 2)), is barely
+// less). Nor can it be farther than 2 r from a convex combination of its places, for all are within r of the centre.
 double BodyMotion::arc_gap(int segments) const {
     if (straight()) return 0;
     const double whole = length(turn), angle = whole / segments,

@@ -18,7 +18,8 @@ struct BodyPlacement {
     const Mat3* rotation = nullptr; ///< of the pose
 };
 
-/// One body as the pair queries see it, from t = 0 to t = 1. Every vertex moves on a straight line from x0 to x1 (paper, section
+/// One body as the pair queries see it, from t = 0 to t = 1. Every vertex moves on a straight line from x0 to x1
+/// (paper, section
 /// 3.1) or, where there is a turn, with its body: the centre of mass on a straight line, the orientation R(t turn) q0.
 struct BodyMotion {
     const RigidShape* shape = nullptr;
@@ -29,8 +30,8 @@ struct BodyMotion {
     [[nodiscard]] bool still() const { return at0.x.data() == at1.x.data(); }
     /// The pose at t in [0, 1].
     [[nodiscard]] Pose pose(double t) const;
-    /// How far, at equal times, any vertex may be from the straight line between its places at both ends of a part of [0, 1]
-    /// that is 1 / `segments` long, m. Rounding included; zero where vertices move straight.
+    /// How far, at equal times, any vertex may be from the straight line between its places at both ends of a part of
+    /// [0, 1] that is 1 / `segments` long, m. Rounding included; zero where vertices move straight.
     [[nodiscard]] double arc_gap(int segments) const;
     /// Holds the body at all times.
     [[nodiscard]] Box swept() const;
@@ -52,13 +53,14 @@ struct PlacedBody {
     [[nodiscard]] BodyPlacement view() const { return {x, points, nodes, &box, &pose, &rotation}; }
 };
 
-/// The candidate trajectories of a step. Each committed end state has a version, never reused; a proof names the versions it is
-/// about.
+/// The candidate trajectories of a step. Each committed end state has a version, never reused; a proof names the
+/// versions it is about.
 class Trajectories {
   public:
     /// All bodies at rest at the given poses. The model's setting `trajectory` decides how they will move.
     void start(const Model& model, std::span<const Pose> poses);
-    /// The same in two parts: room for all bodies, then one body after another or side by side, each placed by the thread that calls.
+    /// The same in two parts: room for all bodies, then one body after another or side by side, each placed by the
+    /// thread that calls.
     void resize(const Model& model);
     void start(const Model& model, std::size_t body, const Pose& pose);
     /// Between steps: room for bodies that came, and a body that is elsewhere, or another one, now.

@@ -137,8 +137,8 @@ std::int32_t number_regions(const ContactBodies& bodies, std::size_t num_islands
     return most;
 }
 
-// Moves the packets of every (island, colour), four pairs each, into the order of their pairs' mean region; what is left over
-// stays behind them.
+// Moves the packets of every (island, colour), four pairs each, into the order of their pairs' mean region; what is
+// left over stays behind them.
 void order_packets_by_region(ContactScratch& s) {
     const auto same = [&](std::int32_t p, std::int32_t q) {
         return s.island_of_pair[at(p)] == s.island_of_pair[at(q)] && s.color[at(p)] == s.color[at(q)];

@@ -19,8 +19,8 @@ inline Cone cone_of(const ContactSolveOptions& options, const ContactScratch& sc
     return options.tangents == Tangents::random ? Cone::pyramid : Cone::disc;
 }
 
-/// Fills velocity, blocks, rows (with W, tangents and the cut warm impulses, none applied yet), their packets and islands.
-/// Returns the number of colours.
+/// Fills velocity, blocks, rows (with W, tangents and the cut warm impulses, none applied yet), their packets and
+/// islands. Returns the number of colours.
 int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
              std::span<const Vec3> impulses, ContactScratch& scratch);
 

@@ -12,8 +12,8 @@ namespace {
 // Up to ten free bodies the dense factorisation is the faster one (a chain of bodies, measured).
 constexpr std::int32_t kLargestDense = 60;
 
-// A contact that touches more than half of the columns makes the matrix full, and its positions as many as the matrix has
-// elements.
+// A contact that touches more than half of the columns makes the matrix full, and its positions as many as the matrix
+// has elements.
 bool is_dense(const ConeProgram& p) {
     std::int32_t most = 0;
     for (std::size_t i = 0; i < p.contacts.size(); ++i) most = std::max(most, p.first_entry[i + 1] - p.first_entry[i]);

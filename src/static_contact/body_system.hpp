@@ -2,8 +2,8 @@
 // The linear system of a Newton step on a contact problem, in the space of the bodies. A step changes the impulses by
 // dr_i = c_i - B_i du_i with a 3x3 matrix B_i per contact, and the velocities by du = H dv, dv = H^T dr, so that
 //     (I + H^T B H) dv = H^T c.
-// It is as large as the bodies have degrees of freedom, however many contacts hold them, and regular for redundant contacts.
-// B is not symmetric where contacts slide, hence LU.
+// It is as large as the bodies have degrees of freedom, however many contacts hold them, and regular for redundant
+// contacts. B is not symmetric where contacts slide, hence LU.
 #pragma once
 
 #include <span>

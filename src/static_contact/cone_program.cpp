@@ -21,8 +21,8 @@ struct InertiaFactor {
     std::int32_t rank = 0;
 };
 
-// Columns l_k with A = sum l_k l_k^T: Cholesky with the largest pivot first, which keeps what a needle's inertia has of small
-// digits; directions whose remainder is rounding are left out.
+// Columns l_k with A = sum l_k l_k^T: Cholesky with the largest pivot first, which keeps what a needle's inertia has of
+// small digits; directions whose remainder is rounding are left out.
 InertiaFactor factor_inertia(Mat3 a) {
     InertiaFactor f;
     const double rounding = 0x1p-52 * std::max({a.m[0], a.m[4], a.m[8]});
@@ -77,7 +77,8 @@ void build_cone_program(std::span<const ConeBody> bodies, std::span<const ConeCo
                         std::vector<ConeDiagonal>& diagonals) {
     program.clear();
     diagonals.clear();
-    // Six columns per body: those of directions in which it does not move stay empty, and cost nothing but a unit pivot.
+    // Six columns per body: those of directions in which it does not move stay empty, and cost nothing but a unit
+    // pivot.
     program.num_columns = static_cast<std::int32_t>(6 * bodies.size());
     for (const ConeContact& c : contacts) {
         Vec3 w;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A frictional contact problem, u = q + W r, given by bodies or by a factor H of W = H H^T. Vectors of a contact are in its
-// frame: x along the normal, y and z along the tangents.
+// A frictional contact problem, u = q + W r, given by bodies or by a factor H of W = H H^T. Vectors of a contact are in
+// its frame: x along the normal, y and z along the tangents.
 #pragma once
 
 #include <cstdint>
@@ -54,8 +54,8 @@ struct ConeMotion {
     Vec3 linear, angular;
 };
 
-/// Fills the program and the diagonals. H is accurate to rounding relative to the largest inverse inertia of a body; the
-/// diagonals and cone_velocities() use the inertia as given.
+/// Fills the program and the diagonals. H is accurate to rounding relative to the largest inverse inertia of a body;
+/// the diagonals and cone_velocities() use the inertia as given.
 void build_cone_program(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts, ConeProgram& program,
                         std::vector<ConeDiagonal>& diagonals);
 
@@ -66,9 +66,9 @@ void set_diagonals(const ConeProgram& program, std::vector<ConeDiagonal>& diagon
 void cone_velocities(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts, std::span<const Vec3> r,
                      std::vector<ConeMotion>& motion, std::span<Vec3> u);
 
-/// How far a contact is from the law, m/s: |r_n - max(r_n - u_n / W_nn, 0)| W_nn or |r_t - P(r_t - u_t / W_t)| W_t, whichever
-/// is larger, where P projects on the disc of radius mu r_n. It is zero exactly where the law holds, and is the `violation`
-/// of local_contact.hpp for Cone::disc.
+/// How far a contact is from the law, m/s: |r_n - max(r_n - u_n / W_nn, 0)| W_nn or |r_t - P(r_t - u_t / W_t)| W_t,
+/// whichever is larger, where P projects on the disc of radius mu r_n. It is zero exactly where the law holds, and is
+/// the `violation` of local_contact.hpp for Cone::disc.
 double cone_violation(const ConeDiagonal& w, double friction, const Vec3& r, const Vec3& u);
 
 } // namespace flotilla

@@ -97,7 +97,8 @@ void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, bool parked,
     }
 }
 
-// Packets that one thread takes about as long for as many threads wait for one another; two threads lose hardly anything.
+// Packets that one thread takes about as long for as many threads wait for one another; two threads lose hardly
+// anything.
 constexpr std::int32_t kMostAlone = 8;
 
 // Puts neighbouring groups from `first` on together where they are small; `end` is the last one's end.

@@ -4,9 +4,9 @@
 //
 // A visit computes the relative velocity at a contact once, does the three rows on it in the contact's own frame
 // (local_contact.hpp) and applies the sum of their impulses once. This is the row by row sweep of [29] in exact
-// arithmetic, with a third of the body updates and half of the memory. A pair's velocities stay in registers over all its
-// contacts. Pairs of a packet share no movable body, so their chains of operations are independent: vectors of one, four
-// or eight lanes give the same bits, and so would packets of one colour run in parallel.
+// arithmetic, with a third of the body updates and half of the memory. A pair's velocities stay in registers over all
+// its contacts. Pairs of a packet share no movable body, so their chains of operations are independent: vectors of one,
+// four or eight lanes give the same bits, and so would packets of one colour run in parallel.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ constexpr int kPacketLanes = 4;
 constexpr std::uint8_t kAllPairs = (1U << kPacketLanes) - 1; ///< of a packet, a bit each
 using Lanes = double[kPacketLanes];
 
-/// Up to four body pairs of one colour. Masses are copied in: a sweep touches packets, rows and velocities only. Lanes without a pair
-/// repeat the bodies of lane 0 with inverse masses of 0, so they are read and never written.
+/// Up to four body pairs of one colour. Masses are copied in: a sweep touches packets, rows and velocities only. Lanes
+/// without a pair repeat the bodies of lane 0 with inverse masses of 0, so they are read and never written.
 struct alignas(64) ContactPacket {
     static constexpr int kInvMassA = 0, kInvMassB = 1;
     static constexpr int kInvInertiaA = 2, kInvInertiaB = 8; ///< xx yy zz xy xz yz
@@ -43,10 +43,11 @@ struct alignas(64) ContactPacket {
 };
 static_assert(sizeof(ContactPacket) == 640);
 
-/// One contact of each pair: fields of ContactRow and the impulse before the last visit, 26 doubles per contact, read in order
-/// once per visit; only the impulses are written. A big pile is bound by this stream, so the second tangent (normal x first) and
-/// the arm from b (the pair's offset + the arm from a) are computed. A pair with fewer contacts than others of its packet
-/// has idle rows below: no direction, no arm, no impulse, W = 1. What the normal's row needs comes first.
+/// One contact of each pair: fields of ContactRow and the impulse before the last visit, 26 doubles per contact, read
+/// in order once per visit; only the impulses are written. A big pile is bound by this stream, so the second tangent
+/// (normal x first) and the arm from b (the pair's offset + the arm from a) are computed. A pair with fewer contacts
+/// than others of its packet has idle rows below: no direction, no arm, no impulse, W = 1. What the normal's row needs
+/// comes first.
 struct alignas(64) PacketRow {
     static constexpr int kNormalMass = 0, kInvNormalMass = 1, kNormalImpulse = 2, kNormalPrevious = 3, kTarget = 4;
     static constexpr int kNormal = 5, kArmA = 8;                                        ///< a vector each
@@ -80,16 +81,16 @@ struct PackedContacts {
     [[nodiscard]] std::size_t num_rows() const { return frictionless ? normal_rows.size() : rows.size(); }
 };
 
-/// What threads sweep together before they wait for one another: the packets of a colour, shared out; or those of several small
-/// colours in a row, all to one thread, which takes less time than the others would wait for one another.
+/// What threads sweep together before they wait for one another: the packets of a colour, shared out; or those of
+/// several small colours in a row, all to one thread, which takes less time than the others would wait for one another.
 struct PacketGroup {
     std::int32_t first = 0; ///< packet
     std::int32_t swept = 0; ///< packets with active rows
     bool alone = false;     ///< one thread does it
 };
 
-/// Appends packets, without their contents, for the blocks [first, end) given in colour order: neighbours of one colour share a
-/// packet. Appends their groups to `groups`.
+/// Appends packets, without their contents, for the blocks [first, end) given in colour order: neighbours of one colour
+/// share a packet. Appends their groups to `groups`.
 void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first, std::int32_t end, PackedContacts& packed,
                      std::vector<PacketGroup>& groups);
 /// Appends the groups of packets given in colour order; `first` is the place of the first one.
@@ -99,19 +100,20 @@ void resize_rows(PackedContacts& packed);
 /// Copies the contents of a packet that was laid out; different packets may be filled side by side.
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t packet,
                  PackedContacts& packed);
-/// Copies the impulses of the packed row `row` back to the rows that they came from; different ones may be copied side by side.
+/// Copies the impulses of the packed row `row` back to the rows that they came from; different ones may be copied side
+/// by side.
 void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows);
 
-/// What a sweep works on: some packets, the rows of all, the velocities of all bodies in contact. Bare pointers, because
-/// the kernels compiled for one instruction set must not instantiate inline functions that other files share.
+/// What a sweep works on: some packets, the rows of all, the velocities of all bodies in contact. Bare pointers,
+/// because the kernels compiled for one instruction set must not instantiate inline functions that other files share.
 struct SweepView {
     const ContactPacket* packets = nullptr;
     std::int64_t num_packets = 0;
     PacketRow* rows = nullptr;
     NormalRow* normal_rows = nullptr; ///< those in use with Cone::none
     BodyVelocity* bodies = nullptr;
-    /// A contact's violation in the normal direction counts less by this share of what its normal impulse changes, lambda_n W_nn, but
-    /// by `most_let_off`, m/s, at most.
+    /// A contact's violation in the normal direction counts less by this share of what its normal impulse changes,
+    /// lambda_n W_nn, but by `most_let_off`, m/s, at most.
     double load_share = 0, most_let_off = 0;
     double momentum = 0; ///< a sweep visits every row with its impulse + momentum * (impulse - the one before)
 };
@@ -119,7 +121,8 @@ struct SweepView {
 /// One sweep in packet order. Returns the largest violation met, m/s.
 double sweep(Cone cone, const SweepView& view, Isa isa);
 
-/// The largest violation at the present velocities of rows that are swept, and of parked ones that are not; m/s; changes nothing.
+/// The largest violation at the present velocities of rows that are swept, and of parked ones that are not; m/s;
+/// changes nothing.
 double largest_violation(Cone cone, const SweepView& view, Isa isa);
 double largest_parked_violation(Cone cone, const SweepView& view, Isa isa);
 /// As largest_violation(), and which pairs: bit k of violated[p] is set where a row of pair k of packet p is violated

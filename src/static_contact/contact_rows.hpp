@@ -84,8 +84,8 @@ inline Vec3 relative_velocity(const ContactRow& r, const BodyVelocity& a, const 
 struct TangentTurn {
     double cosine = 1, sine = 0;
 };
-/// That to the principal axes of W_tt: W_12 = 0 then, and one step of the disc is the same whatever the tangents were. By less than an
-/// eighth of a turn (Jacobi's rotation).
+/// That to the principal axes of W_tt: W_12 = 0 then, and one step of the disc is the same whatever the tangents were.
+/// By less than an eighth of a turn (Jacobi's rotation).
 TangentTurn principal_turn(const LocalContact& contact);
 /// Sets the tangents only: set_effective_mass() belongs after it.
 void turn_tangents(const TangentTurn& turn, ContactRow& row);
@@ -96,9 +96,9 @@ void set_effective_mass(const ContactBlock& block, ContactRow& row);
 void set_normal_mass(const ContactBlock& block, ContactRow& row);
 /// Turns the tangents to the principal axes of W_tt before. Sets the impulse to zero.
 void set_principal_mass(const ContactBlock& block, ContactRow& row);
-/// Each of the three, whichever goes with the cone, where a body is locked along some axis. Along a normal that no impulse moves the row
-/// does nothing. Along one of two tangents the friction goes by the other one's mass: the slip that no impulse changes takes its part of
-/// the disc.
+/// Each of the three, whichever goes with the cone, where a body is locked along some axis. Along a normal that no
+/// impulse moves the row does nothing. Along one of two tangents the friction goes by the other one's mass: the slip
+/// that no impulse changes takes its part of the disc.
 void set_locked_mass(Cone cone, const ContactBlock& block, ContactRow& row);
 
 /// set_principal_mass() of many rows, several at a time: add() asks for one, flush() does what is left.
@@ -117,8 +117,8 @@ class PrincipalMasses {
     ContactRow* rows_[kLanes] = {};
 };
 
-/// Of four lanes, compiled for AVX2; call only where the processor has it. `which`: a bit for each lane that is wanted; the
-/// others repeat one.
+/// Of four lanes, compiled for AVX2; call only where the processor has it. `which`: a bit for each lane that is wanted;
+/// the others repeat one.
 void set_principal_masses_avx2(const ContactBlock* const* blocks, ContactRow* const* rows, unsigned which);
 
 /// The impulse nearest to a given one (contact coordinates) that the bounds allow: what a warm start may begin with.

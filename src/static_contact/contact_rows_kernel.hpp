@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// W of contacts side by side, one in each lane, written once for every vector width. Include after a pack header; everything has internal
-// linkage (pack_avx2.hpp).
+// W of contacts side by side, one in each lane, written once for every vector width. Include after a pack header;
+// everything has internal linkage (pack_avx2.hpp).
 #pragma once
 
 #include <cstddef>
@@ -100,8 +100,8 @@ inline PackMasses<P> load_masses(const ContactBlock* const* blocks, const Contac
     return m;
 }
 
-/// Puts the mass and the tangents in the rows of the lanes whose bits are set. What follows them in a row is written as well: the impulse
-/// becomes 0, the arm what it is.
+/// Puts the mass and the tangents in the rows of the lanes whose bits are set. What follows them in a row is written as
+/// well: the impulse becomes 0, the arm what it is.
 template <class P>
 inline void store_masses(const PackMass<P>& w, const PackVec<P>& t1, const PackVec<P>& t2, const PackVec<P>& arm_a,
                          unsigned which, ContactRow* const* rows) {

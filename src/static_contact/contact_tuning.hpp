@@ -4,7 +4,8 @@
 // it. Names are of one glossary (README.md): a look is an evaluation of the residual, parked contacts are inactive, a
 // jam is an over-constrained island.
 //
-// Nobody sets them but bench/scenarios/ablation. What the exact solver goes by is beside it (exact_islands.hpp, interior_point.hpp).
+// Nobody sets them but bench/scenarios/ablation. What the exact solver goes by is beside it (exact_islands.hpp,
+// interior_point.hpp).
 #pragma once
 
 namespace flotilla {
@@ -12,11 +13,12 @@ namespace flotilla {
 struct ContactTuning {
     // --- sweeps (sweep_engine.hpp) ---
 
-    /// Of the last change of impulses and velocities, that a sweep begins with at most. Slow modes become 1 / (1 - m) times faster; beyond
+    /// Of the last change of impulses and velocities, that a sweep begins with at most. Slow modes become 1 / (1 - m)
+    /// times faster; beyond
     /// 0.95 fast ones ring. Row: momentum.
     double most_momentum = 0.9;
-    /// Times the lowest residual, at which momentum begins anew: it can keep a turning error alive that never heads straight back. Thirty
-    /// bodies with friction then never come nearer than 0.17 m/s to a solution. Row: rise.
+    /// Times the lowest residual, at which momentum begins anew: it can keep a turning error alive that never heads
+    /// straight back. Thirty bodies with friction then never come nearer than 0.17 m/s to a solution. Row: rise.
     double most_rise = 2;
     /// Sweeps between two evaluations of the residual, of which one costs half a sweep. Row: looks.
     int look_every = 10;
@@ -44,8 +46,8 @@ struct ContactTuning {
     /// their rest distance hand their load to the others of their pair by one violation a sweep, 2e-4 of 27 m/s. Row:
     /// let-off.
     double load_per_tolerance = 5, most_let_off = 10;
-    /// In what gravity adds in a step: an island whose mass has no more energy than at this speed rests. A body that is held up has 1
-    /// before the solve. Row: rest.
+    /// In what gravity adds in a step: an island whose mass has no more energy than at this speed rests. A body that is
+    /// held up has 1 before the solve. Row: rest.
     double rest_speed = 2;
 
     // --- what is not swept (assemble.cpp, unsolved_part.cpp) ---
@@ -69,8 +71,8 @@ struct ContactTuning {
 
     // --- shock propagation (shock.cpp) ---
 
-    /// Sweeps in which the violation that a level's sweeps meet has to fall to `least_fall` of itself: a level of bodies that touch at many
-    /// points may have no solution with what lies below it frozen. Row: level patience.
+    /// Sweeps in which the violation that a level's sweeps meet has to fall to `least_fall` of itself: a level of
+    /// bodies that touch at many points may have no solution with what lies below it frozen. Row: level patience.
     int level_patience = 20;
 
     // --- the island's energy (solve_contacts.cpp) ---
@@ -80,13 +82,15 @@ struct ContactTuning {
 
     // --- where the exact solver follows (solve_contacts.cpp, exact_islands.hpp) ---
 
-    /// An exact solve starts from what so many sweeps find, of few contacts and of many, and is not needed where that is all. Row: exact.
+    /// An exact solve starts from what so many sweeps find, of few contacts and of many, and is not needed where that
+    /// is all. Row: exact.
     int sweeps_before_exact = 20, sweeps_of_many = 60;
     /// Floating point operations of a factorisation that take as long as a contact in a sweep, some 25 ns: an island
     /// that is neither small nor at rest is swept for as long as an exact solve would take. Where the tolerance is
     /// beyond the reach of sweeps these would else run to their limit, and the exact solve would follow.
     double operations_of_contact = 25;
-    /// Bodies whose factorisation, some 72 n^3 operations, costs less than so few sweeps over the eight or so contacts of each.
+    /// Bodies whose factorisation, some 72 n^3 operations, costs less than so few sweeps over the eight or so contacts
+    /// of each.
     int bodies_factorised_soon = 8;
 
     // --- tolerances and targets (step/static_stage.cpp) ---
@@ -95,7 +99,8 @@ struct ContactTuning {
     double most_of_rest = 0.02;
     /// Of what gravity adds in a step, and of a rest distance a step: the tolerance. Row: tolerance.
     double of_gravity = 1.0 / 2048, of_rest = 1.0 / 1024;
-    /// Of what gravity adds in a step: contacts that slide by less keep their random tangents. Only the paper's pyramids have such.
+    /// Of what gravity adds in a step: contacts that slide by less keep their random tangents. Only the paper's
+    /// pyramids have such.
     double most_slip = 0.1;
 };
 

@@ -84,8 +84,8 @@ void scatter(const Island& island, const ContactBodies& bodies, ContactScratch& 
         }
 }
 
-// 1/2 r W r + r (u - target), J, which a solution has below zero, and which is zero without impulses. What it is above is energy from
-// nowhere.
+// 1/2 r W r + r (u - target), J, which a solution has below zero, and which is zero without impulses. What it is above
+// is energy from nowhere.
 double objective(const Island& island, const ContactScratch& s, const Exact& e) {
     double sum = 0;
     std::size_t c = 0;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Small islands that the sweeps leave unsolved are solved exactly (interior_point.hpp): sweeps converge slowly where bodies of
-// different masses stand on one another, in chains, in long stacks and with thin bodies, and those are small.
+// Small islands that the sweeps leave unsolved are solved exactly (interior_point.hpp): sweeps converge slowly where
+// bodies of different masses stand on one another, in chains, in long stacks and with thin bodies, and those are small.
 #pragma once
 
 #include "static_contact/solver_state.hpp"
 
 namespace flotilla {
 
-/// Of an island's tolerance: to which it is solved where it is solved exactly. It costs next to nothing there, bodies on the edge of
-/// sliding do not creep, and stacks do not sway at the speed of the tolerance.
+/// Of an island's tolerance: to which it is solved where it is solved exactly. It costs next to nothing there, bodies
+/// on the edge of sliding do not creep, and stacks do not sway at the speed of the tolerance.
 inline constexpr double kExactShare = 0x1p-20;
-/// Of an island's mean speed: below it a residual is the rounding of contact normals. In a joint without play impulses of any size would
-/// answer it, with friction to match.
+/// Of an island's mean speed: below it a residual is the rounding of contact normals. In a joint without play impulses
+/// of any size would answer it, with friction to match.
 inline constexpr double kOfSpeed = 0x1p-36;
 
 /// Islands of up to so many contacts are solved exactly after a few sweeps: that takes a few milliseconds at most, as
@@ -30,8 +30,9 @@ inline constexpr double kOfFactorisation = 72;
 [[nodiscard]] bool may_solve_exactly(const ContactScratch::Island& island, const ContactSolveOptions& options,
                                      const ContactScratch& scratch);
 
-/// A column, a chain, an arch: hardly more pairs than bodies. What the contacts leave undone adds up along it, so that a column of fifty
-/// leans and sways by a hundred times the tolerance; and its factorisation costs no more than its bodies one by one.
+/// A column, a chain, an arch: hardly more pairs than bodies. What the contacts leave undone adds up along it, so that
+/// a column of fifty leans and sways by a hundred times the tolerance; and its factorisation costs no more than its
+/// bodies one by one.
 [[nodiscard]] bool is_slender(const ContactScratch::Island& island);
 
 [[nodiscard]] std::int32_t contacts_of(const ContactScratch::Island& island, const ContactScratch& scratch);

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: MIT
-// The law in cone form (De Saxce, Feng 1998): with x = (mu r_n, r_t) and y = (u_n / mu + |u_t|, u_t), which is u + mu |u_t| n
-// scaled likewise, it reads x in L, y in L, x perpendicular to y, for the Lorentz cone L. But for the term |u_t| this is a
-// convex second-order cone program with W = H H^T.
+// The law in cone form (De Saxce, Feng 1998): with x = (mu r_n, r_t) and y = (u_n / mu + |u_t|, u_t), which is u + mu
+// |u_t| n scaled likewise, it reads x in L, y in L, x perpendicular to y, for the Lorentz cone L. But for the term
+// |u_t| this is a convex second-order cone program with W = H H^T.
 //
 // Three methods, each begun only where those before it failed:
-//  1. Semismooth Newton on the residual itself, from the best impulses known (Alart, Curnier 1991). A few steps solve what is
-//     nearly solved and most problems of a few bodies. It has no guarantee from afar.
-//  2. Primal-dual interior point: Mehrotra's predictor and corrector with the scaling of Nesterov and Todd. Acary, Armand,
-//     Nguyen, Shpakovych (2023) solve the convex relaxation so and correct |u_t| outside; here its derivative is part of the
-//     Newton matrix, which is then not symmetric. Measured on 540 random problems: 282 unsolved without the derivative, 178
-//     with it, most of them with mu >= 10. The law is not monotone, and its central path may turn back: at such a fold the
-//     determinant of the Newton matrix changes its sign, its solution changes to the opposite direction, and steps that only
-//     go down end there, each shorter than the one before. There the path itself is followed, along its tangent in the sense
-//     that the sign says, over the fold and down again behind it. Method 1 is tried on the way: the last digits are its.
-//  3. Rounds of projected Gauss-Seidel and method 1, for what the interior point does not reach: the sweeps choose between
-//     sticking and opening contact by contact.
+//  1. Semismooth Newton on the residual itself, from the best impulses known (Alart, Curnier 1991). A few steps solve
+//     what is nearly solved and most problems of a few bodies. It has no guarantee from afar.
+//  2. Primal-dual interior point: Mehrotra's predictor and corrector with the scaling of Nesterov and Todd. Acary,
+//     Armand, Nguyen, Shpakovych (2023) solve the convex relaxation so and correct |u_t| outside; here its derivative
+//     is part of the Newton matrix, which is then not symmetric. Measured on 540 random problems: 282 unsolved without
+//     the derivative, 178 with it, most of them with mu >= 10. The law is not monotone, and its central path may turn
+//     back: at such a fold the determinant of the Newton matrix changes its sign, its solution changes to the opposite
+//     direction, and steps that only go down end there, each shorter than the one before. There the path itself is
+//     followed, along its tangent in the sense that the sign says, over the fold and down again behind it. Method 1 is
+//     tried on the way: the last digits are its.
+//  3. Rounds of projected Gauss-Seidel and method 1, for what the interior point does not reach: the sweeps choose
+//     between sticking and opening contact by contact.
 // The best impulses of all are kept throughout.
 #include "static_contact/interior_point.hpp"
 
@@ -55,13 +56,14 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// In x and y a friction mu stretches the normal direction by 1/mu. Below this the contact is solved without friction, and
-// what it lacks, mu r_n, is left to the Newton steps, for which any mu is the same.
+// In x and y a friction mu stretches the normal direction by 1/mu. Below this the contact is solved without friction,
+// and what it lacks, mu r_n, is left to the Newton steps, for which any mu is the same.
 constexpr double kLeastConeFriction = 1e-6;
 
 // Share of W_ii by which a closed contact yields to its impulse within one Newton step. It keeps redundant contacts
-// solvable, and as the next steps correct r it leaves no error. Larger values make the load of a heavy body on a column of
-// light ones converge slowly (1e-9: not to 1e-6 for a mass ratio of 1e9), smaller ones drown free motions in rounding.
+// solvable, and as the next steps correct r it leaves no error. Larger values make the load of a heavy body on a column
+// of light ones converge slowly (1e-9: not to 1e-6 for a mass ratio of 1e9), smaller ones drown free motions in
+// rounding.
 constexpr double kCompliance = 1e-11;
 
 constexpr int kFirstNewtonSteps = 6, kNewtonSteps = 6;
@@ -76,17 +78,18 @@ constexpr double kShortStep = 0.3;   // steps shorter than this leave the way do
 constexpr double kAhead = 0.5;       // share of the way to the cone's edge that a step along the path takes
 constexpr int kStall = 20;           // iterations without progress after which method 2 is given up
 
-// Of the largest velocity: a residual that methods 2 and 3 get below only by chance. Where a contact neither carries nor parts, its impulse
-// and its velocity both are as the square root of their product, and the products end at the rounding, 2^-52. Many bodies at rest hold
-// such contacts, and with the impulses of the step before are nearer to the solution than that.
+// Of the largest velocity: a residual that methods 2 and 3 get below only by chance. Where a contact neither carries
+// nor parts, its impulse and its velocity both are as the square root of their product, and the products end at the
+// rounding, 2^-52. Many bodies at rest hold such contacts, and with the impulses of the step before are nearer to the
+// solution than that.
 constexpr double kInteriorFloor = 0x1p-26;
-// Floors: problems of stacks and walls at rest end between half of one and three. Who asks there for less than four is given what
-// Newton's steps reach within them.
+// Floors: problems of stacks and walls at rest end between half of one and three. Who asks there for less than four is
+// given what Newton's steps reach within them.
 constexpr double kOutOfReach = 4;
 
 constexpr int kRounds = 10, kSweepsPerRound = 400;
-// Between closing walls no impulses meet the law: a residual above this share of the largest velocity, of which a round leaves more than
-// that other, is not worth another one.
+// Between closing walls no impulses meet the law: a residual above this share of the largest velocity, of which a round
+// leaves more than that other, is not worth another one.
 constexpr double kHopeless = 0.1, kRoundGains = 0.8;
 
 Vec3 cut_to_cone(const Vec3& r, double friction) {
@@ -183,8 +186,8 @@ double Solver::largest_velocity() const {
     return largest;
 }
 
-// Cuts r to the cones, sets u and returns the residual; keeps r where it is the best, or the last that is no worse than `as_good`
-// and than the rounding of the best.
+// Cuts r to the cones, sets u and returns the residual; keeps r where it is the best, or the last that is no worse than
+// `as_good` and than the rounding of the best.
 double Solver::consider(double as_good) {
     for (std::size_t i = 0; i < size(); ++i)
         s_.r[i] = movable(i) ? cut_to_cone(s_.r[i], has_friction(i) ? friction(i) : 0) : Vec3{};
@@ -222,10 +225,10 @@ bool Solver::factorise() {
     return s_.system.factorise(s_.b);
 }
 
-// Method 1, from r. Full steps only: where they do not lead down at once they often do after some more, and the best of them
-// is kept. Within rounding it goes on while it gains, and the last step counts: an error common to a whole column of bodies,
-// far below the rounding of each of its contacts, is still an error of the column's load, which the residual does not show.
-// A step that does not divide the residual by `gain` is the last. Returns whether it finished.
+// Method 1, from r. Full steps only: where they do not lead down at once they often do after some more, and the best of
+// them is kept. Within rounding it goes on while it gains, and the last step counts: an error common to a whole column
+// of bodies, far below the rounding of each of its contacts, is still an error of the column's load, which the residual
+// does not show. A step that does not divide the residual by `gain` is the last. Returns whether it finished.
 bool Solver::newton(int max_steps, double gain) {
     double best = consider();
     int without_gain = 0;
@@ -243,8 +246,8 @@ bool Solver::newton(int max_steps, double gain) {
     return done();
 }
 
-// dr = c - B du of a contact in the state that the projections of the residual show: open (r = 0), sticking (u = 0) or sliding.
-// u = 0 is relaxed to u + e W dr = 0.
+// dr = c - B du of a contact in the state that the projections of the residual show: open (r = 0), sticking (u = 0) or
+// sliding. u = 0 is relaxed to u + e W dr = 0.
 void Solver::linearise(std::size_t i) {
     const Vec3 &r = s_.r[i], &u = s_.u[i];
     const ConeDiagonal& w = s_.w[i];
@@ -302,8 +305,8 @@ Mat3 Solver::velocity_map(std::size_t i) const {
     return t;
 }
 
-// Both x and y on the cone's axis; each contact alone stops the largest velocity. Nearer to what the sweeps found the path is worse, and
-// with targets that know the masses, stacks whose bodies differ by 1e9 are.
+// Both x and y on the cone's axis; each contact alone stops the largest velocity. Nearer to what the sweeps found the
+// path is worse, and with targets that know the masses, stacks whose bodies differ by 1e9 are.
 void Solver::set_start() {
     for (std::size_t i = 0; i < size(); ++i) {
         if (!movable(i)) continue;
@@ -371,8 +374,8 @@ bool Solver::step() {
     return (sign > 0 && step_down()) || step_along(sign);
 }
 
-// One predictor and corrector. |u_t| is not convex, and the corrector's second order can point out of the cone at once: a short
-// step is tried again without it. False where that is short as well.
+// One predictor and corrector. |u_t| is not convex, and the corrector's second order can point out of the cone at once:
+// a short step is tried again without it. False where that is short as well.
 bool Solver::step_down() {
     const double reached = product_after(std::min(1.0, step_length())) / product_;
     const double centring = std::clamp(reached * reached * reached, 1e-6, 1.0);
@@ -391,8 +394,8 @@ bool Solver::step_down() {
     return false;
 }
 
-// Along the tangent, towards smaller products or, behind a fold, larger ones; and towards the path, at right angles to the tangent:
-// near a fold the Newton step to given products is nearly the tangent and has no bound.
+// Along the tangent, towards smaller products or, behind a fold, larger ones; and towards the path, at right angles to
+// the tangent: near a fold the Newton step to given products is nearly the tangent and has no bound.
 bool Solver::step_along(int sign) {
     s_.dx_0.swap(s_.dx);
     s_.dy_0.swap(s_.dy);

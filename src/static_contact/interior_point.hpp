@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Exact solve of small frictional contact problems, whatever the mass ratio, the redundancy of the contacts and the friction:
-// what the sweeps (solve_contacts.hpp) only approach, in some ten factorisations of a matrix as large as the bodies' degrees
-// of freedom. The law of a contact, for its impulse r and its relative velocity u = q + W r:
+// Exact solve of small frictional contact problems, whatever the mass ratio, the redundancy of the contacts and the
+// friction: what the sweeps (solve_contacts.hpp) only approach, in some ten factorisations of a matrix as large as the
+// bodies' degrees of freedom. The law of a contact, for its impulse r and its relative velocity u = q + W r:
 //     0 <= r_n  perpendicular to  u_n >= 0,   |r_t| <= mu r_n,   r_t = -mu r_n u_t / |u_t| where u_t != 0.
 // How it is solved is told in interior_point.cpp.
 #pragma once
@@ -16,8 +16,8 @@ namespace flotilla {
 struct ConeSolveOptions {
     double tolerance = 0;     ///< m/s: residual asked for
     int max_iterations = 100; ///< factorisations in all
-    /// m/s: a residual that is not worth more than `most_beyond` factorisations in all, nor other methods than the first where they
-    /// seldom gain.
+    /// m/s: a residual that is not worth more than `most_beyond` factorisations in all, nor other methods than the
+    /// first where they seldom gain.
     double enough = 0;
     int most_beyond = 100;
     /// Newton steps alone, for as long as each divides the residual by so much; 0: all methods.
@@ -50,12 +50,13 @@ class ConeScratch {
     std::unique_ptr<Storage> storage_;
 };
 
-/// Solves for the impulses (N s, contact frame). Their input values are an estimate to start from, zero where there is none.
+/// Solves for the impulses (N s, contact frame). Their input values are an estimate to start from, zero where there is
+/// none.
 ///
-/// Guarantees, solved or not: r_n >= 0, and |r_t| <= mu r_n to rounding; a residual no larger than that of the estimate cut to
-/// the cones, nor than that of r = 0; at most options.max_iterations factorisations; the same bits for the same input; and
-/// the same result in other units, exactly where lengths and times are scaled by powers of two and masses by powers of four.
-/// A problem without solution, which large friction can make, ends unsolved with the best r met.
+/// Guarantees, solved or not: r_n >= 0, and |r_t| <= mu r_n to rounding; a residual no larger than that of the estimate
+/// cut to the cones, nor than that of r = 0; at most options.max_iterations factorisations; the same bits for the same
+/// input; and the same result in other units, exactly where lengths and times are scaled by powers of two and masses by
+/// powers of four. A problem without solution, which large friction can make, ends unsolved with the best r met.
 ConeSolveStats solve_cone_program(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts,
                                   const ConeSolveOptions& options, std::span<Vec3> impulses, ConeScratch& scratch);
 ConeSolveStats solve_cone_program(const ConeProgram& program, const ConeSolveOptions& options, std::span<Vec3> impulses,

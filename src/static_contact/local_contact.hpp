@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// One contact in its own frame (normal, tangent 1, tangent 2): the projection of eqs 17-20 and nothing else. It knows the
-// contact's relative velocity u, its impulse and the 3x3 matrix W that turns a change of the one into a change of the
-// other; where u comes from (bodies, or a matrix of a test problem) is the caller's business. Written once for every
-// vector width P: lanes are independent contacts.
+// One contact in its own frame (normal, tangent 1, tangent 2): the projection of eqs 17-20 and nothing else. It knows
+// the contact's relative velocity u, its impulse and the 3x3 matrix W that turns a change of the one into a change of
+// the other; where u comes from (bodies, or a matrix of a test problem) is the caller's business. Written once for
+// every vector width P: lanes are independent contacts.
 //
 // A visit does the three scalar rows of projected Gauss-Seidel in the order normal, tangent 1, tangent 2; each row sees
 // what the rows before it did. Deviation from eqs 18-20: Cone::disc replaces the pyramid by |lambda_t| <= mu lambda_n
 // with the friction opposite to the slip, because the pyramid's friction is up to sqrt(2) too large along its diagonal
-// (4/pi on average over random tangents). Both its tangents are then solved together, which needs no more sweeps than an
-// exact solve of the local cone (tests/static_contact/friction_problem_test.cpp).
+// (4/pi on average over random tangents). Both its tangents are then solved together, which needs no more sweeps than
+// an exact solve of the local cone (tests/static_contact/friction_problem_test.cpp).
 //
 // Include after a pack header; everything on packs has internal linkage.
 #pragma once
@@ -68,10 +68,11 @@ inline PackVec2<P> project_on_disc(const PackVec2<P>& l, P bound) {
     return {shrink * l.x, shrink * l.y};
 }
 
-/// The tangential impulse of the disc |lambda| <= bound for slip velocity u at the present impulse, W_tt being diagonal. Where the
-/// impulse that stops the slip, lambda_old - W^-1 u, lies in the disc it is taken: the minimiser of 1/2 lambda W lambda + b lambda,
-/// b = u - W lambda_old. Else a step down that function's gradient by no more than its curvature allows, projected on the disc. Its
-/// fixed points are those of Coulomb's law, friction opposite to the slip; neither form of step adds energy.
+/// The tangential impulse of the disc |lambda| <= bound for slip velocity u at the present impulse, W_tt being
+/// diagonal. Where the impulse that stops the slip, lambda_old - W^-1 u, lies in the disc it is taken: the minimiser of
+/// 1/2 lambda W lambda + b lambda, b = u - W lambda_old. Else a step down that function's gradient by no more than its
+/// curvature allows, projected on the disc. Its fixed points are those of Coulomb's law, friction opposite to the slip;
+/// neither form of step adds energy.
 template <class P>
 inline PackVec2<P> disc_impulse(const LocalPack<P>& c, const PackVec2<P>& u, P bound) {
     const PackVec2<P> stick{c.impulse.y - u.x * c.inv_mass_diagonal.y, c.impulse.z - u.y * c.inv_mass_diagonal.z};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The Lorentz cone L = {(x, y, z): |(y, z)| <= x}: its Jordan product and the scaling of Nesterov and Todd, in the notation of
-// Vandenberghe, The CVXOPT linear and quadratic cone program solvers (2010), sections 4 and 5. J = diag(1, -1, -1).
-// Vectors with y = z = 0 form the half-line x >= 0, and every function here keeps them there.
+// The Lorentz cone L = {(x, y, z): |(y, z)| <= x}: its Jordan product and the scaling of Nesterov and Todd, in the
+// notation of Vandenberghe, The CVXOPT linear and quadratic cone program solvers (2010), sections 4 and 5. J = diag(1,
+// -1, -1). Vectors with y = z = 0 form the half-line x >= 0, and every function here keeps them there.
 #pragma once
 
 #include <cmath>
@@ -18,8 +18,8 @@ constexpr Mat3 outer(const Vec3& a, const Vec3& b) {
 /// Length of the last two components: of an impulse its friction, of a velocity its slip.
 inline double tangential_length(const Vec3& a) { return std::sqrt(a.y * a.y + a.z * a.z); }
 
-/// a J a, positive inside the cone and of its opposite. Written as a product: the difference of squares loses near the edge
-/// the digits that decide.
+/// a J a, positive inside the cone and of its opposite. Written as a product: the difference of squares loses near the
+/// edge the digits that decide.
 inline double lorentz_square(const Vec3& a) {
     const double t = tangential_length(a);
     return (a.x - t) * (a.x + t);

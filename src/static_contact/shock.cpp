@@ -55,8 +55,8 @@ std::int32_t block_level(const ContactBlock& block, const ContactScratch& s) {
     return std::max(s.level[at(block.a)], s.level[at(block.b)]);
 }
 
-// Fills level_order with the island's blocks by level, in a level by colour, and those with equally many contacts together (see
-// order_pairs in assemble.cpp). Returns the number of levels.
+// Fills level_order with the island's blocks by level, in a level by colour, and those with equally many contacts
+// together (see order_pairs in assemble.cpp). Returns the number of levels.
 std::int32_t order_by_level(const ContactScratch::Island& island, ContactScratch& s) {
     s.level_order.resize(at(island.end - island.first));
     std::iota(s.level_order.begin(), s.level_order.end(), island.first);
@@ -72,8 +72,8 @@ std::int32_t order_by_level(const ContactScratch::Island& island, ContactScratch
     return order_by([&](const ContactBlock& block) { return block_level(block, s); });
 }
 
-// Copies the blocks [first, end) of level_order, one level, with the bodies below frozen. A block with a body of infinite mass is its
-// own copy.
+// Copies the blocks [first, end) of level_order, one level, with the bodies below frozen. A block with a body of
+// infinite mass is its own copy.
 void copy_level(std::int32_t first, std::int32_t end, const ContactSolveOptions& options, ContactScratch& s) {
     const std::size_t n = at(end - first);
     s.shock_blocks.resize(n);
@@ -146,8 +146,8 @@ LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions&
     return left;
 }
 
-// Solves level by level; false, and no further, where a level of a resting island ends above the tolerance. What one level leaves stays:
-// those above do not move its bodies.
+// Solves level by level; false, and no further, where a level of a resting island ends above the tolerance. What one
+// level leaves stays: those above do not move its bodies.
 bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& options, double& residual,
                   ContactScratch& s) {
     // Bodies move with what is left in the levels below them: the sum may reach the tolerance, not each term.

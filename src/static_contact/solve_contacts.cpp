@@ -94,7 +94,8 @@ void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, 
     const ContactTuning& tuning = options.tuning;
     const std::int32_t bodies = island.end_body - island.first_body;
     const bool few = contacts_of(island, s) <= kFewContacts;
-    // One of many bodies that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand of them.
+    // One of many bodies that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand
+    // of them.
     const bool soon = island.rests || bodies <= tuning.bodies_factorised_soon;
     island.exact_tolerance = kExactShare * island.tolerance;
     if (soon && (few || is_slender(island)))
@@ -133,7 +134,8 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     sweep_and_measure({false, options.momentum});
 }
 
-// Large islands one after another, each on all threads; small ones side by side. No island writes what another one reads.
+// Large islands one after another, each on all threads; small ones side by side. No island writes what another one
+// reads.
 void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();
     for (std::size_t k = 0; k < s.islands.size(); ++k) {

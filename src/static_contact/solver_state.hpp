@@ -34,7 +34,8 @@ struct ContactBodies {
 
 struct ContactSolveOptions {
     int iterations = 1000; ///< sweeps per island, >= 0 (figure 20)
-    /// m/s, L-infinity violation at which an island stops (but see rest_speed); the least of this and of its contacts' tolerances.
+    /// m/s, L-infinity violation at which an island stops (but see rest_speed); the least of this and of its contacts'
+    /// tolerances.
     double tolerance = 1e-6;
     bool warm_start = true;  ///< start from the impulses handed in
     bool normal_rows = true; ///< one row a contact where none has friction (Savings)
@@ -54,12 +55,12 @@ struct ContactSolveOptions {
     bool exact = false;     ///< small islands that PGS leaves unsolved are solved exactly (exact_islands.hpp)
     bool exact_few = false; ///< of them only those of few bodies, and columns at rest by Newton's steps alone
     bool shock = true;      ///< propagate a shock where an island is still unsolved
-    /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level leaves
-    /// is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
+    /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level
+    /// leaves is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
     int shock_iterations = 100;
-    /// cone, aligned: friction bounded by a disc, so that it is mu lambda_n in every direction. random: the paper's pyramid with keyed
-    /// tangents.
+    /// cone, aligned: friction bounded by a disc, so that it is mu lambda_n in every direction. random: the paper's
+    /// pyramid with keyed tangents.
     Tangents tangents = Tangents::cone;
     std::uint64_t seed = 0, step = 0; ///< key of the random tangents; step: of contacts that slide
     Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any

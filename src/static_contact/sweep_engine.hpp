@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Projected Gauss-Seidel (paper, section 4.3.2, eqs 15-22), carried on by Nesterov's momentum, over any set of packets: a whole island
-// (sweep_island.hpp), the part of it that is not solved yet (unsolved_part.hpp), a level of a shock pass (shock.hpp). Those differ in
-// what they do after a sweep and in when they end, and nothing else.
+// Projected Gauss-Seidel (paper, section 4.3.2, eqs 15-22), carried on by Nesterov's momentum, over any set of packets:
+// a whole island (sweep_island.hpp), the part of it that is not solved yet (unsolved_part.hpp), a level of a shock pass
+// (shock.hpp). Those differ in what they do after a sweep and in when they end, and nothing else.
 //
 // One sweep maps impulses and velocities y to x(y). Plain Gauss-Seidel goes on from x. Here the next sweep starts from
 //   y = x + m (x - x_before),  m = (theta - 1) / theta_next,  theta_next = (1 + sqrt(1 + 4 theta^2)) / 2,
@@ -11,12 +11,12 @@
 // (O'Donoghue and Candes 2015), or the residual rises. The sum runs over the bodies in one order. What a solve leaves
 // behind is always some x: within the bounds of eqs 17-20.
 //
-// The law with friction is no minimum of anything, so nothing is proved about m > 0; a plain sweep after every restart and the
-// residual at the end decide.
+// The law with friction is no minimum of anything, so nothing is proved about m > 0; a plain sweep after every restart
+// and the residual at the end decide.
 //
-// Sweeps run in shares for several threads. Decisions fall between phases, on the calling thread, and rest on what does not depend on the
-// number of shares: packets of one colour touch different bodies, sums of bodies are cut at fixed places and added up in their order,
-// and the rest are maxima.
+// Sweeps run in shares for several threads. Decisions fall between phases, on the calling thread, and rest on what does
+// not depend on the number of shares: packets of one colour touch different bodies, sums of bodies are cut at fixed
+// places and added up in their order, and the rest are maxima.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +39,8 @@ inline constexpr std::size_t kBodiesPerSum = 64;
     return (bodies + kBodiesPerSum - 1) / kBodiesPerSum;
 }
 
-/// What sweeps show of themselves in a recording: ns by share and group, in one region. Without a recorder nothing is kept.
+/// What sweeps show of themselves in a recording: ns by share and group, in one region. Without a recorder nothing is
+/// kept.
 class SweepRecord {
   public:
     /// width(most): how many threads, at most `most`, the sweeps are worth.
@@ -87,8 +88,8 @@ struct SweepCrew {
     bool one_group = false;       ///< everything is recorded as that group
 };
 
-/// A crew of as many of the team as sweeps are worth, with its record; without a team the calling thread alone, unrecorded. One with
-/// several shares at a time.
+/// A crew of as many of the team as sweeps are worth, with its record; without a team the calling thread alone,
+/// unrecorded. One with several shares at a time.
 class Sharing {
   public:
     template <class Width>
@@ -131,8 +132,8 @@ class SweepEngine {
                 ContactScratch& scratch)
         : set_(set), crew_(crew), cone_(cone), options_(options), s_(scratch) {}
 
-    /// Sweeps until after(sweeps, largest violation met, m/s) says done, at most `limit` times. Returns the number. Each row is seen at
-    /// its own turn: where all passed, the state that the sweep left may not.
+    /// Sweeps until after(sweeps, largest violation met, m/s) says done, at most `limit` times. Returns the number.
+    /// Each row is seen at its own turn: where all passed, the state that the sweep left may not.
     template <class After>
     int run(int limit, After&& after) {
         Momentum momentum(options_.tuning.most_momentum);

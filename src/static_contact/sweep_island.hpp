@@ -8,16 +8,16 @@
 
 namespace flotilla {
 
-/// Lists the movable bodies of every island, ascending, with their weights: the order of sums is the island's own, whatever the
-/// order of its blocks.
+/// Lists the movable bodies of every island, ascending, with their weights: the order of sums is the island's own,
+/// whatever the order of its blocks.
 void list_island_bodies(const ContactBodies& bodies, ContactScratch& scratch);
 
 struct SweepStart {
     bool apply_impulses = false; ///< first add the effect of the impulses that the rows hold: the warm start
     bool momentum = true;
 };
-/// Sweeps until the tolerance holds, the limit is reached or, with options.patience, the residual falls no more. Sets the island's
-/// residual and whether it is solved, and adds to its iterations and visits.
+/// Sweeps until the tolerance holds, the limit is reached or, with options.patience, the residual falls no more. Sets
+/// the island's residual and whether it is solved, and adds to its iterations and visits.
 void sweep_island(ContactScratch::Island& island, const ContactSolveOptions& options, const SweepStart& start,
                   ContactScratch& scratch);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Sweeps over packets, written once for every vector width. Include after a pack header. A packet is done contact by contact, in
-// groups of P::kWidth lanes where P is narrower than a packet; where P is twice as wide, two packets of one colour go side by side:
-// they touch different bodies, so the bits are those of one after the other, and about thirty dependent operations a row are waited
-// for once in place of twice.
+// Sweeps over packets, written once for every vector width. Include after a pack header. A packet is done contact by
+// contact, in groups of P::kWidth lanes where P is narrower than a packet; where P is twice as wide, two packets of one
+// colour go side by side: they touch different bodies, so the bits are those of one after the other, and about thirty
+// dependent operations a row are waited for once in place of twice.
 #pragma once
 
 #include <cstddef>
@@ -88,7 +88,8 @@ inline PackBody<P> load_bodies(const BodyVelocity* bodies, const std::int32_t* i
     return {{linear[0], linear[1], linear[2]}, {angular[0], angular[1], angular[2]}};
 }
 
-/// Writes the movable bodies of a group, each half of a velocity at once: a load of what narrower stores wrote waits for the cache.
+/// Writes the movable bodies of a group, each half of a velocity at once: a load of what narrower stores wrote waits
+/// for the cache.
 template <class P>
 inline void store_bodies(const PackBody<P>& body, const std::int32_t* id, const double* inv_mass,
                          BodyVelocity* bodies) {
@@ -103,8 +104,8 @@ inline void store_bodies(const PackBody<P>& body, const std::int32_t* id, const 
     store_transposed({body.angular.x, body.angular.y, body.angular.z, zero}, movable, angular);
 }
 
-/// A vector in contact coordinates, by the fields of its normal component and of the first tangential one; without friction the normal
-/// one alone.
+/// A vector in contact coordinates, by the fields of its normal component and of the first tangential one; without
+/// friction the normal one alone.
 template <Cone kCone, class P, class At>
 [[gnu::always_inline]] inline PackVec<P> load_local_vec(const At& at, int normal, int tangential) {
     if constexpr (kCone == Cone::none) return {at.load(normal), P::all(0), P::all(0)};
@@ -185,8 +186,8 @@ inline double largest_lane(P x) {
     return worst;
 }
 
-/// Asks for the bodies of packet p, to write them: another thread may have written them in the last colour, and stores wait for one
-/// another. What is not movable is only read, by all threads.
+/// Asks for the bodies of packet p, to write them: another thread may have written them in the last colour, and stores
+/// wait for one another. What is not movable is only read, by all threads.
 template <bool kWrite>
 inline void fetch_bodies(const SweepView& view, std::int64_t p) {
     if (!kWrite || p >= view.num_packets) return;
@@ -317,8 +318,8 @@ inline std::int32_t do_common_rows(OpenPacket<typename P::Half, kCone>& low, Ope
     return rows;
 }
 
-/// Calls at_row(rows, a, b) for every row that is swept, packet by packet, with the bodies' velocities kept between the rows of a
-/// packet; writes them back if kWrite.
+/// Calls at_row(rows, a, b) for every row that is swept, packet by packet, with the bodies' velocities kept between the
+/// rows of a packet; writes them back if kWrite.
 template <class P, Cone kCone, bool kWrite, class AtRow>
 inline void for_each_row(const SweepView& view, AtRow at_row) {
     using One = typename OnePacket<P>::Pack;
@@ -404,7 +405,8 @@ inline double largest_violation_of(const SweepView& view) {
     return largest_lane(worst);
 }
 
-/// As largest_violation_of, and sets bit k of violated[p] where a row of pair k of packet p is violated by more than `tolerance`.
+/// As largest_violation_of, and sets bit k of violated[p] where a row of pair k of packet p is violated by more than
+/// `tolerance`.
 template <class P, Cone kCone>
 inline double find_violated_in(const SweepView& view, double tolerance, std::uint8_t* violated) {
     using One = typename OnePacket<P>::Pack;

@@ -14,8 +14,8 @@ struct TangentPair {
     Vec3 t1, t2;
 };
 
-/// Tangents turned about the unit normal by an angle uniform in [0, pi/2) (a quarter turn maps a pyramid onto itself), a
-/// pure function of normal, seed, step and the contact's ids: no order of contacts or steps can change it.
+/// Tangents turned about the unit normal by an angle uniform in [0, pi/2) (a quarter turn maps a pyramid onto itself),
+/// a pure function of normal, seed, step and the contact's ids: no order of contacts or steps can change it.
 TangentPair keyed_tangents(const Contact& contact, std::uint64_t seed, std::uint64_t step);
 
 /// Some tangents, a pure function of the unit normal, for friction that is the same in every direction.

@@ -19,9 +19,9 @@ void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning&
 bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
                      ContactScratch& scratch);
 
-/// Sweeps them by the crew of the whole island's engine, without momentum or with a sequence of their own, until a sweep meets no violation
-/// above the tolerance, `most` times or ContactTuning::part_sweeps times. Returns the number of sweeps. The number of threads changes no bit. The
-/// next sweep of the island must do without momentum.
+/// Sweeps them by the crew of the whole island's engine, without momentum or with a sequence of their own, until a
+/// sweep meets no violation above the tolerance, `most` times or ContactTuning::part_sweeps times. Returns the number
+/// of sweeps. The number of threads changes no bit. The next sweep of the island must do without momentum.
 int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, ContactScratch& scratch);
 
 /// Groups of an island's record behind those of its batches: the loops over bodies, a task per sum of them; evaluations

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Changes between steps: each leaves a State and a Model that are whole, and what follows from them is made anew before the next step.
+// Changes between steps: each leaves a State and a Model that are whole, and what follows from them is made anew before
+// the next step.
 #include <algorithm>
 #include <tuple>
 #include <utility>

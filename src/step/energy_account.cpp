@@ -10,10 +10,11 @@ namespace flotilla {
 namespace {
 
 constexpr std::size_t kGrain = 64; // bodies of a task
-/// Of the energies that a balance subtracts: the rounding of a few operations each, and of the energy of a turn (rotation_step.hpp).
+/// Of the energies that a balance subtracts: the rounding of a few operations each, and of the energy of a turn
+/// (rotation_step.hpp).
 constexpr double kRounding = 0x1p-44;
-/// Of a body's weight times its rest distance: what resting bodies may rise in a step without account. A million steps of it lift a body
-/// by a thousandth of its rest distance.
+/// Of a body's weight times its rest distance: what resting bodies may rise in a step without account. A million steps
+/// of it lift a body by a thousandth of its rest distance.
 constexpr double kCreep = 0x1p-30;
 
 double kinetic_energy(const Model& model, std::size_t i, const Pose& pose, const Motion& m) {
@@ -21,15 +22,16 @@ double kinetic_energy(const Model& model, std::size_t i, const Pose& pose, const
                   dot(m.momentum, angular_velocity(model, i, pose.rotation, m.momentum)));
 }
 
-/// N, that pulls a body towards what it rests on: its weight, its own force, and what its torque presses with on an arm of its radius.
+/// N, that pulls a body towards what it rests on: its weight, its own force, and what its torque presses with on an arm
+/// of its radius.
 double weight_of(const Model& model, std::size_t i) {
     const Body& body = model.bodies[i];
     const double weight = body.mass * length(model.gravity);
     return body.driven() ? weight + length(body.force) + length(body.torque) / model.shape_of(i).radius : weight;
 }
 
-/// J: a body's weight times its rest distance, of the smaller of its two diameters, that of the bounding sphere and that about the centre
-/// of mass.
+/// J: a body's weight times its rest distance, of the smaller of its two diameters, that of the bounding sphere and
+/// that about the centre of mass.
 double most_lift_of(const Model& model, std::size_t i) {
     const double share = std::min(1.0, 2 * model.shape_of(i).radius / model.bodies[i].size);
     return weight_of(model, i) * share * body_lengths(model, i).rest;

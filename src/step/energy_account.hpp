@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
 // The last resort that keeps G5: energy does not grow by itself, island by island.
 //
-// At the end of a step every island may have at most the energy that it had before, the work of scripted bodies and of the bodies' own
-// forces and torques, and lift: stages 3
-// and 5 bring bodies that are too near to their rest distance, which may raise them. What of a rise of the energy is lift is
-// written down for every body, at most its weight (and what else pulls on it) times d_rest in all, and written off again when the island loses energy. So the energy of
-// a scene without scripts never exceeds its lowest value so far by more than the lift of all bodies.
+// At the end of a step every island may have at most the energy that it had before, the work of scripted bodies and of
+// the bodies' own forces and torques, and lift: stages 3
+// and 5 bring bodies that are too near to their rest distance, which may raise them. What of a rise of the energy is
+// lift is written down for every body, at most its weight (and what else pulls on it) times d_rest in all, and written
+// off again when the island loses energy. So the energy of a scene without scripts never exceeds its lowest value so
+// far by more than the lift of all bodies.
 //
-// What rises beyond that is taken from the velocities of the island: relative to its centre of mass where nothing of infinite mass
-// touches it, which keeps its momentum, else relative to the world. In ordinary scenes there is nothing to take.
+// What rises beyond that is taken from the velocities of the island: relative to its centre of mass where nothing of
+// infinite mass touches it, which keeps its momentum, else relative to the world. In ordinary scenes there is nothing
+// to take.
 #pragma once
 
 #include <span>

@@ -16,8 +16,8 @@ void Stepper::open_account() {
     join_pushed();
 }
 
-/// Marks the bodies of islands that stage 3 would raise by more than they have. Bodies pressed together closer than their rest distance
-/// then stay as near as they are, until they can afford to part. Whether there are any.
+/// Marks the bodies of islands that stage 3 would raise by more than they have. Bodies pressed together closer than
+/// their rest distance then stay as near as they are, until they can afford to part. Whether there are any.
 bool Stepper::mark_level(std::span<const Motion> half) {
     for (const std::int32_t i : model_.active) way_[at(i)] = model_.settings.time_step * half[at(i)].velocity;
     const std::span<const std::int32_t> bodies = energy_.overdrawn(model_, way_, state_.lift);
@@ -55,8 +55,8 @@ bool Stepper::slow_down(std::span<Motion> half) {
     return !bodies.empty();
 }
 
-/// Islands that are raised too far even so stay where they were, and the failsafe goes on around them. Each round holds a body more at
-/// least.
+/// Islands that are raised too far even so stay where they were, and the failsafe goes on around them. Each round holds
+/// a body more at least.
 void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
     while (true) {
         const std::span<const std::int32_t> bodies = overdrawn();

@@ -23,8 +23,8 @@ struct Reach {
 
 double proximity_angle(const Model& model) { return model.settings.proximity_angle * std::numbers::pi / 180; }
 
-/// What gravity and loads of its own alone may do to a body from rest in one step. It turns a body most that is held at its radius of gyration k to the
-/// side of the centre of mass, by g dt^2 / (4 k).
+/// What gravity and loads of its own alone may do to a body from rest in one step. It turns a body most that is held at
+/// its radius of gyration k to the side of the centre of mass, by g dt^2 / (4 k).
 Reach reach_of_gravity(const Model& model, std::size_t i) {
     const double dt = model.settings.time_step;
     double sum = 0;

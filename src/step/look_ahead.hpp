@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Contacts that bodies do not have yet and would pass in the step.
 //
-// The contact search sees what is nearer than the proximity distance, and of what is there the points that face each other to within
-// the proximity angle. A small body, or one in a long step, falls farther and turns more in one step: of a cube that stands on a
-// corner it sees that corner alone, stage 3 lets the cube turn about it as far as it will, and stage 5 stops it where the next corner
-// meets the ground. So it goes in every step, and the cube never rests.
+// The contact search sees what is nearer than the proximity distance, and of what is there the points that face each
+// other to within the proximity angle. A small body, or one in a long step, falls farther and turns more in one step:
+// of a cube that stands on a corner it sees that corner alone, stage 3 lets the cube turn about it as far as it will,
+// and stage 5 stops it where the next corner meets the ground. So it goes in every step, and the cube never rests.
 //
 // After a solve, bodies near each other that its velocities move that far are therefore searched again, as far as
 // gravity alone may move and turn them in one step. Points that come below their rest distance on their paths become
@@ -40,7 +40,8 @@ struct LookAheadScratch {
 /// The poses at which contacts are searched for.
 enum class StepEnd { start, end };
 
-/// Adds to the set, which was searched at `poses`, what its pairs pass at the velocities `solved`. Whether there was anything.
+/// Adds to the set, which was searched at `poses`, what its pairs pass at the velocities `solved`. Whether there was
+/// anything.
 bool add_contacts_ahead(StepData& data, StepEnd poses, const VelocityArrays& solved, LookAheadScratch& scratch,
                         ContactSet& set);
 

@@ -14,10 +14,11 @@ constexpr std::size_t kBodyGrain = 16; // bodies of a task
 
 } // namespace
 
-/// Angular momentum turns with the body where contact turned it. v^{n+1} has the angular momentum of v^, which belongs to the
-/// orientation that the body would have reached alone. Contact in stages 3 and 5 may have turned it otherwise, and with the momentum
-/// kept in the world its energy would be that of another orientation: for a bar of aspect 1,000 many times as much. The further turn
-/// is O(dt^2) where contact acts steadily, so the momentum turned with it is as exact as the scheme, and the energy is kept.
+/// Angular momentum turns with the body where contact turned it. v^{n+1} has the angular momentum of v^, which belongs
+/// to the orientation that the body would have reached alone. Contact in stages 3 and 5 may have turned it otherwise,
+/// and with the momentum kept in the world its energy would be that of another orientation: for a bar of aspect 1,000
+/// many times as much. The further turn is O(dt^2) where contact acts steadily, so the momentum turned with it is as
+/// exact as the scheme, and the energy is kept.
 void Stepper::turn_momenta(std::span<const Motion> collided, std::span<Motion> motion) {
     const double dt = model_.settings.time_step;
     team_.for_each("turn momenta", model_.active.size(), kBodyGrain, [&](std::size_t k, int) {
@@ -51,7 +52,8 @@ Vec3 Stepper::within_energy(std::size_t i, const Vec3& before, const Vec3& turne
     return has > allowed ? std::sqrt(allowed / has) * momentum : momentum;
 }
 
-/// A line has no momentum about itself (MassProperties::line); impulses at places within the step, where it lay otherwise, gave it some.
+/// A line has no momentum about itself (MassProperties::line); impulses at places within the step, where it lay
+/// otherwise, gave it some.
 void Stepper::drop_line_spin(std::span<const Pose> end, std::span<Motion> motion) const {
     for (const std::int32_t id : model_.active) {
         const std::size_t i = at(id);

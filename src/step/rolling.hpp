@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Where the impulses of a pair act while a body rolls.
 //
-// Stage 7 gives the bodies the impulses of a whole step, and equation 16 counts with contacts that the motion will bring down in the
-// next one. A wheel that takes several steps to a side then presses on each corner up to a step before that lands, ahead of the axle,
-// and brakes itself at up to g v dt / r: 512 sides at 0.5 m/s and 1/480 s keep 0.978 of their speed in 2 s, due 0.992.
+// Stage 7 gives the bodies the impulses of a whole step, and equation 16 counts with contacts that the motion will
+// bring down in the next one. A wheel that takes several steps to a side then presses on each corner up to a step
+// before that lands, ahead of the axle, and brakes itself at up to g v dt / r: 512 sides at 0.5 m/s and 1/480 s keep
+// 0.978 of their speed in 2 s, due 0.992.
 //
-// So a corner that lands in the step takes the load to where that is in the mean of the step: on the corner that carries now until the
-// other one has landed, there afterwards. Where more than one side passes in a step that is right below the axle, as the arcs have it.
+// So a corner that lands in the step takes the load to where that is in the mean of the step: on the corner that
+// carries now until the other one has landed, there afterwards. Where more than one side passes in a step that is right
+// below the axle, as the arcs have it.
 #pragma once
 
 #include <span>
@@ -29,8 +31,8 @@ struct RollingMotion {
     double angle_cos = -1; ///< of the normals of contacts at the same place
 };
 
-/// Where one side of a pair lands in the step, moves its contacts to the place of the mean load. `lowest`: the nearest contact; `arcs`: by
-/// contact, changed.
+/// Where one side of a pair lands in the step, moves its contacts to the place of the mean load. `lowest`: the nearest
+/// contact; `arcs`: by contact, changed.
 void share_load(std::span<const Contact> pair, std::size_t lowest, const RollingMotion& motion,
                 std::span<ArcContact> arcs);
 

@@ -2,10 +2,10 @@
 // Scripted bodies: keyframes with linear position and shortest-arc slerp; the last one holds.
 //
 // A body that something stops (failsafe.hpp) is behind its script. With `unsatisfiable_script: hold` the script's clock
-// waits for it. With `follow` the clock goes on, and the body makes for the latest place on its path, between the one it
-// made for last and the one that is due, that is within a step's reach at twice the script's fastest speed: it catches
-// up along the path, and where the path comes back to where it stands (jaws that open again) it goes on from there. With
-// `error` no body ever is behind.
+// waits for it. With `follow` the clock goes on, and the body makes for the latest place on its path, between the one
+// it made for last and the one that is due, that is within a step's reach at twice the script's fastest speed: it
+// catches up along the path, and where the path comes back to where it stands (jaws that open again) it goes on from
+// there. With `error` no body ever is behind.
 #pragma once
 
 #include <exception>

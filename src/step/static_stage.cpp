@@ -60,8 +60,8 @@ void append_pair(const StepData& data, Worker& worker, const ListedPair& listed,
 
 constexpr std::size_t kContactGrain = 256, kBodyGrain = 64; // items of a task
 
-/// A feature pair without its face. The face nearest to a vertex changes as the vertex slides, and between faces of equal distance
-/// by rounding; what presses on the vertex stays.
+/// A feature pair without its face. The face nearest to a vertex changes as the vertex slides, and between faces of
+/// equal distance by rounding; what presses on the vertex stays.
 std::uint64_t without_face(std::uint64_t feature_key) {
     constexpr std::uint64_t kIndex = (std::uint64_t{1} << 31) - 1;
     switch (static_cast<FeatureKind>(feature_key >> 62)) {
@@ -106,9 +106,9 @@ void load_warm(Team* team, const std::vector<Contact>& contacts, std::span<const
     });
 }
 
-/// Also where a shock pass went over the velocities: these are still the impulses of projected Gauss-Seidel, and with them the
-/// next solve goes on where this one had to stop. Open contacts are stored too: they are not new. `left_out`: contacts that are not, as
-/// flags; may be empty.
+/// Also where a shock pass went over the velocities: these are still the impulses of projected Gauss-Seidel, and with
+/// them the next solve goes on where this one had to stop. Open contacts are stored too: they are not new. `left_out`:
+/// contacts that are not, as flags; may be empty.
 void store_warm(Team* team, StaticStageScratch& scratch, std::span<const std::uint8_t> left_out,
                 std::vector<WarmImpulse>& warm) {
     const auto& contacts = scratch.selected;
@@ -334,11 +334,11 @@ void load_last_velocities(const Model& model, std::span<const Motion> motion, co
     });
 }
 
-/// A friction pyramid of random direction holds more along its diagonals than along its sides. Drawn anew in every step it therefore
-/// cuts the friction of contacts that stick, a different part of them each time, and the sweeps of a pile at rest do little but hand
-/// their load to others. What the paper's random tangents are for, that no direction is preferred, needs new ones in every step only
-/// where bodies slide. So contacts keep theirs that slid by less than a tenth of what gravity adds in a step, nor more than the rest
-/// distance in a step.
+/// A friction pyramid of random direction holds more along its diagonals than along its sides. Drawn anew in every step
+/// it therefore cuts the friction of contacts that stick, a different part of them each time, and the sweeps of a pile
+/// at rest do little but hand their load to others. What the paper's random tangents are for, that no direction is
+/// preferred, needs new ones in every step only where bodies slide. So contacts keep theirs that slid by less than a
+/// tenth of what gravity adds in a step, nor more than the rest distance in a step.
 bool sticks(const Contact& c, double rest, double most_slip, double time_step, const StaticStageScratch& s) {
     const auto point_velocity = [&](std::int32_t body) {
         return s.last_velocity[at(body)] +
@@ -359,8 +359,8 @@ double tolerance_of(const Model& model, const Contact& c, double rest, const Con
     return s.tolerance_share * (gravity > 0 ? std::min(moves, tuning.of_gravity * gravity) : moves);
 }
 
-/// Arcs of the contacts of one pair. Whether one of its bodies rolls over the other: by more than `still` in the step, m; then those
-/// within `band` of the lowest carry.
+/// Arcs of the contacts of one pair. Whether one of its bodies rolls over the other: by more than `still` in the step,
+/// m; then those within `band` of the lowest carry.
 bool arcs_of_pair(const Model& model, std::span<const Contact> pair, double still, double band, double angle_cos,
                   const VelocityArrays& bodies, std::span<ArcContact> arcs) {
     const double dt = model.settings.time_step;
@@ -404,9 +404,10 @@ void list_rest_speeds(const Model& model, const ContactTuning& tuning, std::vect
         if (driven(i)) speed[at(i)] = tuning.rest_speed * most_acceleration(model, at(i)) * model.settings.time_step;
 }
 
-/// The approach, m/s, that a pair which stage 1 has not seen takes into the next step. Stage 5 may have kept the bodies from moving
-/// as far as their velocities say, which count the whole acceleration of the step: a body that is held up would go on accelerating.
-/// What they keep is the approach that they began the step with and what gravity adds on the way that they really made.
+/// The approach, m/s, that a pair which stage 1 has not seen takes into the next step. Stage 5 may have kept the bodies
+/// from moving as far as their velocities say, which count the whole acceleration of the step: a body that is held up
+/// would go on accelerating. What they keep is the approach that they began the step with and what gravity adds on the
+/// way that they really made.
 double kept_approach(const Model& model, const Contact& c, std::span<const Pose> start, std::span<const Pose> end,
                      const VelocityArrays& bodies) {
     const auto gained = [&](std::int32_t body) {
@@ -440,7 +441,8 @@ void select_contacts(const Model& model, const ContactSet& set, std::span<const 
         Contact& c = scratch.selected[i];
         const ArcContact& arcs = scratch.arcs[i];
         const double full = equation_16(set.rest[i] - (c.distance - arcs.closer), s.time_step, band) + arcs.approach;
-        // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost there.
+        // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
+        // there.
         const double together = std::clamp(-0.5 * s.time_step * arcs.apart, 0.0, set.rest[i] / s.time_step);
         const bool stays_level = !options.level.empty() && (options.level[at(c.a)] != 0 || options.level[at(c.b)] != 0);
         c.target = options.final_stage || stays_level ? std::min(0.0, full) : full + together;

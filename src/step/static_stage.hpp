@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stages 3 and 7: contact points at one set of poses, and the solve that keeps them from approaching (paper, section 4.3).
+// Stages 3 and 7: contact points at one set of poses, and the solve that keeps them from approaching (paper, section
+// 4.3).
 #pragma once
 
 #include <functional>
@@ -12,8 +13,8 @@
 
 namespace flotilla {
 
-/// Contact points at the end poses of all pairs within their proximity distance, sorted by (a, b, feature key); those found ahead come
-/// after the others of their pair.
+/// Contact points at the end poses of all pairs within their proximity distance, sorted by (a, b, feature key); those
+/// found ahead come after the others of their pair.
 struct ContactSet {
     std::vector<Contact> contacts;       ///< targets unset
     std::vector<double> rest;            ///< m, rest distance of each contact's pair
@@ -82,13 +83,15 @@ struct VelocityArrays {
     /// Of the active bodies, and of those that stand still where these are of another version.
     void load(Team* team, const Model& model, std::uint64_t version, std::span<const Pose> poses,
               std::span<const Motion> motion);
-    /// Writes back; a momentum changes only where the angular velocity did, so that untouched bodies keep theirs to the bit.
+    /// Writes back; a momentum changes only where the angular velocity did, so that untouched bodies keep theirs to the
+    /// bit.
     void store(Team* team, const Model& model, std::span<const Vec3> angular_before, std::span<Motion> motion) const;
 };
 
 struct StaticStageOptions {
     bool final_stage = false; ///< stage 7: target min(0, (d_rest - d)/dt)
-    /// Pairs that stage 1 did not process keep the approach that their motion in the step gave them, for the bounce of the next step.
+    /// Pairs that stage 1 did not process keep the approach that their motion in the step gave them, for the bounce of
+    /// the next step.
     bool keep_approach = false;
     double warm_factor = 1; ///< of impulses taken over from the other stage
     std::int64_t step = 0;
@@ -119,8 +122,8 @@ struct StaticStageStats {
     std::int64_t contacts = 0;
 };
 
-/// Solves the contacts of the set on `motion`; `warm` holds the impulses of this stage's last solve and takes those of this one,
-/// `other` holds those of the other stage.
+/// Solves the contacts of the set on `motion`; `warm` holds the impulses of this stage's last solve and takes those of
+/// this one, `other` holds those of the other stage.
 StaticStageStats solve_static_contact(const Model& model, const ContactSet& set, std::span<const Pose> poses,
                                       std::span<Motion> motion, std::vector<WarmImpulse>& warm,
                                       std::span<const WarmImpulse> other, const StaticStageOptions& options,

@@ -15,8 +15,8 @@ namespace flotilla {
 namespace {
 
 constexpr std::size_t kBodyGrain = 16; // bodies of a task
-/// Of half velocities, see slow_down(). Three cubes of 0.3 mm, preset accurate, at 1/24 s: 82 bodies held in 96 steps with one, 75 with two,
-/// 1 with three, none with four; without, 8.
+/// Of half velocities, see slow_down(). Three cubes of 0.3 mm, preset accurate, at 1/24 s: 82 bodies held in 96 steps
+/// with one, 75 with two, 1 with three, none with four; without, 8.
 constexpr int kMostHalvings = 4;
 /// Rounds of look_ahead.hpp in stage 3, whose velocities move the bodies: a cube that the first round stops at a corner
 /// turns about that in the second solve, and passes others. Three cubes of 0.3 mm at 1/24 s, ten seeds, preset
@@ -260,7 +260,8 @@ void Stepper::advance(StepReport& report) {
             }
         }
         observe(Phase::half_static_contact);
-        // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4; 5) which dynamic contact and the failsafe keep free of intersections
+        // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4; 5) which dynamic contact and the failsafe keep free of
+        // intersections
         failsafe = move_bodies(d, half, report);
         if (!failsafe.delayed_scripts.empty() && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
             throw BlockedScripts(failsafe.delayed_scripts);
@@ -302,7 +303,8 @@ void Stepper::advance(StepReport& report) {
     report.min_distance = contacts_.min_distance;
 }
 
-/// What the stages read of bodies that stand still: once for as long as the same ones do. The stages themselves see active bodies only.
+/// What the stages read of bodies that stand still: once for as long as the same ones do. The stages themselves see
+/// active bodies only.
 void Stepper::place_still() {
     if (placed_version_ == lists_.still_version) return;
     placed_version_ = lists_.still_version;
@@ -364,8 +366,9 @@ void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<co
 
 StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
                                             const StepReport& report) {
-    // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1 ended by its
-    // limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up would accelerate for ever.
+    // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1
+    // ended by its limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up
+    // would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
     // Stage 3 carries half a step's gravity, stage 7 a whole one's: impulses taken over from the other stage are scaled
     // by that.
@@ -414,7 +417,8 @@ void Stepper::record_failsafe(const DynamicContactStats& dynamic, const Failsafe
     for (const std::int32_t i : model_.active) {
         const Cluster& c = clusters_[i];
         if (c.members.empty()) continue;
-        // A body that the failsafe kept from passing a body of infinite mass stays free, yet its planned velocity would push on.
+        // A body that the failsafe kept from passing a body of infinite mass stays free, yet its planned velocity would
+        // push on.
         if (c.members.size() == 1 && c.rung == Rung::free && c.resolved_against.empty()) continue;
         const auto size = static_cast<std::int64_t>(c.members.size());
         report.largest_cluster = std::max(report.largest_cluster, size);

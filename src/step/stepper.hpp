@@ -62,10 +62,10 @@ class Stepper {
     Stepper(const Stepper&) = delete;
     Stepper& operator=(const Stepper&) = delete;
 
-    /// Advances by the settings' time step, in as many inner steps as they say. Throws CertificateError rather than leave an unproved
-    /// state, and BlockedScripts, with everything as it was before, where the settings ask for that.
-    /// `observer` is asked after each stage whether to go on; may be empty. Where it says no, or throws, everything is as it was before, and
-    /// CancelledStep is thrown.
+    /// Advances by the settings' time step, in as many inner steps as they say. Throws CertificateError rather than
+    /// leave an unproved state, and BlockedScripts, with everything as it was before, where the settings ask for that.
+    /// `observer` is asked after each stage whether to go on; may be empty. Where it says no, or throws, everything is
+    /// as it was before, and CancelledStep is thrown.
     StepReport step(const std::function<bool(Phase)>& observer = {});
 
     // Changes between steps; arguments are not checked here. The body concerned wakes, with all bodies near it.
@@ -227,9 +227,9 @@ class Stepper {
     std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() did it
     std::vector<std::uint8_t> level_;  ///< see mark_level(); empty but in stage 3
     ContactSearchScratch search_;
-    /// With contacts at x^n. Stage 1 examined how they move from there, so that stage 7 misses no collision of theirs; left to a bounce in the
-    /// next step, what passes a corner or a wire by less than the rest distance would keep the velocity that stages 3 and 5 do not let
-    /// it follow, in every step.
+    /// With contacts at x^n. Stage 1 examined how they move from there, so that stage 7 misses no collision of theirs;
+    /// left to a bounce in the next step, what passes a corner or a wire by less than the rest distance would keep the
+    /// velocity that stages 3 and 5 do not let it follow, in every step.
     std::vector<CandidatePair> start_pairs_;
     ContactSet contacts_;
     std::vector<Contact> sleeping_contacts_; ///< found when their bodies fell asleep; not searched for again

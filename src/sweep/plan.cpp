@@ -214,7 +214,8 @@ bool on_grid(double base, double frame_time) {
     return whole >= 1 && std::abs(frame_time / base - whole) <= 1e-9 * whole;
 }
 
-/// Steps and frames of every member. Where some have frames at other times, poses of the reference are interpolated, between all its steps.
+/// Steps and frames of every member. Where some have frames at other times, poses of the reference are interpolated,
+/// between all its steps.
 void add_times(Plan& plan, const std::vector<double>& dts, double base_dt) {
     bool together = true;
     for (std::size_t i = 0; i < plan.members.size(); ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A World that is edited and stepped, every step proved by the audit: no two bodies that may meet intersect, and none passes another.
+// A World that is edited and stepped, every step proved by the audit: no two bodies that may meet intersect, and none
+// passes another.
 #pragma once
 
 #include <functional>

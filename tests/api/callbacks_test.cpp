@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a callback throws comes out of run_scene and verify as it is, and leaves what was written as a crash would: whole, to be resumed.
+// What a callback throws comes out of run_scene and verify as it is, and leaves what was written as a crash would:
+// whole, to be resumed.
 #include <gtest/gtest.h>
 
 #include <flotilla/run.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Worlds by the thousand, one after another, many at once, and on threads that come and go: neither memory nor threads pile up.
+// Worlds by the thousand, one after another, many at once, and on threads that come and go: neither memory nor threads
+// pile up.
 #include <fstream>
 #include <string>
 #include <thread>

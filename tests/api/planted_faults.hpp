@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Faults planted into the frames of a clean run, one at a time, each of which verify_run must find: at the planted frame, with the
-// planted body, and without a word against another one. That a planted intersection is one is decided here, by brute force.
+// Faults planted into the frames of a clean run, one at a time, each of which verify_run must find: at the planted
+// frame, with the planted body, and without a word against another one. That a planted intersection is one is decided
+// here, by brute force.
 #pragma once
 
 #include <algorithm>
@@ -85,8 +86,8 @@ class PlantedRun {
     [[nodiscard]] bool intersect(const io::Frame& frame, std::int32_t a, std::int32_t b) const {
         return intersect(vertices(frame, a), vertices(frame, b));
     }
-    /// Whether two boats meet whose vertices go straight from one frame to the next, by samples. Two that change places while one of them
-    /// turns over may pass each other: half-way its vertices are all near its axis.
+    /// Whether two boats meet whose vertices go straight from one frame to the next, by samples. Two that change places
+    /// while one of them turns over may pass each other: half-way its vertices are all near its axis.
     [[nodiscard]] bool meet_on_the_way(const io::Frame& from, const io::Frame& to, std::int32_t a,
                                        std::int32_t b) const {
         constexpr int kSamples = 200;
@@ -127,7 +128,8 @@ class PlantedRun {
         return nearest;
     }
 
-    /// Edits the frame at kBefore, and those after it where a body goes away for good. False where the fault is none there.
+    /// Edits the frame at kBefore, and those after it where a body goes away for good. False where the fault is none
+    /// there.
     bool plant(std::vector<io::Frame>& frames, PlantedFault& fault) {
         io::Frame& frame = frames[kBefore];
         const auto i = static_cast<std::size_t>(fault.body);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Memory that operator new refuses at any moment of a step: the step throws, the World says that it is finished, and a snapshot taken
-// before goes on with the right bits. This program replaces operator new.
+// Memory that operator new refuses at any moment of a step: the step throws, the World says that it is finished, and a
+// snapshot taken before goes on with the right bits. This program replaces operator new.
 #include <atomic>
 #include <cstdlib>
 #include <new>

@@ -313,8 +313,8 @@ TEST(AuditMotion, NeverProvesATinyPassage) {
 }
 
 TEST(AuditMotion, ContactWithoutCrossingIsNotProved) {
-    // The plate comes down to the other one and stops one ulp above it: apart in every frame, but no plane separates them by
-    // more than rounding.
+    // The plate comes down to the other one and stops one ulp above it: apart in every frame, but no plane separates
+    // them by more than rounding.
     const Scene scene = scene_of({plate(), plate()});
     const auto report = motion(scene, {pose({}), pose({0, 0, 1})}, {pose({}), pose({0, 0, 1e-17})});
     ASSERT_EQ(report.passages.size(), 1u);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The list of regular problems: every one can be run, and a motion that does nothing is no answer where something is to move.
+// The list of regular problems: every one can be run, and a motion that does nothing is no answer where something is to
+// move.
 #include <gtest/gtest.h>
 
 #include <cmath>

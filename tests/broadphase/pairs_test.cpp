@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Candidate pairs from the grids and from a list that is kept, and brought up to date after some bodies moved: those of a loop over all.
+// Candidate pairs from the grids and from a list that is kept, and brought up to date after some bodies moved: those of
+// a loop over all.
 #include "broadphase/kept_pairs.hpp"
 
 #include <algorithm>

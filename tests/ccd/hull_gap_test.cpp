@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Planes between two bodies: what is said of the gap holds for all vertices at all times, and bodies apart are found to be.
+// Planes between two bodies: what is said of the gap holds for all vertices at all times, and bodies apart are found to
+// be.
 #include <gtest/gtest.h>
 
 #include <algorithm>

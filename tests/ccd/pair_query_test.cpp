@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The earliest hit and the proximities of a pair: the same from a loop over all features, a traversal and a candidate list.
+// The earliest hit and the proximities of a pair: the same from a loop over all features, a traversal and a candidate
+// list.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -131,7 +132,8 @@ TEST(EarliestHit, IsTheLeastOfAllFeaturePairs) {
     EXPECT_GE(misses, 30);
 }
 
-/// The queries of feature pairs, by their corners, are the same on every instruction set, and those of the copied corners.
+/// The queries of feature pairs, by their corners, are the same on every instruction set, and those of the copied
+/// corners.
 void expect_same_queries(const BodyMotion& a, const BodyMotion& b, FeatureKind kind,
                          const std::vector<FeaturePair>& features) {
     const CcdPoints points = ccd_points(a, b, kind);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// No option of the command is dead: what each does shows in what is compared here, with it and without. The walk goes over --help, so
-// that an option without a row fails as well.
+// No option of the command is dead: what each does shows in what is compared here, with it and without. The walk goes
+// over --help, so that an option without a row fails as well.
 #include <functional>
 #include <map>
 #include <regex>

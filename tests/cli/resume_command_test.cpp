@@ -36,7 +36,8 @@ class Resume : public testing::Test {
     }
     [[nodiscard]] fs::path run() const { return folder_.path() / "run"; }
     [[nodiscard]] fs::path file(const std::string& name) const { return run() / name; }
-    /// Waits until the run has written some checkpoint; a run keeps only its last ones. False if there is none after a minute.
+    /// Waits until the run has written some checkpoint; a run keeps only its last ones. False if there is none after a
+    /// minute.
     [[nodiscard]] bool wait_for_checkpoint() const {
         const auto is_checkpoint = [](const fs::directory_entry& entry) {
             const std::string name = entry.path().filename().string();

@@ -183,7 +183,8 @@ TEST(ExportCommand, WritesARangeOfFrames) {
         EXPECT_EQ(run_flotilla(export_run + " --frames=" + bad).exit_code, 2) << bad;
 }
 
-/// Exports the run in every format; the command says nothing before so little, and the estimate is near what was written.
+/// Exports the run in every format; the command says nothing before so little, and the estimate is near what was
+/// written.
 void expect_estimates_hold(const fs::path& run, std::int64_t frames) {
     for (const auto& [name, format] :
          {std::pair("csv", ExportFormat::csv), std::pair("vtp", ExportFormat::vtp), std::pair("obj", ExportFormat::obj),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Loaded before a program (LD_PRELOAD), counts the threads that it starts and writes their number to the file THREAD_COUNT_FILE.
+// Loaded before a program (LD_PRELOAD), counts the threads that it starts and writes their number to the file
+// THREAD_COUNT_FILE.
 #include <dlfcn.h>
 #include <pthread.h>
 

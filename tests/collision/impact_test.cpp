@@ -108,7 +108,8 @@ TEST_P(Impact, AFaceLandsFlat) {
     expect_near(world.spin(0), {}, kSolved);
 }
 
-/// The corner of an octahedron `gap` above a plate, with gravity: its velocity after the stage, and whether the pair was processed.
+/// The corner of an octahedron `gap` above a plate, with gravity: its velocity after the stage, and whether the pair
+/// was processed.
 std::pair<double, bool> near_plate(SceneDescription s, double gap, double velocity) {
     s.gravity = {0, 0, -9.8};
     add_body(s, test::add_octahedron(s, 2), BodyType::dynamic, {0.3, 0.1, kRadius + gap}, 0, 1).velocity = {0, 0,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Prints a hash of the result bits of every group of geometry functions over the same inputs: random and degenerate, small and
-// far from the origin. Builds by different compilers and at different optimisation levels must print the same text.
+// Prints a hash of the result bits of every group of geometry functions over the same inputs: random and degenerate,
+// small and far from the origin. Builds by different compilers and at different optimisation levels must print the same
+// text.
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -41,8 +42,8 @@ class Generator {
     std::uint64_t state_;
 };
 
-/// 64 bits of everything added so far (FNV-1a over whole words). All NaNs count as one: which operand's payload survives an
-/// operation is the compiler's choice.
+/// 64 bits of everything added so far (FNV-1a over whole words). All NaNs count as one: which operand's payload
+/// survives an operation is the compiler's choice.
 class BitHash {
   public:
     void add(std::uint64_t word) { hash_ = std::rotl((hash_ ^ word) * 0x100000001b3u, 29); }

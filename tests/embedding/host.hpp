@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the host programs have in common: two worlds, their hashes when stepped alone, and a count of the process's threads.
+// What the host programs have in common: two worlds, their hashes when stepped alone, and a count of the process's
+// threads.
 #pragma once
 
 #include <algorithm>
@@ -46,8 +47,8 @@ inline int num_threads() {
     return static_cast<int>(std::distance(begin(tasks), end(tasks)));
 }
 
-/// Looks again and again how many threads the process has, until most() is asked. The threads that were there at first and its own do not
-/// count.
+/// Looks again and again how many threads the process has, until most() is asked. The threads that were there at first
+/// and its own do not count.
 class ThreadWatch {
   public:
     ThreadWatch()

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Heaps of meshes that nobody made for this: cards, bowls, mugs, gears, soup of triangles, solids that intersect themselves. SI units.
+// Heaps of meshes that nobody made for this: cards, bowls, mugs, gears, soup of triangles, solids that intersect
+// themselves. SI units.
 #pragma once
 
 #include <string>
@@ -10,7 +11,8 @@
 
 namespace flotilla::extremes {
 
-/// The meshes below a folder, sorted by name, each scaled to a bounding sphere of 1 m; empty where there is no such folder.
+/// The meshes below a folder, sorted by name, each scaled to a bounding sphere of 1 m; empty where there is no such
+/// folder.
 [[nodiscard]] std::vector<TriangleMesh> foreign_meshes(const std::string& folder);
 
 /// `bodies` of them, chosen and turned at random, in layers above an open box.

@@ -70,7 +70,8 @@ SceneDescription shrinking_box() {
     return scene;
 }
 
-/// A helix about the z axis: the radius grows and falls by `depth` over one pitch and over one turn, and is wider by `play`.
+/// A helix about the z axis: the radius grows and falls by `depth` over one pitch and over one turn, and is wider by
+/// `play`.
 TriangleMesh make_thread(double radius, double depth, double pitch, double height, double play) {
     constexpr int kSides = 32, kRowsPerPitch = 8;
     const int rows = static_cast<int>(std::lround(height / pitch * kRowsPerPitch));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The whole matrix of extremes: extremes_matrix [PAGE.md [STEPS [PART]]], the last a part of the names of cells. Each cell runs in a
-// process of its own, so that one that crashes or hangs is a cell of the page like any other. Exit code 1 where a promise was broken.
+// The whole matrix of extremes: extremes_matrix [PAGE.md [STEPS [PART]]], the last a part of the names of cells. Each
+// cell runs in a process of its own, so that one that crashes or hangs is a cell of the page like any other. Exit code
+// 1 where a promise was broken.
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The ladder of the failsafe, rung by rung: resolved, merged, held at x^n; against each other and against bodies of infinite mass.
+// The ladder of the failsafe, rung by rung: resolved, merged, held at x^n; against each other and against bodies of
+// infinite mass.
 #include "failsafe/stage.hpp"
 
 namespace flotilla::test {

@@ -18,7 +18,8 @@ void add_jaw(SceneDescription& s, std::int32_t plate, double x, double way) {
     jaw.keyframes = {{0, {x, 0, 0}, rotation}, {s.settings.time_step, {x + way, 0, 0}, rotation}};
 }
 
-/// The share of its way that a jaw makes: nine tenths of the way to the impact, which counts from the separation up to the rest distance.
+/// The share of its way that a jaw makes: nine tenths of the way to the impact, which counts from the separation up to
+/// the rest distance.
 void expect_share(const StageWorld& world, const DelayedScript& script, double gap) {
     const PairLengths lengths =
         world.lengths(std::min(script.body, script.victim), std::max(script.body, script.victim));
@@ -72,7 +73,8 @@ SceneDescription two_in_the_way(double first, double second) {
     return s;
 }
 
-// The nearer one comes second in the list: what is left of the way is not enough either, and the jaw stays where it was.
+// The nearer one comes second in the list: what is left of the way is not enough either, and the jaw stays where it
+// was.
 TEST(FailsafeScripts, AScriptThatIsStoppedTwiceStaysAtItsStart) {
     StageWorld world(two_in_the_way(0.04, 0.01));
     const FailsafeStats stats = run_failsafe_of(world);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Loaded before a program (LD_PRELOAD), makes its clocks jump at every look: that of the day to anywhere within a year, that of the
-// machine forward by up to a minute, as after a suspension.
+// Loaded before a program (LD_PRELOAD), makes its clocks jump at every look: that of the day to anywhere within a year,
+// that of the machine forward by up to a minute, as after a suspension.
 #include <dlfcn.h>
 #include <time.h>
 

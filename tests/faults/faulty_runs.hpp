@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A run that something may stop, and what it must leave: a folder that can be read, and that goes on with the bits of a run that nothing
-// stopped.
+// A run that something may stop, and what it must leave: a folder that can be read, and that goes on with the bits of a
+// run that nothing stopped.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Files that may not grow, disks that are full at one write or another, folders that go away, and runs that want the same one.
+// Files that may not grow, disks that are full at one write or another, folders that go away, and runs that want the
+// same one.
 #include <chrono>
 #include <fstream>
 #include <thread>

@@ -19,7 +19,8 @@ class Signals : public FaultyRuns {
     static void sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 };
 
-// A stop is asked for, so the run leaves with a checkpoint; before it listens and when all is written the process just ends.
+// A stop is asked for, so the run leaves with a checkpoint; before it listens and when all is written the process just
+// ends.
 TEST_F(Signals, AtAnyMomentLeaveARunThatGoesOn) {
     const Clock::time_point start = Clock::now();
     EXPECT_EQ(run_flotilla(options("timed")).exit_code, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The conservative CCD on every query of the external data, judged by the exact oracle: nothing missed, nothing late, and few
-// false hits (at separation 1e-4 among the rows that really stay farther apart than 1.01e-4).
+// The conservative CCD on every query of the external data, judged by the exact oracle: nothing missed, nothing late,
+// and few false hits (at separation 1e-4 among the rows that really stay farther apart than 1.01e-4).
 #include <gtest/gtest.h>
 
 #include <cstdio>

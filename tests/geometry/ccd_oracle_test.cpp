@@ -69,7 +69,8 @@ TEST(CcdOracle, SolvesAlwaysCoplanarMotion) {
     EXPECT_NEAR(meet.lower.get_d(), 2.0 / 3, 1e-16);
 }
 
-/// The plane of the triangle tilts while the vertex falls: the signed volume is (n t - 1)^2 + lift, which grazes zero at t = 1/n.
+/// The plane of the triangle tilts while the vertex falls: the signed volume is (n t - 1)^2 + lift, which grazes zero
+/// at t = 1/n.
 CcdQuery grazing(double n, double lift) {
     const Vec3 o{}, x{1, 0, 0};
     return {{{{0.25, 0, 1 + lift}, o, x, {0, 1, 0}}}, {{{0.25, 1, 1 - 2 * n + lift}, o, x, {0, 1, -n * n}}}};
@@ -87,8 +88,8 @@ TEST(CcdOracle, TellsGrazingFromMissingByTheLastBit) {
 }
 
 TEST(CcdOracle, DecidesContactOnTheBoundaryAtAnIrregularTime) {
-    // The vertex crosses the plane z = 0 and the line of the edge y = 0 at t = 1/3, no dyadic number: signs at that time are
-    // decided by common factors alone. One unit in the last place of one coordinate ends it.
+    // The vertex crosses the plane z = 0 and the line of the edge y = 0 at t = 1/3, no dyadic number: signs at that
+    // time are decided by common factors alone. One unit in the last place of one coordinate ends it.
     CcdQuery q{{{{0.5, -1, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0.5, 2, -2}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
     EXPECT_TRUE(exact_ccd(CcdKind::vertex_face, q).hit);
     q.x1[0].y = std::nextafter(2.0, 0.0);

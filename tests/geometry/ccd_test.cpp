@@ -77,7 +77,8 @@ TEST(Ccd, BelowTheFloorOnlyOpeningMotionIsFree) {
 }
 
 TEST(Ccd, ContactAtTheStartIsNeverTakenForOpeningMotion) {
-    // A vertex on a face, up to rounding, that moves away: a computed gap below the error bound says nothing of its sign.
+    // A vertex on a face, up to rounding, that moves away: a computed gap below the error bound says nothing of its
+    // sign.
     const Vec3 f0{0x1.56169994a6p-4, -0x1.66b36877102p-1, 0x1.e603840c16p-5};
     const Vec3 f1{-0x1.7318370bd3ep-1, -0x1.677f3f2c048p-2, 0x1.3638ef85398p-3};
     const Vec3 f2{0x1.908b11fa668p-1, -0x1.d21f8a98838p-1, 0x1.de4ad42f6dep-1};
@@ -113,7 +114,8 @@ TEST(Ccd, DistanceFromTheOriginDoesNotMatter) {
 }
 
 TEST(Ccd, LongEdgesPassEachOtherANanometreApart) {
-    // The diagonal of a box's side falls past the diagonal of a plate of 80 m, whose direction rounding turns by more than the gap.
+    // The diagonal of a box's side falls past the diagonal of a plate of 80 m, whose direction rounding turns by more
+    // than the gap.
     const Vec3 a0{-0.49999999999999806, 0.49999999999999994, -9.7640624999999979}, a1{0.5, 0.5, -8.7640624999999979};
     const Vec3 b0{-0.50000000100000885, -2, 40}, b1{-0.50000000099999109, 2, -40}, way{0, 0, -0.5614583};
     const CcdQuery q{{a0, a1, b0, b1}, {a0 + way, a1 + way, b0, b1}};

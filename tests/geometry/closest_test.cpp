@@ -131,7 +131,8 @@ TEST(SegmentTriangle, PiercesInsideOnly) {
     EXPECT_FALSE(segment_pierces({0.2, 0.2, 1}, {0.2, 0.2, -1e-7}, f0, f1, f2, 1e-6));
 }
 
-// The segment leaves a corner along the plane of a triangle that has the corner: its ends are on both sides of the plane by rounding.
+// The segment leaves a corner along the plane of a triangle that has the corner: its ends are on both sides of the
+// plane by rounding.
 TEST(SegmentTriangle, ASegmentInThePlaneOfATriangleThatItLeavesPiercesNothing) {
     std::mt19937_64 rng(3);
     std::uniform_real_distribution<double> uniform(-2, 2);
@@ -148,7 +149,8 @@ TEST(SegmentTriangle, ASegmentInThePlaneOfATriangleThatItLeavesPiercesNothing) {
 }
 
 TEST(Closest, DirectionsOfPointsNearEachOtherAreTheFeatures) {
-    // 40 m from the origin rounding moves the foot of the perpendicular by a good part of 1e-14 m, a hundred-thousandth of the gap.
+    // 40 m from the origin rounding moves the foot of the perpendicular by a good part of 1e-14 m, a hundred-thousandth
+    // of the gap.
     const Quat turn = rotation_from_vector({0.3, 1.1, -0.7});
     const Vec3 f0 = rotate(turn, {40, -40, 7}), f1 = rotate(turn, {40, 40, 7}), f2 = rotate(turn, {-40, 40, 7});
     const Vec3 n = normalized(cross(f1 - f0, f2 - f0));
@@ -160,7 +162,8 @@ TEST(Closest, DirectionsOfPointsNearEachOtherAreTheFeatures) {
             EXPECT_LT(length(direction - side * n), gap > 1e-4 ? 1e-9 : 1e-14) << gap;
         }
     }
-    // Beside an edge by so little that the square of the distance is the same, the edge's point is taken; the direction is the face's.
+    // Beside an edge by so little that the square of the distance is the same, the edge's point is taken; the direction
+    // is the face's.
     for (const double beside : {6e-14, 1e-12, 1e-10}) {
         const Vec3 v{4 - beside, -0.5, 5e-5}, corners[] = {{-2, -1, 0}, {4, -1, 0}, {4, 1, 0}};
         const Vec3 d = v - closest_vertex_triangle(v, corners[0], corners[1], corners[2]).point;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Random pairs of triangles, class by class: each class aims at one way in which an intersection test goes wrong.
-// The generators use raw bits of mt19937_64 only, and never draw twice in one unsequenced expression, so that every machine
-// and compiler tests the same pairs. Draws on both sides of an assignment are avoided too: C++17 orders them, but g++ 12
-// evaluates them the other way round under -fsanitize=undefined.
+// The generators use raw bits of mt19937_64 only, and never draw twice in one unsequenced expression, so that every
+// machine and compiler tests the same pairs. Draws on both sides of an assignment are avoided too: C++17 orders them,
+// but g++ 12 evaluates them the other way round under -fsanitize=undefined.
 #pragma once
 
 #include <array>
@@ -64,7 +64,8 @@ inline TrianglePair random_pair(Random& r) {
     return {a, corners(point)};
 }
 
-/// Coordinates in a small integer grid hit every coincidence: coplanar, collinear, shared corners, equal triangles, points.
+/// Coordinates in a small integer grid hit every coincidence: coplanar, collinear, shared corners, equal triangles,
+/// points.
 template <int n>
 TrianglePair lattice_pair(Random& r) {
     const auto point = [&] { return r.lattice(n); };
@@ -126,8 +127,8 @@ inline TrianglePair shared_pair(Random& r) {
     return t;
 }
 
-/// A corner of b lies exactly in the plane, on an edge or on a corner of a, or, half the time, one lattice step beside that
-/// place.
+/// A corner of b lies exactly in the plane, on an edge or on a corner of a, or, half the time, one lattice step beside
+/// that place.
 inline TrianglePair touching_pair(Random& r) {
     const Corners a = corners([&] { return 8.0 * r.lattice(6); });
     const int i = r.below(9), j = r.below(9 - i);

@@ -168,8 +168,8 @@ TEST(ExactPredicates, Orient2dAgreesWithRationalsNextToLines) {
     expect_all_signs(count, 500);
 }
 
-/// In units of 2^-1075 the two products are 1 + 2^-54 + .. and 1 + 2^-53 + 2^-54 + .., but rounded differences make them
-/// 1 + 2^-52 and 1, which round to 2^-1074 and 0: a filter without its underflow term gets this sign wrong.
+/// In units of 2^-1075 the two products are 1 + 2^-54 + .. and 1 + 2^-53 + 2^-54 + .., but rounded differences make
+/// them 1 + 2^-52 and 1, which round to 2^-1074 and 0: a filter without its underflow term gets this sign wrong.
 TEST(ExactPredicates, Orient2dSurvivesUnderflowOfRoundedDifferences) {
     const Point2 a{-(0x1p-591 + 0x1p-598), -0x1p-591}, b{0x1p-538, 0x1p-538}, c{0x1p-537, 0x1p-537 - 0x1p-590};
     EXPECT_EQ((b.x - a.x) * (c.y - a.y), 0x1p-1074);

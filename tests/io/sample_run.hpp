@@ -48,7 +48,8 @@ struct SampleFrame {
     SampleFrame& operator=(const SampleFrame&) = delete;
 };
 
-/// Of frame k: body i has i contacts, the cluster states by turns, and a cost that the files cannot hold whole from frame 7 on.
+/// Of frame k: body i has i contacts, the cluster states by turns, and a cost that the files cannot hold whole from
+/// frame 7 on.
 inline io::Activity sample_activity(std::size_t bodies, std::int64_t k) {
     io::Activity activity;
     for (std::size_t i = 0; i < bodies; ++i)

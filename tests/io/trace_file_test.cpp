@@ -89,8 +89,8 @@ TEST(TraceFile, ReadsBackWhatWasWritten) {
     }
 }
 
-// What chrome://tracing and Perfetto need: one JSON object, complete events with numbers, and on each thread nothing that overlaps
-// without being nested.
+// What chrome://tracing and Perfetto need: one JSON object, complete events with numbers, and on each thread nothing
+// that overlaps without being nested.
 TEST(TraceFile, IsInTheFormatOfTheViewers) {
     const TemporaryFolder folder;
     write_trace(folder.path() / "t.json", sample_trace_info(2), record_sample(2).record());

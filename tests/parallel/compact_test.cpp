@@ -22,7 +22,8 @@ const std::size_t kGrains[] = {1, 7, 64, 100000};
 
 std::size_t mixed(std::size_t i) { return (i * 2654435761u) >> 7; }
 
-/// What to do with item i: drop all, keep all, every third, some at random, the first, a stretch, and several places for one item.
+/// What to do with item i: drop all, keep all, every third, some at random, the first, a stretch, and several places
+/// for one item.
 const std::vector<Repeat> kRepeats = {
     [](std::size_t) { return 0u; },
     [](std::size_t) { return 1u; },

@@ -44,8 +44,8 @@ void card_house_stands(const Run& run, int levels, double friction) {
 
 void block_is_pinched(const Run& run, double block_share, double plane_share) {
     Motion motion(pinched_block(run.settings(), block_share, plane_share));
-    // Friction holds all three, but they can roll past each other: from that unstable equilibrium they leave as exp(9.4 t / s) of what
-    // rounding or tolerance began, and stand 0.5 mm on, on facets: 1e-12 m takes 2.1 s.
+    // Friction holds all three, but they can roll past each other: from that unstable equilibrium they leave as exp(9.4
+    // t / s) of what rounding or tolerance began, and stand 0.5 mm on, on facets: 1e-12 m takes 2.1 s.
     const bool holds = std::min(block_share, plane_share) > 1;
     motion.run(holds ? 5 : 3);
     const double sunk = -motion.body(0).center_of_mass.z;

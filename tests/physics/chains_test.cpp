@@ -21,12 +21,12 @@ SceneDescription chain(const Settings& settings, int links, const Link& link, do
     return chain_of(settings, links, link.mesh(), link.inner() - play, hangs);
 }
 
-// A chain that is let go level has no tension at first: its last link falls freely, and faster once the rest pulls it round. It is
-// looked at before it has fallen by 0.4 of the chain's length.
+// A chain that is let go level has no tension at first: its last link falls freely, and faster once the rest pulls it
+// round. It is looked at before it has fallen by 0.4 of the chain's length.
 //
-// Where vertices move along chords, a hole of radius r that turns by phi in a step is r phi^2 / 8 narrower in the middle of the step. A
-// taut link that turns otherwise has no room there with less play than that, whatever impulses it gets: then clusters, which move as
-// one, are due. With ten micrometres of play and 6.5 rad/s at 1/100 s it is 0.12 mm.
+// Where vertices move along chords, a hole of radius r that turns by phi in a step is r phi^2 / 8 narrower in the
+// middle of the step. A taut link that turns otherwise has no room there with less play than that, whatever impulses it
+// gets: then clusters, which move as one, are due. With ten micrometres of play and 6.5 rad/s at 1/100 s it is 0.12 mm.
 void swings(const Run& run, int links, double time, const Link& link = {}, double play = 2.5) {
     const Settings settings = run.settings();
     const double room = play * rest_gap(link.mesh());
@@ -74,9 +74,9 @@ SceneDescription mail(const Settings& settings, int rows, int columns, double si
     return scene;
 }
 
-// Vertices that move along chords narrow the hole of a ring that turns by phi in a step by 1 - cos(phi / 2). From a radian on that is more
-// than the thickness of the rings: where they are taut, nothing but a cluster gets through such a step (see swings()). What a cluster's
-// rings would have turned by is about what they turned by in the step before.
+// Vertices that move along chords narrow the hole of a ring that turns by phi in a step by 1 - cos(phi / 2). From a
+// radian on that is more than the thickness of the rings: where they are taut, nothing but a cluster gets through such
+// a step (see swings()). What a cluster's rings would have turned by is about what they turned by in the step before.
 void mail_moves(const Run& run, int rows, int columns, double size, int steps) {
     constexpr double kHole = 0.4, kTube = 0.05; // of the size
     const Settings settings = run.settings();
@@ -98,20 +98,22 @@ void mail_moves(const Run& run, int rows, int columns, double size, int steps) {
     expect_no_rise(motion);
 }
 
-/// A chain of `links` free links, `pitch` m from one contact to the next, with the moment of inertia `inertia` m^2 per kg about a diameter.
+/// A chain of `links` free links, `pitch` m from one contact to the next, with the moment of inertia `inertia` m^2 per
+/// kg about a diameter.
 struct Hanging {
     int links;
     double pitch, inertia;
-    /// rad/s, no less than any frequency of its small swings. Links that lean by theta_i have the potential energy of at most
-    /// links m g pitch / 2 sum theta_i^2, the tension at the top being links m g, and the kinetic energy of at least
-    /// m inertia / 2 sum (d theta_i/dt)^2.
+    /// rad/s, no less than any frequency of its small swings. Links that lean by theta_i have the potential energy of
+    /// at most links m g pitch / 2 sum theta_i^2, the tension at the top being links m g, and the kinetic energy of at
+    /// least m inertia / 2 sum (d theta_i/dt)^2.
     [[nodiscard]] double fastest_swing() const { return std::sqrt(links * kGravity * pitch / inertia); }
 };
 
-// Contacts without friction, and those at one point, take nothing from a chain that swings: what it kept of its fall it keeps. But it
-// swings, and does not jitter. Of small swings with the frequencies w_i the accelerations are bounded, in the norm of kinetic energy, by
-// the largest w_i times the largest velocities: |dv/dt| <= w sqrt(2 E), and their energy E is at most twice the largest kinetic energy, its
-// mean being half of E. Velocities that contacts throw to and fro from step to step are beyond that by a factor of 1 / (w dt).
+// Contacts without friction, and those at one point, take nothing from a chain that swings: what it kept of its fall it
+// keeps. But it swings, and does not jitter. Of small swings with the frequencies w_i the accelerations are bounded, in
+// the norm of kinetic energy, by the largest w_i times the largest velocities: |dv/dt| <= w sqrt(2 E), and their energy
+// E is at most twice the largest kinetic energy, its mean being half of E. Velocities that contacts throw to and fro
+// from step to step are beyond that by a factor of 1 / (w dt).
 void hangs(const Run& run, const SceneDescription& scene, double time, const Hanging& chain) {
     Motion motion(scene);
     const std::size_t n = motion.world().size();

@@ -97,7 +97,8 @@ void small_boats_in_a_bowl(const Run& run, double time) {
     SceneDescription scene = scaled(make_scene("boats-in-bowl", 12), 1e-3);
     scene.settings = run.settings();
     Motion motion(scene);
-    // A step of the tight presets can take minutes once boats are fast; the first one, of 5 lengths, shows what there is to show.
+    // A step of the tight presets can take minutes once boats are fast; the first one, of 5 lengths, shows what there
+    // is to show.
     motion.run(run.preset == "balanced" ? time : run.dt());
     double lowest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < motion.world().size(); ++i)
@@ -142,9 +143,9 @@ void plates_shot_at_a_wall(const Run& run, double speed) {
     expect_no_rise(motion);
 }
 
-// An impulse at the time t of a hit uses arms of that time and momenta of the start of the step: it changes the angular momentum by at
-// most t |v_a - v_b| |j|, velocities of the centres. Of a step with one impulse |j| is known, half of the sum of all changes of
-// momentum; with k of them it is at most k times that where they do not cancel.
+// An impulse at the time t of a hit uses arms of that time and momenta of the start of the step: it changes the angular
+// momentum by at most t |v_a - v_b| |j|, velocities of the centres. Of a step with one impulse |j| is known, half of
+// the sum of all changes of momentum; with k of them it is at most k times that where they do not cancel.
 void plates_that_fly_together(const Run& run) {
     SceneDescription scene = make_scene_with(run.settings(), {});
     const auto plate = add_shape(scene, make_plate(1, 1), 1);

@@ -82,7 +82,8 @@ void spinning_block_slides_straight(const Run& run) {
     expect_rest(motion);
 }
 
-/// Painleve's rod: slides on its lower end at tan = 2 to the ground, where friction above 4/3 has no finite answer without an impulse.
+/// Painleve's rod: slides on its lower end at tan = 2 to the ground, where friction above 4/3 has no finite answer
+/// without an impulse.
 void painleve_rod(const Run& run, double friction) {
     SceneDescription scene = make_scene_with(run.settings());
     const auto rod = add_shape(scene, make_box(1, 0.01, 0.01), 1);

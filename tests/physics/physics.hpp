@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the tests of the physics share beside their problems (problems/): runs with their account of energy, and tests that are
-// registered once for each preset and time step. Every run prints one line of what was measured, whether its checks pass or not. SI units.
+// What the tests of the physics share beside their problems (problems/): runs with their account of energy, and tests
+// that are registered once for each preset and time step. Every run prints one line of what was measured, whether its
+// checks pass or not. SI units.
 //
 // A check states what is due, not what the solver gives: none is to be loosened so that it passes.
 #pragma once
@@ -16,7 +17,7 @@
 
 namespace flotilla::physics {
 
-// ---- tests --------------------------------------------------------------------------------------------------------------------
+// ---- tests --------------------------------------------------------------------------------
 
 /// Where a test belongs: `fast` ones run in less than 3 s each and a minute together; all of them make the full set.
 enum class Slice { fast, full };
@@ -32,7 +33,7 @@ inline constexpr bool kNotReached = false;
 void add_runs(const std::string& suite, const std::string& name, const std::vector<Run>& list, bool fast,
               const std::function<void(const Run&)>& body);
 
-// ---- runs ---------------------------------------------------------------------------------------------------------------------
+// ---- runs --------------------------------------------------------------------------------
 
 /// What a run came to.
 struct Outcome {
@@ -58,8 +59,9 @@ class Motion {
   public:
     explicit Motion(const SceneDescription& scene);
     StepReport step();
-    /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes more than `most` s of the stepping
-    /// thread, and when the energy has risen by half of the scale without scripts: what follows an explosion teaches nothing.
+    /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes more than `most` s of the
+    /// stepping thread, and when the energy has risen by half of the scale without scripts: what follows an explosion
+    /// teaches nothing.
     void run(double time, const std::function<void(const StepReport&)>& each = {}, double most = 60);
     /// The same, from the start on, with all states on the way.
     History record(double time);

@@ -17,8 +17,8 @@ void keeps_rolling(const Run& run, const Roller& roller, double speed) {
     expect_no_rise(motion);
 }
 
-// Between a polygon of so many sides and a round body, within 2 %. Sides that cost exp(-c a) over an angle a cost two thirds of it
-// where the angle grows with the square of time: the mean of 1 - t^2 is 2/3.
+// Between a polygon of so many sides and a round body, within 2 %. Sides that cost exp(-c a) over an angle a cost two
+// thirds of it where the angle grows with the square of time: the mean of 1 - t^2 is 2/3.
 void rolls_down(const Run& run, const Roller& roller) {
     constexpr double kSlope = 5 * kDegree, kTime = 2;
     Motion motion(rolling_scene(run.settings(), roller, {kSlope, 0.5}));
@@ -32,9 +32,9 @@ void rolls_down(const Run& run, const Roller& roller) {
     expect_no_rise(motion);
 }
 
-// Friction mu g brakes the sliding until the point of contact rests: v0 / (1 + inertia) at t = v0 inertia / ((1 + inertia) mu g). The
-// sides take their share of the spin as it turns, by half the angle of rolling at its last speed, so that it slides for longer: a ball
-// of 20,480 triangles for 0.5895 s at 1/7680 s, 1.1 % longer than a sphere.
+// Friction mu g brakes the sliding until the point of contact rests: v0 / (1 + inertia) at t = v0 inertia / ((1 +
+// inertia) mu g). The sides take their share of the spin as it turns, by half the angle of rolling at its last speed,
+// so that it slides for longer: a ball of 20,480 triangles for 0.5895 s at 1/7680 s, 1.1 % longer than a sphere.
 void slides_until_it_rolls(const Run& run, const Roller& roller) {
     Motion motion(rolling_scene(run.settings(), roller, {0, kRollingFriction, kRollingSpeed}));
     const auto [due_time, due] = due_to_roll(roller);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Scripted bodies: conveyor, turntable, press, closing walls. Their work may raise the energy, so bounds are checked instead.
+// Scripted bodies: conveyor, turntable, press, closing walls. Their work may raise the energy, so bounds are checked
+// instead.
 #include "physics/physics.hpp"
 
 namespace flotilla::physics {
@@ -31,8 +32,9 @@ void conveyor(const Run& run) {
     EXPECT_LT(motion.outcome().end, 0.505 * motion.mass(0) * kSpeed * kSpeed);
 }
 
-// A box at r on a table that turns at W stays where W^2 r <= mu g. Steps along the tangent lead outwards by r (W dt)^2 / 2 each, which
-// the velocity of the table at the new place does not bring back: the drift of the scheme, of first order, is allowed for.
+// A box at r on a table that turns at W stays where W^2 r <= mu g. Steps along the tangent lead outwards by r (W dt)^2
+// / 2 each, which the velocity of the table at the new place does not bring back: the drift of the scheme, of first
+// order, is allowed for.
 void turntable(const Run& run, double share) {
     constexpr double kRate = 1.5, kFriction = 0.4;
     const double time = share < 1 ? 1 : 5;
@@ -63,7 +65,8 @@ void turntable(const Run& run, double share) {
 
 constexpr int kBoxes = 5;
 
-/// A loose stack with 5 cm between its boxes of 0.5 m, and a press that comes down at 6 m/s from 6 m to `low` and goes up again.
+/// A loose stack with 5 cm between its boxes of 0.5 m, and a press that comes down at 6 m/s from 6 m to `low` and goes
+/// up again.
 SceneDescription press(const Run& run, double low) {
     SceneDescription scene = make_scene_with(run.settings());
     const auto box = add_solid(scene, make_box(0.5, 0.5, 0.5), 500), plate = add_shape(scene, make_box(2, 2, 0.2));
@@ -106,8 +109,8 @@ void press_meets_a_stack(const Run& run) {
     EXPECT_LT(motion.outcome().fastest, 0.01);
 }
 
-// Eight cubes in a box whose walls close until they would meet: the cubes fall to the floor and are pushed together, none hangs in the
-// air. With `all` the floor and the ceiling close too, towards the height of the cubes' middle.
+// Eight cubes in a box whose walls close until they would meet: the cubes fall to the floor and are pushed together,
+// none hangs in the air. With `all` the floor and the ceiling close too, towards the height of the cubes' middle.
 void closing_walls(const Run& run, bool all) {
     constexpr double kEdge = 0.5, kStart = 2, kSpeed = 1, kMiddle = 2;
     SceneDescription scene = make_scene_with(run.settings());

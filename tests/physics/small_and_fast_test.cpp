@@ -84,8 +84,8 @@ void bars_in_a_heap(const Run& run, double thickness) {
     EXPECT_EQ(motion.outcome().held, 0);
 }
 
-/// A scene and one 1,024 times as large in 32 times as long: the same bits in other units. A preset's tolerances count as derived from
-/// the scene's.
+/// A scene and one 1,024 times as large in 32 times as long: the same bits in other units. A preset's tolerances count
+/// as derived from the scene's.
 void same_motion_at_any_size(const Run& run) {
     constexpr double kFactor = 1024, kRoot = 32;
     const auto make = [&](double factor) {
@@ -116,7 +116,8 @@ void same_motion_at_any_size(const Run& run) {
     EXPECT_EQ(first_difference, -1);
 }
 
-// ---- next to nothing between bodies -----------------------------------------------------------------------------------------
+// ---- next to nothing between bodies
+//      -----------------------------------------------------------------------------------------
 
 void slides_out_of_a_tunnel(const Run& run) {
     constexpr double kPlay = 1e-4, kSpeed = 10, kEdge = 1, kLength = 6;

@@ -54,8 +54,8 @@ void dropped_apart(const Run& run, int boxes, double gap) {
     expect_weight_on(motion, motion.world().size() - 1);
 }
 
-// An island may sleep only when its forces carry its weight: they are looked at in the last step before it does, and then with
-// sleeping off, what it stands on must not have been sleep.
+// An island may sleep only when its forces carry its weight: they are looked at in the last step before it does, and
+// then with sleeping off, what it stands on must not have been sleep.
 void sleeps_only_when_carried(const Run& run, const SceneDescription& scene) {
     SceneDescription sleepy = scene;
     sleepy.settings.sleeping = true;

@@ -82,7 +82,8 @@ TEST(ContactPoints, ABoxOnTheGroundHasItsCorners) {
 }
 
 TEST(ContactPoints, ASlidingBoxDoesNotCatchOnSideFaces) {
-    // Figure 11: the lower corner of the upper box hangs over, 5 mm from the side of the lower box and 10 mm above its top.
+    // Figure 11: the lower corner of the upper box hangs over, 5 mm from the side of the lower box and 10 mm above its
+    // top.
     const auto points = contact_points({make_box(1, 1, 1), {0.005, 0.1, 1.01}}, {make_box(1, 1, 1), {}});
     EXPECT_GE(points.size(), 4u);
     EXPECT_EQ(count_along(points, {0, 0, -1}), static_cast<int>(points.size()));
@@ -110,7 +111,8 @@ TEST(ContactPoints, AVertexInAGrooveHasBothWalls) {
     }
 }
 
-// Of a vertex above the right wall of a shallow groove, the left wall's nearest point is the bottom, 11 degrees from the right wall's.
+// Of a vertex above the right wall of a shallow groove, the left wall's nearest point is the bottom, 11 degrees from
+// the right wall's.
 TEST(ContactPoints, AVertexBesideTheBottomOfAShallowGrooveHasTheBottomAsWell) {
     constexpr double kSlope = 0.04, kHeight = 0.01; // m a m, m
     const TriangleMesh shallow{{{0, -1, 0}, {0, 1, 0}, {1, 0, kSlope}, {-1, 0, kSlope}}, {{0, 2, 1}, {0, 1, 3}}};

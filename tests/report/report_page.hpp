@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reads a report as its own script does: the data, and the poses from the differences. Written from the description of the
-// format, not from the encoder.
+// Reads a report as its own script does: the data, and the poses from the differences. Written from the description of
+// the format, not from the encoder.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The hits of a step solved together: blows go through rows and columns, crates land flat, and no energy comes from anywhere.
+// The hits of a step solved together: blows go through rows and columns, crates land flat, and no energy comes from
+// anywhere.
 #include "response/kept_hits.hpp"
 
 #include <gtest/gtest.h>
@@ -97,7 +98,8 @@ int resolve_row(System& s, const std::vector<double>& place, double dt, double r
     return 1000;
 }
 
-// A look for each, and a few for what the sweeps leave of a chain. Pair by pair, with a look after each, it takes 72, 189 and 256.
+// A look for each, and a few for what the sweeps leave of a chain. Pair by pair, with a look after each, it takes 72,
+// 189 and 256.
 TEST(KeptHits, AColumnThatFallsTakesOneLookABody) {
     for (const int n : {10, 20, 30}) {
         System s;

@@ -81,8 +81,8 @@ TEST(SeparateOverlaps, LeavesLockedBodiesWhereTheyArePut) {
     EXPECT_EQ(separate_overlaps(stuck).not_freed, (std::vector<std::int32_t>{0, 1}));
 }
 
-// Two thin plates that cross near an edge: the move that draws one out along the other's normal is long, the one that draws its
-// edge back is short.
+// Two thin plates that cross near an edge: the move that draws one out along the other's normal is long, the one that
+// draws its edge back is short.
 TEST(SeparateOverlaps, FindsTheShortWayOutOfAThinShell) {
     SceneDescription description;
     const auto plate = add_shape(description, make_plate(2, 2));

@@ -27,8 +27,8 @@ inline ContactWorld make_column(int n, double speed, double mass = 1) {
     return w;
 }
 
-/// A body held between two walls that both ask it to come: no impulses do that, and they grow for ever. With a wall beside it, it is a
-/// jam: more than two pairs a body.
+/// A body held between two walls that both ask it to come: no impulses do that, and they grow for ever. With a wall
+/// beside it, it is a jam: more than two pairs a body.
 inline ContactWorld make_body_between_walls(bool third) {
     ContactWorld w;
     w.add_body(0);
@@ -64,7 +64,8 @@ inline ContactWorld make_random(unsigned seed, int num_bodies, int island, doubl
     return w;
 }
 
-/// Every second contact a gap that is about as wide as what the bodies cross, but so that they do not close at the start.
+/// Every second contact a gap that is about as wide as what the bodies cross, but so that they do not close at the
+/// start.
 inline void open_gaps(ContactWorld& w) {
     for (std::size_t k = 0; k < w.contacts.size(); k += 2) {
         Contact& c = w.contacts[k];
@@ -72,7 +73,8 @@ inline void open_gaps(ContactWorld& w) {
     }
 }
 
-/// Bodies on the ground, side by side in a square, and a tower on one of them: slow to solve, while the others need a few sweeps.
+/// Bodies on the ground, side by side in a square, and a tower on one of them: slow to solve, while the others need a
+/// few sweeps.
 inline ContactWorld make_floor_with_tower(int side, int height, double friction) {
     ContactWorld w;
     w.add_body(0);

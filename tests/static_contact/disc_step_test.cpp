@@ -9,7 +9,8 @@
 namespace flotilla {
 namespace {
 
-/// A contact with a random symmetric positive definite W, of a condition of up to about `spread`, and the velocity q without impulse.
+/// A contact with a random symmetric positive definite W, of a condition of up to about `spread`, and the velocity q
+/// without impulse.
 struct OneContact {
     FrictionProblem problem;
     std::mt19937_64 rng;

@@ -123,8 +123,8 @@ TEST(ExactIslands, WhatSweepsSolveIsLeftToThem) {
     EXPECT_EQ(stats.unsolved_islands, 0);
 }
 
-// Under 1e9 masses the rounding of a contact is far above the tolerance. Sweeps that go on from the solution end within that too, some of
-// them nearer by what they measure.
+// Under 1e9 masses the rounding of a contact is far above the tolerance. Sweeps that go on from the solution end within
+// that too, some of them nearer by what they measure.
 TEST(ExactIslands, WhatOnlyRoundingLeavesIsSolved) {
     ContactWorld w = make_column(9, 0.4);
     w.inv_mass.back() = 1e-9;

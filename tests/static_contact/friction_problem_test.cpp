@@ -29,7 +29,8 @@ FrictionProblem make_column(int n) {
 }
 
 TEST(ProjectedGaussSeidel, AColumnInNaturalOrderNeedsTheKnownNumberOfSweeps) {
-    // Counted by an independent implementation: bodies fall at 1 m/s, bottom-up sweeps until none meets more than 1e-6 m/s at its turn.
+    // Counted by an independent implementation: bodies fall at 1 m/s, bottom-up sweeps until none meets more than 1e-6
+    // m/s at its turn.
     const std::pair<int, int> known[] = {{5, 136}, {10, 521}, {20, 1977}};
     for (const auto& [n, sweeps] : known) {
         FrictionProblem p = make_column(n);
@@ -41,10 +42,11 @@ TEST(ProjectedGaussSeidel, AColumnInNaturalOrderNeedsTheKnownNumberOfSweeps) {
 
 // Sweeps to the tolerance, measured with a margin of a tenth. The natural map of the exact law (not of the pyramid) is
 // relative to the problem's own size; for comparison, block Gauss-Seidel with an exact solve of every local cone needs
-// 51, 368 and 4624 sweeps to 1e-12 on Box_Stacks, Spheres and Capsules: solving normal and tangents in turn loses nothing.
-// The disc's step of a sliding contact is one along the gradient, no longer than the larger tangential W allows. Where that is 40 to
-// 70 times the smaller one (the Rovers' feet and FrictionContact3D_RR_1c; bodies of ordinary shapes have at most about 4) it takes up
-// to twice the sweeps of an exact solve of the local disc: 12, 44 and 42 instead of 9, 22 and 18.
+// 51, 368 and 4624 sweeps to 1e-12 on Box_Stacks, Spheres and Capsules: solving normal and tangents in turn loses
+// nothing. The disc's step of a sliding contact is one along the gradient, no longer than the larger tangential W
+// allows. Where that is 40 to 70 times the smaller one (the Rovers' feet and FrictionContact3D_RR_1c; bodies of
+// ordinary shapes have at most about 4) it takes up to twice the sweeps of an exact solve of the local disc: 12, 44 and
+// 42 instead of 9, 22 and 18.
 //
 // Where the sweeps of a case happen to end decides its natural map: bounds are a tenth above what was measured.
 struct Case {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The exact solve of small islands: stacks of any mass ratio, chains, needles, redundant contacts, all frictions, problems
-// without solution, other units, and the problems of data/friction given by their matrix.
+// The exact solve of small islands: stacks of any mass ratio, chains, needles, redundant contacts, all frictions,
+// problems without solution, other units, and the problems of data/friction given by their matrix.
 #include "static_contact/interior_point.hpp"
 
 #include <cmath>
@@ -146,8 +146,8 @@ void set_free_velocity(ConeContact& c, const Vec3& v) {
     c.free_velocity = {dot(c.normal, v), dot(c.tangent_1, v), dot(c.tangent_2, v)};
 }
 
-// Boxes one on the other, up being frame.z, each corner held by `copies` contacts with tangents of their own. All fall; `drift`
-// is the velocity of the stack over the ground.
+// Boxes one on the other, up being frame.z, each corner held by `copies` contacts with tangents of their own. All fall;
+// `drift` is the velocity of the stack over the ground.
 struct StackOptions {
     std::vector<double> masses;
     double friction = 0.5;

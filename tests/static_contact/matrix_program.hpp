@@ -71,9 +71,9 @@ struct MatrixSolve {
     bool solved = true; ///< every pass, to its tolerance
 };
 
-/// Solves until the natural map is at most `goal`, from the problem's impulses on; `p` is its factor. Some of the matrices are
-/// not quite symmetric: a pass takes what H H^T leaves of W r as part of q, which converges as the share is small. A pass is
-/// solved to a tenth of the goal, relative to the largest |q|.
+/// Solves until the natural map is at most `goal`, from the problem's impulses on; `p` is its factor. Some of the
+/// matrices are not quite symmetric: a pass takes what H H^T leaves of W r as part of q, which converges as the share
+/// is small. A pass is solved to a tenth of the goal, relative to the largest |q|.
 inline MatrixSolve solve_by_factor(FrictionProblem& f, ConeProgram p, double goal, ConeScratch& scratch) {
     double speed = 0;
     for (const Vec3& q : f.q) speed = std::max(speed, length(q));

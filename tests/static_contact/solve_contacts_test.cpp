@@ -107,7 +107,8 @@ TEST(SolveContacts, PrescribedVelocitiesAreReadAndNeverWritten) {
 
 // --- friction ---
 
-// A box on a plane through the origin, gravity leaning by `angle` towards `heading` in the plane. One corner contact each.
+// A box on a plane through the origin, gravity leaning by `angle` towards `heading` in the plane. One corner contact
+// each.
 ContactWorld make_sliding_box(double friction) {
     ContactWorld w;
     w.add_body(0);
@@ -563,7 +564,8 @@ TEST(SolveContacts, LockedAxesKeepTheirVelocityAndEnergyFalls) {
         }
 }
 
-// A bead on a rail between two walls that close on it: the one that is no wall to the rail does nothing, the other pushes.
+// A bead on a rail between two walls that close on it: the one that is no wall to the rail does nothing, the other
+// pushes.
 TEST(SolveContacts, NormalsAcrossARailDoNothing) {
     ContactWorld w;
     const std::int32_t wall = w.add_body(0), bead = w.add_body(2, {0.1, 0.1, 0.1});

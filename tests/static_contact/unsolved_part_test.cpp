@@ -187,8 +187,8 @@ TEST(UnsolvedPart, AJamHidesNothing) {
 
 // --- what loaded contacts are let off ---
 
-// A body at rest between four pads below and one above that press it. One of those below is out of reach by a little, but carries its
-// part.
+// A body at rest between four pads below and one above that press it. One of those below is out of reach by a little,
+// but carries its part.
 ContactWorld make_pressed_body(double load, double gap = 1e-3, double friction = 0) {
     ContactWorld w;
     for (int i = 0; i < 4; ++i) w.add_body(0);

@@ -56,9 +56,10 @@ constexpr double kHeight = 5;
 constexpr int kPhases = 8; // start heights, because where in a step the impact falls is an accident
 double start_height(int phase) { return kHeight + 0.031 * phase; }
 
-// Stage 1 reflects the velocity that the body has at the start of the step of the impact, at the height y it has then. The energy
-// of that height is not reduced by e^2, so one bounce rises (1 - e^2) y too high, y at most the fall v dt within the step plus the
-// proximity distance of 2/330 m, within which a fast approach is a collision. A share e^2 of the error is handed on.
+// Stage 1 reflects the velocity that the body has at the start of the step of the impact, at the height y it has then.
+// The energy of that height is not reduced by e^2, so one bounce rises (1 - e^2) y too high, y at most the fall v dt
+// within the step plus the proximity distance of 2/330 m, within which a fast approach is a collision. A share e^2 of
+// the error is handed on.
 TEST(Contact, BounceHeightsFollowRestitution) {
     for (const double e : {0.5, 0.8})
         for (const double dt : {1.0 / 48, 1.0 / 96, 1.0 / 192, 1.0 / 384})
@@ -149,8 +150,9 @@ TEST(Contact, BlockSlipsWithTheRightAcceleration) {
     }
 }
 
-// The pyramid of a sliding contact is drawn anew in every step: between 1 and sqrt(2) of Coulomb's friction, 4/pi on average, and no
-// direction is preferred. Tangents that stay, as those of contacts that stick do, would brake evenly and turn the block aside.
+// The pyramid of a sliding contact is drawn anew in every step: between 1 and sqrt(2) of Coulomb's friction, 4/pi on
+// average, and no direction is preferred. Tangents that stay, as those of contacts that stick do, would brake evenly
+// and turn the block aside.
 TEST(Contact, ASlidingBlockDrawsNewTangentsInEveryStep) {
     constexpr double kFriction = 0.2, kSpeed = 12, kStep = 1.0 / 240;
     constexpr int kSteps = 800;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Clusters of the failsafe where coordinates are as coarse as the bodies' gaps: what moves in common does not keep its gaps there.
+// Clusters of the failsafe where coordinates are as coarse as the bodies' gaps: what moves in common does not keep its
+// gaps there.
 #include "step/audited_run.hpp"
 
 namespace flotilla::scenario {

@@ -50,8 +50,8 @@ Outcome run_stack(Rigidification kind, int iterations, int steps) {
     return out;
 }
 
-// The paper's stack freezes because it becomes rigid together with the ground. Here clusters never take the ground in, and as section
-// 5 says of that case the ball's momentum goes to the whole stack, which tips over as one body.
+// The paper's stack freezes because it becomes rigid together with the ground. Here clusters never take the ground in,
+// and as section 5 says of that case the ball's momentum goes to the whole stack, which tips over as one body.
 TEST(ForcedFailsafe, KinematicLetsAStackBreakUpAndRigidMovesItAsOne) {
     for (const int iterations : {0, 1}) {
         const Outcome kinematic = run_stack(Rigidification::kinematic, iterations, 36);
@@ -115,8 +115,8 @@ std::int64_t count_merges(std::uint64_t seed, int limit) {
     return merges;
 }
 
-// 258 to 295 merges a seed where four sweeps were the end of dynamic contact, 71 to 157 where it ends when two in a row left no fewer
-// pairs than any before.
+// 258 to 295 merges a seed where four sweeps were the end of dynamic contact, 71 to 157 where it ends when two in a row
+// left no fewer pairs than any before.
 TEST(ForcedFailsafe, DynamicContactGoesOnWhilePairsLeftGetFewer) {
     std::int64_t merges = 0;
     for (const std::uint64_t seed : {1u, 2u, 3u}) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A compound pendulum on a knife's edge, with every axis locked but those of its plane. The edge stands on a plate at the rest distance,
-// held by friction, and the centre of mass hangs below, so that theory has no play, no curvature and no fit.
+// A compound pendulum on a knife's edge, with every axis locked but those of its plane. The edge stands on a plate at
+// the rest distance, held by friction, and the centre of mass hangs below, so that theory has no play, no curvature and
+// no fit.
 #include "step/scenario.hpp"
 
 namespace flotilla::scenario {
@@ -77,8 +78,8 @@ Swings swing(double angle, double time_step, int steps) {
     return out;
 }
 
-// Stages 3 and 7 hold the edge at the poses of both ends of a step: swings at the rate w lose pi w dt / 2 of their amplitude a period,
-// as any mechanism does that contacts hold, and keep their period to second order.
+// Stages 3 and 7 hold the edge at the poses of both ends of a step: swings at the rate w lose pi w dt / 2 of their
+// amplitude a period, as any mechanism does that contacts hold, and keep their period to second order.
 TEST(LockedPendulum, SwingsAtItsPeriodAndStaysInItsPlace) {
     constexpr double kStep = 1.0 / 240;
     const Swings s = swing(0.2, kStep, 10000);

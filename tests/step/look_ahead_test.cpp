@@ -34,8 +34,8 @@ TEST(LookAhead, IsForBodiesThatGravityMovesByMoreThanTheirProximityDistance) {
     EXPECT_FALSE(looks_ahead(scene));
 }
 
-// The contact search sees two of the corners that it falls on. The smallest one falls over, by two radians in a step, and may be held
-// once where a turn would raise it by more than its energy.
+// The contact search sees two of the corners that it falls on. The smallest one falls over, by two radians in a step,
+// and may be held once where a turn would raise it by more than its energy.
 TEST(LookAhead, ATiltedCubeLiesDownAndRests) {
     for (const double edge : {0.03, 0.01, 0.003, 0.001}) {
         const SceneDescription scene = cube_on_ground(edge, 20 * kPi / 180);
@@ -76,7 +76,8 @@ TEST(LookAhead, DoesNotDependOnOtherBodies) {
     for (int steps = 1; steps < 8; ++steps) EXPECT_EQ(height_after(false, steps), height_after(true, steps)) << steps;
 }
 
-// Bars rest at a share of their thickness, other bodies at one of their size; what has no thickness to speak of is no bar.
+// Bars rest at a share of their thickness, other bodies at one of their size; what has no thickness to speak of is no
+// bar.
 TEST(LookAhead, LengthsOfThinBodiesGoByTheirThickness) {
     const auto rest_of = [](TriangleMesh mesh) {
         SceneDescription scene = empty_scene();

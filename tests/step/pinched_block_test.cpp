@@ -10,9 +10,9 @@ constexpr double kSlope = 60 * kPi / 180; // of both planes
 constexpr double kRadius = 1, kSide = 1;  // m, of the cylinders and of the block
 constexpr double kEnough = 0.1;           // m, of sinking to call it slip
 
-// With all masses equal, from the balance of forces and torques: the least coefficients between cylinder and block and between
-// cylinder and plane. Rolling without slip at all four contacts leaves one force, so the two conditions are necessary and
-// together sufficient.
+// With all masses equal, from the balance of forces and torques: the least coefficients between cylinder and block and
+// between cylinder and plane. Rolling without slip at all four contacts leaves one force, so the two conditions are
+// necessary and together sufficient.
 const double kLeastBlock = 1 / (2 * std::tan(kSlope) + (1 + std::sin(kSlope)) / std::cos(kSlope));
 const double kLeastPlane = std::cos(kSlope) / (3 + std::sin(kSlope));
 
@@ -27,7 +27,8 @@ Outcome pinch(double block_friction, double plane_friction) {
     settings.trajectory = Trajectory::linear;
     SceneDescription scene = empty_scene(settings);
     const auto block = add_shape(scene, make_box(kSide, kSide, kSide), 100);
-    // Of so many sides that the pressure's way across one of them, which resists rolling, changes the thresholds by 2 % only.
+    // Of so many sides that the pressure's way across one of them, which resists rolling, changes the thresholds by 2 %
+    // only.
     const auto cylinder = add_shape(scene, make_tube(kRadius, kSide, 720), 100);
     const auto plane = add_shape(scene, make_plate(8, 8));
     scene.settings.rest_distance = 2e-4;

@@ -70,7 +70,8 @@ TEST(Rest, ABlockOnASlopeKeepsItsCorners) {
 }
 
 // What sweeps leave of the approach at a contact moves all blocks above it: the top is as fast as tens of tolerances.
-// How it sways, rounding decides: the fastest block was seen at 0.003 to 0.013 of what gravity adds in a step, whatever the tolerance.
+// How it sways, rounding decides: the fastest block was seen at 0.003 to 0.013 of what gravity adds in a step, whatever
+// the tolerance.
 TEST(Rest, AStackOfTwentyBlocksStandsStillAfterSweeps) {
     constexpr double kSecond = 1;
     for (const double setting : {Settings{}.static_tolerance, 2e-5}) {
@@ -93,8 +94,8 @@ TEST(Rest, AStackOfTwentyBlocksStandsStill) {
     EXPECT_LT(rest.from_start, 2e-7);
 }
 
-// Their rest distance, 6 um, is less than the 8 um that the tolerance leaves undone in a step, so they do not keep all of it (1.7 um are
-// left with every target in full); a dead band of the whole tolerance would leave 0.4 um.
+// Their rest distance, 6 um, is less than the 8 um that the tolerance leaves undone in a step, so they do not keep all
+// of it (1.7 um are left with every target in full); a dead band of the whole tolerance would leave 0.4 um.
 TEST(Rest, SmallBlocksKeepTheirDistance) {
     constexpr double kEdge = 2e-3, kGap = 1e-5;
     SceneDescription scene = empty_scene();
@@ -121,7 +122,8 @@ struct PileTotals {
     double mean = 0;   ///< J, mean kinetic
 };
 
-/// The last two seconds of sixteen piles: one that jams takes ten times the sweeps of the others, and which one does is chance.
+/// The last two seconds of sixteen piles: one that jams takes ten times the sweeps of the others, and which one does is
+/// chance.
 PileTotals watch_piles(Tangents tangents, int steps) {
     constexpr int kPiles = 16, kLast = 48;
     std::int64_t sweeps = 0;
@@ -145,16 +147,17 @@ PileTotals watch_piles(Tangents tangents, int steps) {
     return {mean, energy, mean_energy};
 }
 
-// Friction of contacts that stick is not cut by tangents drawn anew; with those the piles took 20 sweeps a step. A jammed boat may keep
-// its pile sweeping, so the mean counts.
+// Friction of contacts that stick is not cut by tangents drawn anew; with those the piles took 20 sweeps a step. A
+// jammed boat may keep its pile sweeping, so the mean counts.
 TEST(Rest, PilesOfTheRandomPyramidTakeFewSweeps) {
     const PileTotals piles = watch_piles(Tangents::random, 240);
     EXPECT_LT(piles.sweeps, 10);
     EXPECT_LT(piles.energy, 1e-3);
 }
 
-// A boat may slide down slowly for 14 s: Coulomb's friction holds less than the pyramid's. Then nothing moves but by the tolerance:
-// that bounds the speed of contacts, and a boat's other end may move at several times as much now and then, but not in the mean.
+// A boat may slide down slowly for 14 s: Coulomb's friction holds less than the pyramid's. Then nothing moves but by
+// the tolerance: that bounds the speed of contacts, and a boat's other end may move at several times as much now and
+// then, but not in the mean.
 TEST(Rest, PilesTakeFewSweeps) {
     const PileTotals piles = watch_piles(Settings{}.tangents, 384);
     constexpr double kTolerance = 2e-4; // m/s
@@ -163,8 +166,9 @@ TEST(Rest, PilesTakeFewSweeps) {
     EXPECT_LT(piles.mean, 0.5 * mass * kTolerance * kTolerance);
 }
 
-/// A thin roof with a right angle hangs over the upper edge of a fixed blade. Every contact is a corner of the blade between two
-/// walls at the same distance; with one of them only, the roof slides down the other until dynamic contact stops it, every step.
+/// A thin roof with a right angle hangs over the upper edge of a fixed blade. Every contact is a corner of the blade
+/// between two walls at the same distance; with one of them only, the roof slides down the other until dynamic contact
+/// stops it, every step.
 SceneDescription roof_on_blade() {
     SceneDescription scene = empty_scene();
     const auto roof = add_shape(

@@ -47,8 +47,8 @@ SceneDescription frictionless_boats() {
     return scene;
 }
 
-// A step with all rows from the state of each step with normal rows alone: sweeps see the same numbers but for the sign of zeros, and what
-// rounding is left is far below what a solve may leave undone.
+// A step with all rows from the state of each step with normal rows alone: sweeps see the same numbers but for the sign
+// of zeros, and what rounding is left is far below what a solve may leave undone.
 TEST(Savings, RowsOfFrictionAreNotMissedWithoutFriction) {
     const Scene scene = build_scene(frictionless_boats());
     const Model model = make_model(scene);
@@ -163,7 +163,8 @@ SceneDescription stacks(int far) {
     return scene;
 }
 
-// While one stack is awake because a box falls on it, others sleep: they cost no pair and no contact, and change no bit of it.
+// While one stack is awake because a box falls on it, others sleep: they cost no pair and no contact, and change no bit
+// of it.
 TEST(Savings, BodiesAsleepCostNothingAndChangeNothing) {
     const auto start = [](int far, std::vector<std::unique_ptr<Stepper>>& steppers) {
         SceneDescription description = stacks(far);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What scenario tests share: scenes built in code, and a look at every frame that shares nothing with the solver's own checks
-// but the exact predicates. SI units.
+// What scenario tests share: scenes built in code, and a look at every frame that shares nothing with the solver's own
+// checks but the exact predicates. SI units.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -53,8 +53,8 @@ inline Bounds bounds_of(const std::array<Vec3, 3>& t) {
     return b;
 }
 
-/// Pairs of triangles of two bodies that intersect, by brute force over overlapping boxes. Exact. Pairs of two bodies without
-/// finite mass do not count (G1).
+/// Pairs of triangles of two bodies that intersect, by brute force over overlapping boxes. Exact. Pairs of two bodies
+/// without finite mass do not count (G1).
 inline std::int64_t count_intersections(const SceneDescription& scene, const World& world) {
     const auto triangles = placed_triangles(scene, world);
     std::vector<Bounds> bounds(world.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// No setting is dead: each changes what happens in a scene made for it. The walk goes over the table of settings, so that one without
-// a scene fails as well.
+// No setting is dead: each changes what happens in a scene made for it. The walk goes over the table of settings, so
+// that one without a scene fails as well.
 #include <algorithm>
 #include <exception>
 #include <functional>
@@ -14,7 +14,8 @@
 namespace flotilla::scenario {
 namespace {
 
-/// A block of edge 1 that comes down on a plate and slides. Friction and restitution are the defaults, so that a scene file has none.
+/// A block of edge 1 that comes down on a plate and slides. Friction and restitution are the defaults, so that a scene
+/// file has none.
 SceneDescription sliding_block() {
     SceneDescription scene = empty_scene();
     const auto plate = add_shape(scene, make_plate(20, 20));

@@ -112,7 +112,8 @@ TEST(Sleeping, AScriptedBodyPushesASleepingOne) {
     EXPECT_GT(world.body(1).position.x, 0.5);
 }
 
-// ------------------------------------------------------------------------------------------------- contacts of sleepers
+// ------------------------------------------------------------------------------------------------- contacts of
+//                                                                                                   sleepers
 
 struct NamedContact {
     std::int32_t a, b;

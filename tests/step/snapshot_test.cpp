@@ -71,8 +71,8 @@ TEST(SnapshotOf, ADelayedScriptGoesOnWithTheSameBits) {
     EXPECT_EQ(rest.state_hash(), whole.state_hash());
 }
 
-/// Small cubes look for contacts ahead among pairs near each other; those of bodies that fell asleep are not among them, or the step in
-/// which these wake would depend on more than the state.
+/// Small cubes look for contacts ahead among pairs near each other; those of bodies that fell asleep are not among
+/// them, or the step in which these wake would depend on more than the state.
 TEST(SnapshotOf, SmallBodiesThatWakeGoOnWithTheSameBits) {
     constexpr double kEdge = 0.01;
     SceneDescription scene = empty_scene();

@@ -42,7 +42,8 @@ inline SceneDescription forced_stack(bool) {
     return scene;
 }
 
-/// Heaps that slide into each other, get scattered by a ball and come to rest as islands of their own; some fall asleep and wake.
+/// Heaps that slide into each other, get scattered by a ball and come to rest as islands of their own; some fall asleep
+/// and wake.
 inline SceneDescription changing_islands(bool large) {
     SceneDescription scene = small_piles(large);
     scene.settings.sleeping = true;

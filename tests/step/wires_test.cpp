@@ -111,8 +111,8 @@ TEST(Wires, ARodLiesOnTwoBarsAndSlidesAcrossThem) {
     EXPECT_GT(s.position.z, 0);
 }
 
-// Stage 1 lets points pass the wires, 0.4 rest distances to the side; the contacts at a rest distance do not. A velocity left for a bounce
-// that never comes would stay for ever.
+// Stage 1 lets points pass the wires, 0.4 rest distances to the side; the contacts at a rest distance do not. A
+// velocity left for a bounce that never comes would stay for ever.
 TEST(Wires, WhatIsHeldBesideAWireStandsStill) {
     SceneDescription scene = empty_scene();
     scene.gravity = {};

@@ -9,8 +9,8 @@ namespace {
 
 using Corners = std::array<Vec3, 4>;
 
-/// Counter-based generator (splitmix64): its stream is a function of the key alone. Below no unsequenced expression draws
-/// twice, so that every compiler makes the same queries.
+/// Counter-based generator (splitmix64): its stream is a function of the key alone. Below no unsequenced expression
+/// draws twice, so that every compiler makes the same queries.
 class Random {
   public:
     explicit Random(std::uint64_t key) : state_(key) {}
@@ -67,7 +67,8 @@ CcdQuery turned(CcdQuery q, Random& r) {
     return q;
 }
 
-/// Features that share a point up to rounding. Relations of length `reach` between their corners are kept by the caller.
+/// Features that share a point up to rounding. Relations of length `reach` between their corners are kept by the
+/// caller.
 Corners meeting(CcdKind kind, const Vec3& p, const Vec3& q, const Vec3& s, Random& r) {
     if (kind == CcdKind::vertex_face) {
         const double u = r.share(), v = r.share();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Random and adversarial CCD queries. The query is a function of (class, index): any one of them can be made again alone.
+// Random and adversarial CCD queries. The query is a function of (class, index): any one of them can be made again
+// alone.
 #pragma once
 
 #include <array>

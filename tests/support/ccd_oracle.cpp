@@ -171,7 +171,8 @@ class Root {
     [[nodiscard]] mpq_class upper() const { return scaled(is_dyadic_ ? at_.k : mpz_class(at_.k + 1)); }
 
   private:
-    // Interval arithmetic settles nearly every sign at once; a common root never, so it is looked for after a few rounds.
+    // Interval arithmetic settles nearly every sign at once; a common root never, so it is looked for after a few
+    // rounds.
     static constexpr unsigned kCommonRootRound = 6;
 
     [[nodiscard]] mpq_class scaled(const mpz_class& k) const {
@@ -197,8 +198,8 @@ class Root {
         }
     }
 
-    /// The gcd's roots are roots of p, and inside the interval p has this one alone, a simple one: the gcd has it exactly if
-    /// its sign changes from one end to the other. Ends where p vanishes are left behind first.
+    /// The gcd's roots are roots of p, and inside the interval p has this one alone, a simple one: the gcd has it
+    /// exactly if its sign changes from one end to the other. Ends where p vanishes are left behind first.
     bool is_root_of(const Poly& q) {
         const Poly g = polynomial_gcd(p_, q);
         if (g.degree <= 0) return false;
@@ -213,8 +214,8 @@ class Root {
     Bernstein b_;
 };
 
-/// Appends the roots inside the open interval in ascending order; false where `depth` halvings do not isolate them, which
-/// without a limit can happen only to repeated roots.
+/// Appends the roots inside the open interval in ascending order; false where `depth` halvings do not isolate them,
+/// which without a limit can happen only to repeated roots.
 bool isolate_inside(const Poly& p, const Bernstein& b, const Dyadic& at, unsigned depth, std::vector<Root>& roots) {
     const int variations = sign_variations(b);
     if (variations == 0) return true;
@@ -396,8 +397,8 @@ class Contact {
         prepare();
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (const int s = t.sign(normal_[axis]); s != 0) return overlap_along(axis, s, t);
-        // Degenerate triangle: the union of its edges. Parallel or degenerate edges: where they meet at all, an end of one
-        // lies on the other.
+        // Degenerate triangle: the union of its edges. Parallel or degenerate edges: where they meet at all, an end of
+        // one lies on the other.
         return std::any_of(pairs_.begin(), pairs_.end(), [&](const PointSegment& p) { return p.touches(t); });
     }
 
@@ -462,9 +463,9 @@ OracleToi first_of_roots(Contact& contact, unsigned bits) {
     return {};
 }
 
-/// The points are coplanar at all times. The set of contact times is closed and its indicator is constant between events, so
-/// the first contact is an event. The enclosures of the earliest events may overlap; the minimum of the lower ends and the
-/// minimum of the upper ends enclose the minimum all the same.
+/// The points are coplanar at all times. The set of contact times is closed and its indicator is constant between
+/// events, so the first contact is an event. The enclosures of the earliest events may overlap; the minimum of the
+/// lower ends and the minimum of the upper ends enclose the minimum all the same.
 OracleToi first_of_events(Contact& contact, unsigned bits) {
     struct Event {
         mpq_class lower;
@@ -529,16 +530,16 @@ class Sweep {
     /// No rounding error of this class exceeds this, m.
     [[nodiscard]] long double error() const { return error_; }
 
-    /// Lower bound of the distance on [t0, t1] from a unit vector d: the distance is at least d . F for every F in the convex
-    /// hull of the w, each d . w is linear in t, so its ends bound it. True for any d.
+    /// Lower bound of the distance on [t0, t1] from a unit vector d: the distance is at least d . F for every F in the
+    /// convex hull of the w, each d . w is linear in t, so its ends bound it. True for any d.
     [[nodiscard]] long double gap(const VecL& d, long double t0, long double t1) const {
         long double least = HUGE_VALL;
         for (std::size_t k = 0; k < count_; ++k) least = std::min({least, dot(d, at(k, t0)), dot(d, at(k, t1))});
         return least - error_;
     }
 
-    /// The shortest vector from the second feature to the first at t, as far as extended precision finds it. Its length is an
-    /// upper bound of the distance up to error(): the vector joins two points of the features in any case.
+    /// The shortest vector from the second feature to the first at t, as far as extended precision finds it. Its length
+    /// is an upper bound of the distance up to error(): the vector joins two points of the features in any case.
     [[nodiscard]] VecL shortest(long double t) const {
         std::array<VecL, 4> w;
         for (std::size_t k = 0; k < count_; ++k) w[k] = at(k, t);
@@ -588,7 +589,8 @@ class Sweep {
 
 long double length(const VecL& v) { return std::sqrt(dot(v, v)); }
 
-/// Unit to rounding. Dividing by the length after the largest component keeps the squares of tiny vectors from vanishing.
+/// Unit to rounding. Dividing by the length after the largest component keeps the squares of tiny vectors from
+/// vanishing.
 VecL unit(const VecL& v) {
     const long double m = largest(v);
     if (!(m > 0)) return {};
@@ -619,8 +621,8 @@ OracleToi exact_ccd(CcdKind kind, const CcdQuery& query, unsigned bits, OracleFi
 }
 
 bool is_late(CcdKind kind, const CcdQuery& query, const OracleToi& truth, double reported) {
-    // A double in [0, 1] is a dyadic number of at most 1074 bits: refined that far, an enclosure either leaves it outside or
-    // has met it exactly.
+    // A double in [0, 1] is a dyadic number of at most 1074 bits: refined that far, an enclosure either leaves it
+    // outside or has met it exactly.
     const mpq_class time(reported);
     if (time <= truth.lower) return false;
     if (time > truth.upper) return true;

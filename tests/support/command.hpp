@@ -22,8 +22,8 @@ struct CommandOutput {
     std::string out, err;
 };
 
-/// arguments: as typed after `flotilla`, for the shell; standard input is empty where they do not redirect it. `before`: what the shell
-/// does first, such as setting limits.
+/// arguments: as typed after `flotilla`, for the shell; standard input is empty where they do not redirect it.
+/// `before`: what the shell does first, such as setting limits.
 inline CommandOutput run_flotilla(const std::string& arguments, const std::string& before = ":") {
     const TemporaryFolder folder;
     const auto read = [&](const char* name) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A step as far as a single stage needs it: bodies at x^n with given velocities, and nothing that the stages around it do. SI units.
+// A step as far as a single stage needs it: bodies at x^n with given velocities, and nothing that the stages around it
+// do. SI units.
 #pragma once
 
 #include <memory>
@@ -17,7 +18,8 @@
 
 namespace flotilla::test {
 
-/// What the stages of one step share, at its start: every body is a cluster that moves as the scene says, and has moved so.
+/// What the stages of one step share, at its start: every body is a cluster that moves as the scene says, and has moved
+/// so.
 class StageWorld {
   public:
     explicit StageWorld(const SceneDescription& description, int threads = 1)

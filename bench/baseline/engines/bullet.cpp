@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // flotilla_bullet: a scene simulated by Bullet (bulletphysics.org), single precision as Debian builds it.
-//  - panels: movable meshes as compounds of thin convex hulls (panels.hpp), each with a margin of half the gap around it.
-//  - primitives: what meshes stand for (primitives.hpp): boxes, spheres, cylinders, planes; thin boxes of the panels' thickness for
-//    movable plates, hulls with a margin of half the gap for convex solids.
+//  - panels: movable meshes as compounds of thin convex hulls (panels.hpp), each with a margin of half the gap around
+//    it.
+//  - primitives: what meshes stand for (primitives.hpp): boxes, spheres, cylinders, planes; thin boxes of the panels'
+//    thickness for movable plates, hulls with a margin of half the gap for convex solids.
 //  - gimpact: movable meshes as btGImpactMeshShape, which Bullet's author calls deprecated, with the same margin.
-// Static meshes are triangle meshes in the other two. Friction and restitution of a pair are products in Bullet; bodies get the square
-// roots of theirs, so that pairs have the geometric mean, as in flotilla. Nothing sleeps.
+// Static meshes are triangle meshes in the other two. Friction and restitution of a pair are products in Bullet; bodies
+// get the square roots of theirs, so that pairs have the geometric mean, as in flotilla. Nothing sleeps.
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>

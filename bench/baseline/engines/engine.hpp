@@ -37,7 +37,8 @@ struct EngineScene {
     std::vector<Primitive> primitives; ///< of each shape; meshes unless they were asked for
 };
 
-/// A shape's vertices in the frame of its mass (centre and principal axes) where it has one, else in mesh coordinates, m.
+/// A shape's vertices in the frame of its mass (centre and principal axes) where it has one, else in mesh coordinates,
+/// m.
 [[nodiscard]] std::vector<Vec3> vertices_about_mass(const ShapeDescription& shape,
                                                     const std::optional<MassProperties>& mass);
 /// The world pose of that frame for a body, and back to that of the mesh's own origin.
@@ -58,8 +59,8 @@ class Engine {
 
 using MakeEngine = std::function<std::unique_ptr<Engine>(const EngineScene&, const EngineArguments&)>;
 
-/// Parses, runs, writes frames, prints the CPU seconds of the steps alone. Returns the exit code: 2 for bad input, 6 where
-/// the run was given up.
+/// Parses, runs, writes frames, prints the CPU seconds of the steps alone. Returns the exit code: 2 for bad input, 6
+/// where the run was given up.
 int run_engine(int argc, char** argv, const std::string& name, const std::vector<std::string>& shapes,
                const std::vector<std::string>& solvers, const MakeEngine& make);
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// flotilla_ode: a scene simulated by the Open Dynamics Engine (ode.org), its quick step (solver "sweeps") or its exact one ("pivots").
-// Friction is a pyramid; with "-sliding" it acts against the sliding alone once that is faster than what gravity adds in a step.
-//  - trimesh: triangle mesh against triangle mesh. Meshes have no thickness there: contacts are where triangles intersect already.
-//  - primitives: what meshes stand for (primitives.hpp): boxes, spheres, cylinders, planes, convex solids; thin boxes of the panels'
-//    thickness for movable plates.
+// flotilla_ode: a scene simulated by the Open Dynamics Engine (ode.org), its quick step (solver "sweeps") or its exact
+// one ("pivots"). Friction is a pyramid; with "-sliding" it acts against the sliding alone once that is faster than
+// what gravity adds in a step.
+//  - trimesh: triangle mesh against triangle mesh. Meshes have no thickness there: contacts are where triangles
+//    intersect already.
+//  - primitives: what meshes stand for (primitives.hpp): boxes, spheres, cylinders, planes, convex solids; thin boxes
+//    of the panels' thickness for movable plates.
 // --gap is ignored.
 #include <ode/ode.h>
 

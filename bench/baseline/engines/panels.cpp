@@ -115,8 +115,8 @@ class Merger {
         return best;
     }
 
-    /// Takes the neighbour that leaves the panel flattest while it is thin, and of all these panels the last that its hull fills:
-    /// on the way there it may well be shaped like an L.
+    /// Takes the neighbour that leaves the panel flattest while it is thin, and of all these panels the last that its
+    /// hull fills: on the way there it may well be shaped like an L.
     Members grow(std::int32_t seed) const {
         Members members{seed};
         std::size_t filled = 1;

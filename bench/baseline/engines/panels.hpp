@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Cuts a surface without thickness into few thin convex panels, for engines that collide convex hulls only.
 //
-// A panel is a set of triangles joined by edges that may be replaced by its convex hull: all of its corners lie in a thin slab, and
-// the hull, seen along the slab's normal, covers hardly more than the triangles do. The second condition keeps the shape: without
-// it a flat ring would become a disc, and a bent strip would be filled between its ends.
+// A panel is a set of triangles joined by edges that may be replaced by its convex hull: all of its corners lie in a
+// thin slab, and the hull, seen along the slab's normal, covers hardly more than the triangles do. The second condition
+// keeps the shape: without it a flat ring would become a disc, and a bent strip would be filled between its ends.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +27,9 @@ struct Panel {
     double low = 0, high = 0;            ///< m
 };
 
-/// Every triangle is in exactly one panel. A panel of several triangles keeps both limits and faces the same way everywhere;
-/// one triangle alone always may be a panel. Panels grow from every triangle and the one of most triangles is taken first:
-/// not the least number possible.
+/// Every triangle is in exactly one panel. A panel of several triangles keeps both limits and faces the same way
+/// everywhere; one triangle alone always may be a panel. Panels grow from every triangle and the one of most triangles
+/// is taken first: not the least number possible.
 [[nodiscard]] std::vector<Panel> merge_into_panels(const TriangleMesh& mesh, const PanelLimits& limits);
 
 /// The vertices of a panel's triangles, ascending, each once.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which round or flat solid a mesh stands for, so that engines which have such solids collide those and not its triangles.
+// Which round or flat solid a mesh stands for, so that engines which have such solids collide those and not its
+// triangles.
 #pragma once
 
 #include <vector>
@@ -26,8 +27,8 @@ struct Primitive {
 /// Vertices must be the solid's to rounding (1e-9 of its size).
 [[nodiscard]] Primitive recognize(const ShapeDescription& shape);
 
-/// Mass in the frame of the solid: about its centre, along the axes of the mesh. Round solids of a density get the inertia of what
-/// they stand for with the mass of the mesh.
+/// Mass in the frame of the solid: about its centre, along the axes of the mesh. Round solids of a density get the
+/// inertia of what they stand for with the mass of the mesh.
 [[nodiscard]] MassProperties primitive_mass(const Primitive& primitive, const ShapeDescription& shape,
                                             const MassProperties& mass);
 

@@ -2,10 +2,10 @@
 // The exact stages of orient2d and orient3d.
 //
 // Range of the sums of doubles. Let every coordinate be 0 or of magnitude in [2^-300, 2^336] (5e-91 .. 1.4e101).
-// Then every coordinate is a multiple of 2^-352, every partial product of a determinant a multiple of 2^-1056, above the
-// least double 2^-1074: nothing underflows. Differences are at most 2^337, minors 2^675, terms of the determinant 2^1012,
-// the sum of the magnitudes of all parts below 2^1016; Dekker's splitting multiplies a factor (at most 2^676) by 2^27:
-// nothing overflows. Outside that range the integers take over.
+// Then every coordinate is a multiple of 2^-352, every partial product of a determinant a multiple of 2^-1056, above
+// the least double 2^-1074: nothing underflows. Differences are at most 2^337, minors 2^675, terms of the determinant
+// 2^1012, the sum of the magnitudes of all parts below 2^1016; Dekker's splitting multiplies a factor (at most 2^676)
+// by 2^27: nothing overflows. Outside that range the integers take over.
 #include "geometry/exact/predicates.hpp"
 
 #include <algorithm>
@@ -52,14 +52,14 @@ Pair two_product(double x, double y) {
 /// A real number as the sum of at most N doubles.
 ///
 /// Invariant: no component is zero, and for each component h there is a power of two 2^t > |h| of which all later
-/// components are multiples. Hence (induction from the first) the components before h sum to less than |h| in magnitude,
-/// and the sign of the number is the sign of the last component.
+/// components are multiples. Hence (induction from the first) the components before h sum to less than |h| in
+/// magnitude, and the sign of the number is the sign of the last component.
 ///
 /// add() keeps it (Shewchuk's theorem 10; the argument here is our own). It replaces (q, e_i) by (q', h_i) with
 /// q' + h_i = q + e_i, q' = fl(q + e_i). Since q is itself a double, rounding to nearest gives |h_i| <= |e_i|, which is
-/// below a power of two dividing all later e; and |h_i| <= ulp(q')/2 with q' a multiple of ulp(q'). So |h_i| is below the
-/// smaller of those two powers of two, which divides everything that later h and the last q are computed from, and a sum
-/// of multiples of 2^t and its rounding error are again multiples of 2^t. Dropping zeros changes nothing.
+/// below a power of two dividing all later e; and |h_i| <= ulp(q')/2 with q' a multiple of ulp(q'). So |h_i| is below
+/// the smaller of those two powers of two, which divides everything that later h and the last q are computed from, and
+/// a sum of multiples of 2^t and its rounding error are again multiples of 2^t. Dropping zeros changes nothing.
 template <std::size_t N>
 class Expansion {
   public:

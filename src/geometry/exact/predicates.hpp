@@ -36,14 +36,15 @@ struct Point2 {
 /// on a, b, c computed once. The three points may be collinear; then side() is 0 everywhere.
 ///
 /// Error bound of the filter, u = 2^-53. Write P for the sum of the absolute values of the six products of exact
-/// differences. Each product meets at most 8 roundings (three differences, product, minor, product with w, two sums), so
-/// |det - exact| <= ((1 + u)^8 - 1) P; the computed permanent is a sum of the same products without cancellation, so
+/// differences. Each product meets at most 8 roundings (three differences, product, minor, product with w, two sums),
+/// so |det - exact| <= ((1 + u)^8 - 1) P; the computed permanent is a sum of the same products without cancellation, so
 /// P <= permanent / (1 - u)^8. Together less than 8u (1 + 20u) permanent, and 9u leaves room for the two roundings of
 /// the bound itself. (Shewchuk's finer count gives 7u + 56u^2; the difference is not measurable here.)
 /// Underflow: a product of two differences may be wrong by a further 2^-1075, twice per component of w and multiplied
 /// with it, and the three last products by 2^-1075 each: less than 2^-1072 (|w|_1 + 1), far below the second term.
 /// Overflow: det is built from the same rounded products as the permanent, rounding is monotone, hence
-/// |det| <= permanent; if either is infinite so is the bound, and comparisons with infinity or NaN are false: exact stage.
+/// |det| <= permanent; if either is infinite so is the bound, and comparisons with infinity or NaN are false: exact
+/// stage.
 class OrientedPlane {
   public:
     OrientedPlane(const Vec3& a, const Vec3& b, const Vec3& c) : a_(a), b_(b), c_(c) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Guigue and Devillers, Fast and robust triangle-triangle overlap test using orientation predicates, 2003, for two
-// triangles that are neither degenerate nor coplanar; a separating-line test in a coordinate plane and a sort along a line
-// for all other cases. Only signs of orient2d and orient3d and comparisons of coordinates decide, so the answer is exact.
+// triangles that are neither degenerate nor coplanar; a separating-line test in a coordinate plane and a sort along a
+// line for all other cases. Only signs of orient2d and orient3d and comparisons of coordinates decide, so the answer is
+// exact.
 //
 // Deviations: zero signs are carried through the proof below rather than enumerated, and the coplanar case compares the
 // corners with the edge lines (at most 18 orient2d) instead of descending a decision tree.
@@ -67,7 +68,8 @@ bool collinear_hulls_intersect(const Hull& a, const Hull& b) {
 }
 
 /// Some directed edge line of a has all of b strictly on its outer (right) side. The corners of a triangle must run
-/// counter-clockwise; a segment counts as two opposite edges, a point as one edge of length zero, which never separates.
+/// counter-clockwise; a segment counts as two opposite edges, a point as one edge of length zero, which never
+/// separates.
 bool edge_separates(const Hull& a, const Hull& b, int axis) {
     for (std::size_t i = 0; i < a.size; ++i) {
         const Vec3 &from = a.corner[i], &to = a.corner[(i + 1) % a.size];
@@ -87,17 +89,17 @@ Hull counter_clockwise(Hull h, int axis) {
 
 /// Hulls in one plane that projects injectively along axis, not all on one line (that is collinear_hulls_intersect's).
 /// Complete because disjoint means that the origin lies outside the convex polygon a - b, hence strictly outside one of
-/// its edge lines, and every edge of a - b has the outer normal of an edge of a or the opposite of one of b, along which
-/// a and b are then strictly separated. (Parallel segments on two lines, or a segment and a point off its line: a - b is a
-/// segment whose line misses the origin, and the line of either segment separates.)
+/// its edge lines, and every edge of a - b has the outer normal of an edge of a or the opposite of one of b, along
+/// which a and b are then strictly separated. (Parallel segments on two lines, or a segment and a point off its line: a
+/// - b is a segment whose line misses the origin, and the line of either segment separates.)
 bool coplanar_hulls_intersect(const Hull& a, const Hull& b, int axis) {
     const Hull p = counter_clockwise(a, axis), q = counter_clockwise(b, axis);
     return !edge_separates(p, q, axis) && !edge_separates(q, p, axis);
 }
 
-/// A line through p and q that crosses the plane of the triangle t in one point X, with X on the segment. Seen along the
-/// line, X is the common projection of p and q, and orient3d(p, q, f, g) tells the side of the edge (f, g) on which it
-/// lies: X is in the closed triangle where no two of the three signs are opposite.
+/// A line through p and q that crosses the plane of the triangle t in one point X, with X on the segment. Seen along
+/// the line, X is the common projection of p and q, and orient3d(p, q, f, g) tells the side of the edge (f, g) on which
+/// it lies: X is in the closed triangle where no two of the three signs are opposite.
 bool crossing_segment_hits_triangle(const Vec3& p, const Vec3& q, const Corners& t) {
     const int s0 = orient3d(p, q, t[0], t[1]), s1 = orient3d(p, q, t[1], t[2]);
     if (s0 * s1 < 0) return false;
@@ -144,9 +146,9 @@ Signs sides(const Corners& plane, const Corners& points) {
 bool all_strictly_on_one_side(const Signs& s) { return s[0] != 0 && s[0] == s[1] && s[0] == s[2]; }
 bool all_zero(const Signs& s) { return s[0] == 0 && s[1] == 0 && s[2] == 0; }
 
-/// The apex of a triangle that meets a plane without lying in it: the corner at which both edges together hold the whole
-/// intersection with the plane. Either it is off the plane and the others are not on its side, or it is the only corner
-/// on the plane and the others are on one side. Precondition: not all_zero, not all_strictly_on_one_side.
+/// The apex of a triangle that meets a plane without lying in it: the corner at which both edges together hold the
+/// whole intersection with the plane. Either it is off the plane and the others are not on its side, or it is the only
+/// corner on the plane and the others are on one side. Precondition: not all_zero, not all_strictly_on_one_side.
 struct Apex {
     std::size_t corner;
     int side; ///< of the apex, or the opposite of the others' where the apex is on the plane

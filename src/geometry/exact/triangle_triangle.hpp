@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Exact intersection tests of closed triangles and segments: is there a common point of the two point sets whose corners
-// are the given doubles? Touching counts. Every degeneracy is accepted: a triangle with collinear corners is the segment
-// they span, one with equal corners a point. Symmetric in the arguments and in the order of the corners, because the
-// answer is that of real arithmetic.
+// Exact intersection tests of closed triangles and segments: is there a common point of the two point sets whose
+// corners are the given doubles? Touching counts. Every degeneracy is accepted: a triangle with collinear corners is
+// the segment they span, one with equal corners a point. Symmetric in the arguments and in the order of the corners,
+// because the answer is that of real arithmetic.
 // Preconditions: finite coordinates, rounding to nearest.
 #pragma once
 

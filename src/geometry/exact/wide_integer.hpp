@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Integers modulo 2^(32 n) in two's complement, just enough of them to evaluate a 3x3 determinant of any finite doubles.
-// Addition and multiplication modulo a power of two form a ring, so a polynomial of the inputs is right whatever its
-// intermediate results do, provided only that its final value fits, which the caller's choice of n ensures.
-// Slow on purpose (about 0.1 ms for a determinant at full width): it serves coordinates outside [1e-90, 1e101] only.
+// Integers modulo 2^(32 n) in two's complement, just enough of them to evaluate a 3x3 determinant of any finite
+// doubles. Addition and multiplication modulo a power of two form a ring, so a polynomial of the inputs is right
+// whatever its intermediate results do, provided only that its final value fits, which the caller's choice of n
+// ensures. Slow on purpose (about 0.1 ms for a determinant at full width): it serves coordinates outside [1e-90, 1e101]
+// only.
 #pragma once
 
 #include <array>

@@ -16,8 +16,8 @@ namespace flotilla::physics {
 /// How a problem begins.
 struct Start {
     Settings settings;
-    /// Bodies that touch begin at the rest distance that flotilla keeps; else, for engines whose solids touch, a millionth of it within each
-    /// other, so that rounding does not choose which corners do.
+    /// Bodies that touch begin at the rest distance that flotilla keeps; else, for engines whose solids touch, a
+    /// millionth of it within each other, so that rounding does not choose which corners do.
     bool apart = true;
 
     Start(const Settings& s, bool keep_apart = true) : settings(s), apart(keep_apart) {} // NOLINT: implicit on purpose

@@ -27,7 +27,8 @@ struct Bounces {
 
 inline constexpr int kCradleBodies = 5;
 inline constexpr double kCradleSpeed = 2;
-/// Equal bodies in a row, met one after the other: the last one leaves with ((1 + e) / 2)^(N - 1) of the first one's speed.
+/// Equal bodies in a row, met one after the other: the last one leaves with ((1 + e) / 2)^(N - 1) of the first one's
+/// speed.
 [[nodiscard]] SceneDescription cradle(const Start& start, double e);
 [[nodiscard]] double due_cradle_speed(double e);
 

@@ -87,8 +87,8 @@ void add_sliding(List& list) {
                     }});
 }
 
-/// Of the speed gained on a slope: where the angle grows with the square of time sides cost two thirds of what they do at the last
-/// speed, the mean of 1 - t^2.
+/// Of the speed gained on a slope: where the angle grows with the square of time sides cost two thirds of what they do
+/// at the last speed, the mean of 1 - t^2.
 double sides_down(const Roller& roller, double slope, double time) {
     const double angle = 0.5 * kGravity * std::sin(slope) / (1 + roller.inertia) / kRollerRadius * time * time;
     return 2.0 / 3 * (1 - kept_by_facets(roller, angle));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The regular problems of the tests of physics as a list: scenes whose motion has a closed form, and one number each that says how far
-// a motion is from it, whichever engine made it. bench/accuracy measures all of them.
+// The regular problems of the tests of physics as a list: scenes whose motion has a closed form, and one number each
+// that says how far a motion is from it, whichever engine made it. bench/accuracy measures all of them.
 #pragma once
 
 #include <functional>
@@ -21,10 +21,11 @@ struct Problem {
     bool solids;
     std::function<SceneDescription(const Start&)> scene;
     std::function<double(const History&)> error_of;
-    /// m, between surfaces at rest at the start for engines whose solids touch: half of it is a convex solid's margin, all of it the
-    /// thickness of a card. 0: there they touch from the start.
+    /// m, between surfaces at rest at the start for engines whose solids touch: half of it is a convex solid's margin,
+    /// all of it the thickness of a card. 0: there they touch from the start.
     double others_gap = 0;
-    /// Of the error, what the flat sides of a round body's mesh may account for: below it that from a round body says nothing of a run.
+    /// Of the error, what the flat sides of a round body's mesh may account for: below it that from a round body says
+    /// nothing of a run.
     double sides = 0;
 };
 

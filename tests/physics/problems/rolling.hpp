@@ -36,11 +36,12 @@ inline constexpr Roller kCoarseBall{"Ball1280", coarse_ball_mesh, true, true, 2.
 struct Release {
     double slope = 0, friction = 0.5, speed = 0, spin = 0; ///< radians; m/s down the slope; rad/s
 };
-/// It rests on a side of its own (a vertex, for a ball) at the place where the slope's normal meets it, and rolls towards +x.
+/// It rests on a side of its own (a vertex, for a ball) at the place where the slope's normal meets it, and rolls
+/// towards +x.
 [[nodiscard]] SceneDescription rolling_scene(const Start& start, const Roller& roller, const Release& release);
 
-/// A polygon of n sides that rolls with pure impacts on its next corner loses (2 pi / n)^2 / 2 of its speed times 1 / (1 + inertia) each
-/// side: over an angle a it keeps exp(-pi a / n / (1 + inertia)), 99 % of a cylinder of 512 sides.
+/// A polygon of n sides that rolls with pure impacts on its next corner loses (2 pi / n)^2 / 2 of its speed times 1 /
+/// (1 + inertia) each side: over an angle a it keeps exp(-pi a / n / (1 + inertia)), 99 % of a cylinder of 512 sides.
 [[nodiscard]] double kept_by_facets(const Roller& roller, double angle);
 
 /// Of a round body that rolls down: speed over that due, at the end.

@@ -45,8 +45,8 @@ BodyDescription& add_ground(SceneDescription& scene, double size, double frictio
 [[nodiscard]] TriangleMesh make_hexahedron(const std::array<Vec3, 8>& corners);
 /// A flat ring in the plane z = 0 without thickness.
 [[nodiscard]] TriangleMesh make_annulus(double inner, double outer, int segments);
-/// The same scene `factor` times as large, with speeds that grow like the square root: gravity makes both move alike in time
-/// sqrt(factor) as long. The time step is not changed.
+/// The same scene `factor` times as large, with speeds that grow like the square root: gravity makes both move alike in
+/// time sqrt(factor) as long. The time step is not changed.
 [[nodiscard]] SceneDescription scaled(SceneDescription scene, double factor);
 /// Numbers in [-1, 1) that depend on nothing but the order of calls.
 class Numbers {

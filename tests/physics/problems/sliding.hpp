@@ -39,7 +39,8 @@ struct Thrown {
 };
 [[nodiscard]] Thrown thrown(const History& history, double heading);
 
-/// A spinning disc-like box that also slides: friction of its corners turns with it, its path stays straight by symmetry.
+/// A spinning disc-like box that also slides: friction of its corners turns with it, its path stays straight by
+/// symmetry.
 [[nodiscard]] SceneDescription spinning_block(const Start& start);
 
 } // namespace flotilla::physics

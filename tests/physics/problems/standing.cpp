@@ -74,8 +74,8 @@ SceneDescription card_house(const Start& start, int levels, double friction) {
     SceneDescription scene = make_scene_with(start.settings);
     const TriangleMesh card = make_plate(kLength, kWidth);
     const double gap = house_gap(), reach = kLength * std::sin(kAngle), high = kLength * std::cos(kAngle);
-    // Tops of a pair are one gap apart; floors end above it, each over the card of its own side, and cover both tops at the ends of
-    // a level.
+    // Tops of a pair are one gap apart; floors end above it, each over the card of its own side, and cover both tops at
+    // the ends of a level.
     const double pitch = 2 * reach + 6 * gap, floor = pitch - 0.5 * gap, level_height = high + 2 * gap;
     const auto leaning = add_shape(scene, card, 1.8e-3),
                level_card = add_shape(scene, make_plate(floor, kWidth), 1.8e-3 * floor / kLength);

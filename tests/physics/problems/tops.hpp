@@ -6,7 +6,8 @@
 
 namespace flotilla::physics {
 
-/// Inertia (1, 2, 3) kg m^2 and almost all spin about the middle axis: period 39.1057 s (elliptic integral), two flips in it.
+/// Inertia (1, 2, 3) kg m^2 and almost all spin about the middle axis: period 39.1057 s (elliptic integral), two flips
+/// in it.
 [[nodiscard]] SceneDescription asymmetric_top(const Start& start);
 inline constexpr double kFlipPeriod = 39.1057; ///< s
 inline const Vec3 kFlipMomentum{0.01, 2, 0.03};
@@ -19,8 +20,10 @@ inline const Vec3 kTopMomentum{0.3, 0, 1.5};
 /// Its axis's distance at the end from where it is due.
 [[nodiscard]] double axis_off(const History& history);
 
-/// A disk that rolls at rest in the middle: tilted by alpha to the ground it precesses at W^2 sin(alpha) = 4 g / a with the energy
-/// 1.5 m g a sin(alpha), for ever without friction of rolling. It turns about the diameter to the point of contact at W sin(alpha).
+/// A disk that rolls at rest in the middle: tilted by alpha to the ground it precesses at W^2 sin(alpha) = 4 g / a with
+/// the energy
+/// 1.5 m g a sin(alpha), for ever without friction of rolling. It turns about the diameter to the point of contact at W
+///     sin(alpha).
 [[nodiscard]] SceneDescription eulers_disk(const Start& start);
 struct Disk {
     double worst = 0; ///< relative error of W^2 sin(alpha), of means over a twelfth of a second or two steps
@@ -37,13 +40,14 @@ struct Swing {
 };
 [[nodiscard]] Swing swing(const History& history);
 
-/// `links` links (odd ones turned by a right angle about the chain's axis) below a fixed one, in the shape of their slowest small swing.
+/// `links` links (odd ones turned by a right angle about the chain's axis) below a fixed one, in the shape of their
+/// slowest small swing.
 ///
 /// The lowest frequency of a hanging chain of length l is 1.2024 sqrt(g / l), first zero of J0 over 2, with the shape
-/// J0(2.4048 sqrt(s / l)) at s above the end. A chain of N links from a fixed one is N + 1/4 pitches long to within a quarter: it
-/// hangs from a point half a pitch below the fixed link's centre, but every other link is free to turn in the plane of its ring and
-/// acts on a point. Links start in that shape, their vertices in each other's corners; period from the zero crossings of the
-/// part of the motion along the shape.
+/// J0(2.4048 sqrt(s / l)) at s above the end. A chain of N links from a fixed one is N + 1/4 pitches long to within a
+/// quarter: it hangs from a point half a pitch below the fixed link's centre, but every other link is free to turn in
+/// the plane of its ring and acts on a point. Links start in that shape, their vertices in each other's corners; period
+/// from the zero crossings of the part of the motion along the shape.
 class HangingChain {
   public:
     explicit HangingChain(int links);
