@@ -154,11 +154,16 @@ class World {
     [[nodiscard]] Vec3 gravity() const;  ///< m/s^2
     [[nodiscard]] double energy() const; ///< J, kinetic and potential, of the dynamic bodies as they are now
 
-    /// Of all places, those of removed bodies too. No copies: valid until the next step or edit.
+    /// Of all places, those of removed bodies too. No copies: valid until the next step or edit, or as pin() says.
     [[nodiscard]] std::span<const Pose> poses() const;
     [[nodiscard]] std::span<const Motion> motions() const;
+    /// While somebody holds what this returns, poses() and motions() stay where they are as long as the World lives,
+    /// through steps, edits and restore(): what would change the number of places is refused with InputError.
+    [[nodiscard]] std::shared_ptr<const void> pin() const;
     /// The same as contacts(), valid until the next step or edit.
     [[nodiscard]] std::span<const ContactState> contact_view() const;
+    /// The same, which stays what it is as long as somebody holds it, whatever becomes of the World.
+    [[nodiscard]] std::shared_ptr<const std::vector<ContactState>> shared_contacts() const;
 
     /// The first body on the ray, of those within `reach` (m). The direction need not be a unit vector, but not zero.
     [[nodiscard]] std::optional<RayHit> ray(const Vec3& origin, const Vec3& direction, double reach) const;

@@ -199,6 +199,7 @@ BodyId World::Impl::operator()(const edits::AddBody& edit) {
     if (place_of.contains(body.name))
         throw InputError("adding body " + in_quotes(body.name) + ": there is one of that name");
     check_description(body, "adding");
+    if (i == now.bodies.size()) refuse_where_pinned("adding body " + in_quotes(body.name) + ": it takes a new place");
     BodyDescription of_model = body;
     of_model.shape = shape_of[at(body.shape)];
     const Model& model = stepper->model();

@@ -164,10 +164,13 @@ void World::Impl::go_to(Model model, std::span<const std::byte> snapshot) {
                                      shape_of.begin() + static_cast<std::ptrdiff_t>(start.scene_shapes));
     if (split.edited) take_edits(split.bodies, shapes, model);
     State state = read_snapshot(split.state, scene_hash, model);
+    const bool same_places = stepper != nullptr && state.pose.size() == stepper->state().pose.size();
+    if (stepper != nullptr && !same_places) refuse_where_pinned("the snapshot has another number of places");
     auto restarted = std::make_unique<Stepper>(model, std::move(state), stepper_options(options));
     now = split.edited ? std::move(split.bodies) : start;
     restarted->set_edits_hash(now.hash);
     if (split.edited) restarted->set_moved(std::move(now.moved));
+    if (same_places) restarted->take_places(*stepper);
     stepper = std::move(restarted);
     shape_of = std::move(shapes);
     name_places();
@@ -184,6 +187,11 @@ void World::Impl::check(std::size_t body) const {
     if (body < now.bodies.size()) return;
     throw InputError("body " + std::to_string(body) + " does not exist: there are " +
                      std::to_string(now.bodies.size()));
+}
+
+void World::Impl::refuse_where_pinned(const std::string& doing) const {
+    if (pin.use_count() > 1)
+        throw InputError(doing + ", and somebody uses the memory of those that there are: let go of it first");
 }
 
 BodyNames World::Impl::pair(std::int32_t a, std::int32_t b) const {
@@ -303,11 +311,13 @@ std::vector<WayPoint> World::way(std::size_t index) const {
     return points;
 }
 
-const std::vector<ContactState>& World::Impl::contacts() {
+const std::shared_ptr<std::vector<ContactState>>& World::Impl::contacts() {
     refresh();
     if (contacts_of_step == stepper->steps()) return contact_list;
     const DefaultFloatingPoint environment;
-    std::vector<ContactState>& out = contact_list;
+    if (contact_list.use_count() > 1) // somebody keeps what it was
+        contact_list = std::make_shared<std::vector<ContactState>>();
+    std::vector<ContactState>& out = *contact_list;
     out.clear();
     const std::vector<Contact>& awake = stepper->contacts().contacts;
     const std::vector<Contact>& asleep = stepper->sleeping_contacts();
@@ -333,10 +343,10 @@ const std::vector<ContactState>& World::Impl::contacts() {
     }
     for (; sleeper != asleep.end(); ++sleeper) add(*sleeper, true);
     contacts_of_step = stepper->steps();
-    return out;
+    return contact_list;
 }
 
-std::vector<ContactState> World::contacts() const { return impl_->contacts(); }
+std::vector<ContactState> World::contacts() const { return *impl_->contacts(); }
 
 std::vector<BodyActivity> World::activity() const {
     impl_->refresh();

@@ -79,7 +79,8 @@ struct World::Impl {
     /// What follows from edits, before it is read.
     void refresh() const;
     [[nodiscard]] std::uint64_t state_hash() const;
-    [[nodiscard]] const std::vector<ContactState>& contacts();
+    [[nodiscard]] const std::shared_ptr<std::vector<ContactState>>& contacts();
+    void refuse_where_pinned(const std::string& doing) const;
 
     Settings settings;                  ///< of the whole step
     std::vector<std::int32_t> shape_of; ///< by shape of the description: the model's
@@ -90,8 +91,10 @@ struct World::Impl {
     std::unique_ptr<Stepper> stepper;
     bool whole = true;                                      ///< no step ended half-way
     std::unordered_map<std::string, std::int32_t> place_of; ///< by name, of present bodies
-    std::vector<ContactState> contact_list;
+    std::shared_ptr<std::vector<ContactState>> contact_list = std::make_shared<std::vector<ContactState>>();
     std::int64_t contacts_of_step = -1; ///< that contact_list is of; -1: it is not up to date
+
+    std::shared_ptr<const void> pin = std::make_shared<char>(); ///< who else holds it has pinned the places
 
     std::uint32_t last_warnings = 0;
 

@@ -70,7 +70,9 @@ std::size_t World::num_bodies() const {
 
 std::span<const Pose> World::poses() const { return impl_->stepper->state().pose; }
 std::span<const Motion> World::motions() const { return impl_->stepper->state().motion; }
-std::span<const ContactState> World::contact_view() const { return impl_->contacts(); }
+std::shared_ptr<const void> World::pin() const { return impl_->pin; }
+std::span<const ContactState> World::contact_view() const { return *impl_->contacts(); }
+std::shared_ptr<const std::vector<ContactState>> World::shared_contacts() const { return impl_->contacts(); }
 
 std::optional<RayHit> World::ray(const Vec3& origin, const Vec3& direction, double reach) const {
     const DefaultFloatingPoint environment;
@@ -135,7 +137,7 @@ BodyContacts World::contacts_of(BodyId body) const {
     const Vec3 center = impl_->stepper->state().pose[i].com;
     const double per_step = 1 / settings().time_step;
     BodyContacts out;
-    for (const ContactState& c : impl_->contacts()) {
+    for (const ContactState& c : *impl_->contacts()) {
         if (c.body_a != body.index && c.body_b != body.index) continue;
         const Vec3 force = (c.body_b == body.index ? per_step : -per_step) * c.impulse;
         out.force += force;
@@ -151,7 +153,7 @@ MemoryUse World::memory() const {
     for (const RigidShape& shape : model.shapes) out.shapes += bytes_of(shape);
     const StepperMemory solver = impl_->stepper->memory();
     out.bodies = solver.bodies;
-    out.contacts = solver.contacts + bytes_of(impl_->contact_list);
+    out.contacts = solver.contacts + bytes_of(*impl_->contact_list);
     out.pairs = solver.pairs;
     return out;
 }

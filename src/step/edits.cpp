@@ -51,6 +51,13 @@ std::int32_t Stepper::add_body(const Body& body, const Pose& pose, const Motion&
     return place;
 }
 
+void Stepper::take_places(Stepper& other) noexcept {
+    std::copy(state_.pose.begin(), state_.pose.end(), other.state_.pose.begin());
+    std::copy(state_.motion.begin(), state_.motion.end(), other.state_.motion.begin());
+    state_.pose.swap(other.state_.pose);
+    state_.motion.swap(other.state_.motion);
+}
+
 void Stepper::remove_body(std::int32_t body) {
     wake_neighbours(body);
     forget_pairs_of(body);

@@ -84,6 +84,8 @@ class Stepper {
     void refresh();
     /// Of that, the vertices and boxes of trajectories() alone.
     void place_changed();
+    /// From now on poses and motions are where `other` had its own, of which it has as many.
+    void take_places(Stepper& other) noexcept;
     /// Bodies that were placed since the last step, as flags: part of what a snapshot between edits must hold.
     [[nodiscard]] const std::vector<std::uint8_t>& moved() const { return moved_; }
     void set_moved(std::vector<std::uint8_t> moved);

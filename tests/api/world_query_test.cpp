@@ -150,5 +150,71 @@ TEST(WorldQuery, ViewsAreOfTheWorldsOwnMemory) {
     EXPECT_LT(memory.total(), 10'000'000u);
 }
 
+TEST(WorldQuery, PinnedPlacesStayWhereTheyAre) {
+    const SceneDescription scene = two_crates();
+    World world(scene, "scene", {.threads = 1});
+    const std::vector<std::byte> start = world.snapshot();
+    const std::span<const Pose> poses = world.poses();
+    const std::span<const Motion> motions = world.motions();
+    const auto stand = [&] {
+        EXPECT_EQ(world.poses().data(), poses.data());
+        EXPECT_EQ(world.motions().data(), motions.data());
+        EXPECT_EQ(poses[2].origin, world.body(2).position);
+    };
+    std::shared_ptr<const void> pin = world.pin();
+    (void)world.step();
+    stand();
+    world.set_pose(world.find("far"), {3, 0, 9}, {});
+    (void)world.step();
+    stand();
+    world.set_observer([](Phase phase) { return phase != Phase::velocity && phase != Phase::static_contact; });
+    EXPECT_THROW((void)world.step(), StepCancelled);
+    world.set_observer({});
+    stand();
+    world.restore(start);
+    stand();
+    EXPECT_EQ(world.state_hash(), World(scene).state_hash());
+
+    BodyDescription third = scene.bodies[2];
+    third.name = "third", third.position = {0, 0, 7};
+    const std::uint64_t before = world.state_hash();
+    EXPECT_THROW(world.add_body(third), InputError);
+    EXPECT_EQ(world.state_hash(), before);
+    world.remove_body(world.find("far"));
+    EXPECT_EQ(world.add_body(third).index, 2) << "a place that there is";
+    stand();
+    const std::vector<std::byte> of_three = world.snapshot();
+
+    pin.reset();
+    third.name = "fourth", third.position = {0, 0, 9};
+    EXPECT_EQ(world.add_body(third).index, 3);
+    pin = world.pin();
+    EXPECT_THROW(world.restore(of_three), InputError);
+    EXPECT_EQ(world.size(), 4u);
+    World other = world.clone();
+    other.restore(of_three); // a pin is of one World
+    pin.reset();
+    world.restore(of_three);
+    EXPECT_EQ(world.step().state_hash, other.step().state_hash);
+}
+
+TEST(WorldQuery, SharedContactsStayWhatTheyAre) {
+    std::shared_ptr<const std::vector<ContactState>> kept, same;
+    std::vector<ContactState> before;
+    {
+        World world(two_crates());
+        for (int k = 0; k < 60; ++k) (void)world.step();
+        kept = world.shared_contacts();
+        same = world.shared_contacts();
+        EXPECT_EQ(kept, same) << "no copies";
+        EXPECT_EQ(kept->data(), world.contact_view().data());
+        before = world.contacts();
+        world.apply_impulse(world.find("near"), {0, 0, 20}, world.body(1).center_of_mass);
+        (void)world.step();
+        EXPECT_NE(world.contacts().size(), before.size());
+    }
+    EXPECT_EQ(*kept, before);
+}
+
 } // namespace
 } // namespace flotilla::test
