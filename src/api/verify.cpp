@@ -46,6 +46,7 @@ std::vector<audit::Pose> poses_of(const io::Frame& frame, const io::RunBodies* b
 /// What an edited run's bodies are called, of which shapes, and what may pass through what, as its scene says.
 SceneDescription scene_of_run(const io::RunScene& run, const io::RunInfo& info, std::size_t scene_bodies) {
     SceneDescription scene;
+    scene.settings.time_step = info.time_step;
     for (const io::RunShape& shape : run.shapes) {
         scene.shapes.emplace_back();
         scene.shapes.back().name = shape.name;
@@ -154,15 +155,11 @@ class Verifier {
         for (std::size_t i = 0; i < bodies_.size(); ++i)
             scene_.bodies[i].infinite_mass = edited_->type_of(i) != BodyType::dynamic;
         if (!last_) return;
-        std::vector<audit::Pose> poses;
         for (const io::RunBodies::Placed& p : edited_->placed()) {
             last_->frame.position[p.body] = p.position;
             last_->frame.rotation[p.body] = p.rotation;
         }
-        poses = poses_of(last_->frame, edited_);
-        for (const io::RunBodies::Placed& p : edited_->placed())
-            poses[p.body].present = p.known && poses[p.body].present;
-        last_->placement = audit::place(scene_, poses, threads_);
+        last_->placement = audit::place(scene_, poses_of(last_->frame, edited_), threads_);
         if (last_->frame.step == step) check_frame(last_->frame, last_->placement);
     }
 

@@ -7,6 +7,7 @@
 #include <flotilla/error.hpp>
 
 #include "scene/description_checks.hpp"
+#include "state/keyframes.hpp"
 
 namespace flotilla::io {
 namespace {
@@ -22,7 +23,7 @@ NamedPair sorted(const std::string& a, const std::string& b) { return {std::min(
 } // namespace
 
 RunBodies::RunBodies(const SceneDescription& scene, std::span<const Edit> edits)
-    : edits_(edits), next_body_(scene.bodies.size()), bodies_(scene.bodies) {
+    : edits_(edits), time_step_(scene.settings.time_step), next_body_(scene.bodies.size()), bodies_(scene.bodies) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         place_of_.push_back(static_cast<std::int32_t>(i));
         body_at_.push_back(static_cast<std::int32_t>(i));
@@ -70,6 +71,14 @@ std::size_t RunBodies::body_of(BodyId id) const {
     return static_cast<std::size_t>(body_at(id.index));
 }
 
+/// Where the World puts a body that comes after a step.
+RunBodies::Placed RunBodies::start_of(std::size_t i, std::int64_t step) const {
+    const BodyDescription& body = bodies_[i];
+    if (body.type != BodyType::kinematic || body.keyframes.empty()) return {i, body.position, body.rotation};
+    const KeyframePlace place = keyframe_place(body.keyframes, static_cast<double>(step) * time_step_);
+    return {i, place.position, place.rotation};
+}
+
 void RunBodies::make(const Edit& edit) {
     if (std::holds_alternative<edits::AddBody>(edit.change)) {
         const auto free = std::find(body_at_.begin(), body_at_.end(), -1);
@@ -77,15 +86,14 @@ void RunBodies::make(const Edit& edit) {
         if (free == body_at_.end()) body_at_.push_back(-1);
         body_at_[static_cast<std::size_t>(place)] = static_cast<std::int32_t>(next_body_);
         place_of_[next_body_] = place;
-        const BodyDescription& body = bodies_[next_body_];
-        placed_.push_back({next_body_++, body.type != BodyType::kinematic, body.position, body.rotation});
+        placed_.push_back(start_of(next_body_++, edit.step));
     } else if (const auto* removed = std::get_if<edits::RemoveBody>(&edit.change)) {
         const std::size_t body = body_of(removed->body);
         place_of_[body] = -1;
         body_at_[static_cast<std::size_t>(removed->body.index)] = -1;
         std::erase_if(ignored_bodies_, [&](const auto& p) { return p.first == body || p.second == body; });
     } else if (const auto* pose = std::get_if<edits::SetPose>(&edit.change)) {
-        placed_.push_back({body_of(pose->body), true, pose->position, pose->rotation});
+        placed_.push_back({body_of(pose->body), pose->position, pose->rotation});
     } else if (const auto* type = std::get_if<edits::SetType>(&edit.change)) {
         type_[body_of(type->body)] = type->type;
     } else if (const auto* script = std::get_if<edits::SetScript>(&edit.change)) {

@@ -21,7 +21,8 @@ inline constexpr std::uint8_t kAbsent = 255;
 
 class RunBodies {
   public:
-    /// Of the scene only names, shapes, types, groups and what is ignored count. The edits are sorted by step.
+    /// Of the scene only the time step, names, shapes, types, groups and what is ignored count. The edits are sorted by
+    /// step.
     RunBodies(const SceneDescription& scene, std::span<const Edit> edits);
 
     /// Makes the edits of steps up to this one that are not made yet, and returns them.
@@ -40,7 +41,6 @@ class RunBodies {
     /// Where the last advance() put bodies.
     struct Placed {
         std::size_t body = 0;
-        bool known = true; ///< false: by a script, which says where
         Vec3 position;
         Quat rotation;
     };
@@ -48,9 +48,11 @@ class RunBodies {
 
   private:
     void make(const Edit& edit);
+    [[nodiscard]] Placed start_of(std::size_t body, std::int64_t step) const;
     [[nodiscard]] std::size_t body_of(BodyId id) const;
 
     std::span<const Edit> edits_;
+    double time_step_; ///< s
     std::size_t made_ = 0, next_body_ = 0;
     std::vector<BodyDescription> bodies_;
     std::vector<ShapeDescription> added_shapes_;

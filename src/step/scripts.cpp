@@ -4,17 +4,13 @@
 #include <algorithm>
 
 #include "base/index.hpp"
+#include "state/keyframes.hpp"
 
 namespace flotilla {
 namespace {
 
 constexpr double kCatchingUp = 2;        // times the script's fastest speed
 constexpr double kFineness = 1.0 / 64.0; // of the reach: how near to it the latest place is found
-
-Quat slerp(const Quat& from, const Quat& to, double t) {
-    const Vec3 turn = rotation_vector(to * conjugate(from));
-    return normalized(rotation_from_vector(t * turn) * from);
-}
 
 /// m, that no point of the body is beyond between the two.
 double way(const RigidShape& shape, const Vec3& origin_a, const Quat& a, const Vec3& origin_b, const Quat& b) {
@@ -29,15 +25,8 @@ double speed_between(const RigidShape& shape, const Keyframe& a, const Keyframe&
 } // namespace
 
 Pose scripted_pose(const RigidShape& shape, const Body& body, double time) {
-    const auto& keys = body.keyframes;
-    const auto after =
-        std::upper_bound(keys.begin(), keys.end(), time, [](double t, const Keyframe& k) { return t < k.time; });
-    if (after == keys.begin()) return pose_at_origin(shape, keys.front().position, keys.front().rotation);
-    const Keyframe& from = *(after - 1);
-    if (after == keys.end()) return pose_at_origin(shape, from.position, from.rotation);
-    const double t = (time - from.time) / (after->time - from.time);
-    return pose_at_origin(shape, from.position + t * (after->position - from.position),
-                          slerp(from.rotation, after->rotation, t));
+    const KeyframePlace place = keyframe_place(body.keyframes, time);
+    return pose_at_origin(shape, place.position, place.rotation);
 }
 
 double fastest_speed(const RigidShape& shape, const Body& body) {
