@@ -29,6 +29,8 @@ void export_csv(RunReader& run, const FrameRange& range, const std::function<voi
 /// frame-<k>.obj: all bodies in world coordinates, one object each.
 void export_obj(RunReader& run, const FrameRange& range, const std::filesystem::path& folder);
 
+// What an edit removed, or will add, is in none of them, but for the CSV (io/run_bodies.hpp).
+
 /// For ParaView: bodies.pvd, the collection over time of frames/bodies-<k>.vtp with one point per body, at the mesh's
 /// origin; point data body, shape, type, quaternion (w x y z), velocity, angular_velocity, speed, and
 /// where the run records them contacts, cluster (0 free, 1 kinematic, 2 rigid, 3 held, 4 asleep) and cost.
@@ -37,12 +39,13 @@ void export_vtp(RunReader& run, const FrameRange& range, const std::filesystem::
 
 /// Binary glTF 2.0: one node per body with keyframes of every frame; single precision; z becomes up through the root
 /// node. Bodies have the colours of pictures (io/body_colour.hpp): a material for each, and a mesh for each shape and
-/// colour.
+/// colour. A body that is not there has scale 0, step by step, at the place where it comes or went (io/held_poses.hpp).
 void export_glb(RunReader& run, const FrameRange& range, const std::filesystem::path& file);
 
 /// USD as text (.usda), z up, metres: /run/bodies is a UsdGeomPointInstancer with an instance per body and a prototype
 /// mesh per shape; time samples of positions, orientations (in half and single precision), velocities and
-/// angularVelocities (degrees/s); time code k is frame k. ids are body numbers, primvars:name their names.
+/// angularVelocities (degrees/s); time code k is frame k. ids are body numbers, primvars:name their names; invisibleIds
+/// names those that are not there, which stand where they come or went.
 void export_usd(RunReader& run, const FrameRange& range, const std::filesystem::path& file);
 
 } // namespace flotilla::io

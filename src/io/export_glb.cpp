@@ -16,6 +16,7 @@
 #include "io/body_colour.hpp"
 #include "io/export.hpp"
 #include "io/frames_in_order.hpp"
+#include "io/held_poses.hpp"
 
 namespace flotilla::io {
 namespace {
@@ -151,6 +152,8 @@ class Looks {
 struct Tracks {
     std::vector<float> times;
     std::vector<std::vector<float>> translations, rotations; ///< by body: x y z; x y z w
+    /// By body: all zero in frames where it is not there, which hides it. Of an edited run alone.
+    std::vector<std::vector<float>> scales;
 };
 
 /// A frame's part of the tracks, body after body.
@@ -158,13 +161,21 @@ struct KeyFrame {
     float time = 0;
     std::vector<float> translations;
     std::vector<Quat> rotations;
+    std::vector<float> scales; ///< one a body; empty where all are there
 };
 
 KeyFrame key_frame(const Frame& frame) {
-    KeyFrame key{static_cast<float>(frame.time), {}, {}};
+    KeyFrame key{static_cast<float>(frame.time), {}, {}, {}};
     for (const Vec3& p : frame.position)
         for (const double x : {p.x, p.y, p.z}) key.translations.push_back(static_cast<float>(x));
     for (const Quat& q : frame.rotation) key.rotations.push_back(normalized(q));
+    return key;
+}
+
+KeyFrame key_frame(const Frame& frame, const HeldPoses& held) {
+    if (!held.any()) return key_frame(frame);
+    KeyFrame key = key_frame(held.hold(frame));
+    for (std::size_t i = 0; i < frame.position.size(); ++i) key.scales.push_back(frame.absent(i) ? 0.0F : 1.0F);
     return key;
 }
 
@@ -180,15 +191,18 @@ void append_rotation(std::vector<float>& track, const Quat& q) {
     for (const double x : value) track.push_back(static_cast<float>(x));
 }
 
-Tracks read_tracks(RunReader& run, const FrameRange& range) {
+Tracks read_tracks(RunReader& run, const FrameRange& range, const HeldPoses& held) {
     const std::size_t n = run.scene().bodies.size();
-    Tracks tracks{{}, std::vector<std::vector<float>>(n), std::vector<std::vector<float>>(n)};
-    frames_in_order(run, range, key_frame, [&](const KeyFrame& key, std::int64_t) {
+    using ByBody = std::vector<std::vector<float>>;
+    Tracks tracks{{}, ByBody(n), ByBody(n), ByBody(held.any() ? n : 0)};
+    const auto make = [&](const Frame& frame) { return key_frame(frame, held); };
+    frames_in_order(run, range, make, [&](const KeyFrame& key, std::int64_t) {
         tracks.times.push_back(key.time);
         for (std::size_t i = 0; i < n; ++i) {
             const auto at = key.translations.begin() + static_cast<std::ptrdiff_t>(3 * i);
             tracks.translations[i].insert(tracks.translations[i].end(), at, at + 3);
             append_rotation(tracks.rotations[i], key.rotations[i]);
+            if (held.any()) tracks.scales[i].insert(tracks.scales[i].end(), 3, key.scales[i]);
         }
     });
     return tracks;
@@ -204,11 +218,12 @@ class Animation {
   public:
     Animation(Glb& glb, std::span<const float> times) : glb_(glb), times_(glb.add<float>(times, "SCALAR", 0, true)) {}
 
-    void add(std::size_t node, const std::string& path, std::span<const float> track, const std::string& type) {
+    void add(std::size_t node, const std::string& path, std::span<const float> track, const std::string& type,
+             const std::string& interpolation = "LINEAR") {
         const std::size_t output = glb_.add<float>(track, type, 0, false);
         const Json target{{"node", node}, {"path", path}};
         json_["channels"].push_back(Json{{"sampler", json_["samplers"].size()}, {"target", target}});
-        json_["samplers"].push_back(Json{{"input", times_}, {"interpolation", "LINEAR"}, {"output", output}});
+        json_["samplers"].push_back(Json{{"input", times_}, {"interpolation", interpolation}, {"output", output}});
     }
     void finish() {
         if (json_.contains("channels")) glb_.json["animations"].push_back(json_);
@@ -226,6 +241,7 @@ Json first_pose(const Tracks& tracks, std::size_t body) {
     const auto& r = tracks.rotations[body];
     if (!t.empty()) node["translation"] = Json::array({t[0], t[1], t[2]});
     if (!r.empty()) node["rotation"] = Json::array({r[0], r[1], r[2], r[3]});
+    if (!tracks.scales.empty() && tracks.scales[body].front() == 0) node["scale"] = Json::array({0, 0, 0});
     return node;
 }
 
@@ -247,6 +263,8 @@ void add_animation(Glb& glb, const Tracks& tracks) {
         if (!is_constant(tracks.translations[i], 3))
             animation.add(i + 1, "translation", tracks.translations[i], "VEC3");
         if (!is_constant(tracks.rotations[i], 4)) animation.add(i + 1, "rotation", tracks.rotations[i], "VEC4");
+        if (!tracks.scales.empty() && !is_constant(tracks.scales[i], 3))
+            animation.add(i + 1, "scale", tracks.scales[i], "VEC3", "STEP");
     }
     animation.finish();
 }
@@ -259,11 +277,13 @@ void export_glb(RunReader& run, const FrameRange& range, const std::filesystem::
     Glb glb;
     add_frame_of_reference(glb, scene.bodies.size());
     Looks looks(glb, scene);
-    const Tracks tracks = read_tracks(run, range);
+    const HeldPoses held(run, range);
+    const Tracks tracks = read_tracks(run, range, held);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         Json node = first_pose(tracks, i);
         node["name"] = scene.bodies[i].name;
-        if (const auto mesh = looks.mesh_of(i)) node["mesh"] = *mesh;
+        if (held.seen(i))
+            if (const auto mesh = looks.mesh_of(i)) node["mesh"] = *mesh;
         glb.json["nodes"].push_back(std::move(node));
     }
     add_animation(glb, tracks);

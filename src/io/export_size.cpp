@@ -84,6 +84,7 @@ double obj_vertices(const RunScene& scene, const Frame& frame) {
     constexpr std::size_t kLooks = 4;
     double sum = 0;
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        if (frame.absent(i)) continue;
         const std::vector<Vec3>& vertices = scene.shapes[static_cast<std::size_t>(scene.bodies[i].shape)].mesh.vertices;
         const std::size_t looks = std::min(kLooks, vertices.size());
         for (std::size_t k = 0; k < looks; ++k) {
@@ -95,6 +96,12 @@ double obj_vertices(const RunScene& scene, const Frame& frame) {
         }
     }
     return sum;
+}
+
+double num_present(const Frame& frame) {
+    double count = 0;
+    for (std::size_t i = 0; i < frame.position.size(); ++i) count += frame.absent(i) ? 0 : 1;
+    return count;
 }
 
 /// Five attributes: position, rotation twice, velocity, angular velocity.
@@ -156,7 +163,7 @@ double bytes_of(const RunScene& scene, ExportFormat format, const Samples& sampl
     case ExportFormat::vtp: { // 22 numbers a body, three a vertex and four a triangle, of 8 bytes in base64, in XML
         constexpr double kBase64 = 8 * 4.0 / 3, kXml = 1500;
         return kBase64 * (3 * shapes.vertices + 4 * shapes.triangles) +
-               static_cast<double>(samples.count) * (kXml + bodies * 22 * kBase64);
+               samples.sum([](const Frame& frame) { return kXml + num_present(frame) * 22 * kBase64; });
     }
     case ExportFormat::glb: return sum_names(scene) + 12 * (shapes.vertices + shapes.triangles) + glb_bodies(samples);
     case ExportFormat::usd:

@@ -6,6 +6,7 @@
 #include "io/export.hpp"
 #include "io/file_stream.hpp"
 #include "io/frames_in_order.hpp"
+#include "io/held_poses.hpp"
 #include "io/number.hpp"
 
 namespace flotilla::io {
@@ -113,6 +114,14 @@ void write_samples(RunReader& run, const FrameRange& range, OutputStream& out, c
     out.write("        }\n");
 }
 
+/// Bodies that are not there, by number.
+std::vector<std::int64_t> absent_ids(const Frame& frame) {
+    std::vector<std::int64_t> ids;
+    for (std::size_t i = 0; i < frame.position.size(); ++i)
+        if (frame.absent(i)) ids.push_back(static_cast<std::int64_t>(i));
+    return ids;
+}
+
 /// USD's angular velocities are in degrees per second.
 std::vector<Vec3> in_degrees(std::vector<Vec3> values) {
     constexpr double kDegrees = 180 / std::numbers::pi;
@@ -127,13 +136,17 @@ void export_usd(RunReader& run, const FrameRange& range, const std::filesystem::
     const RunScene& scene = run.scene();
     out.write(header(run, range) + "def Xform \"run\"\n{\n    def PointInstancer \"bodies\"\n    {\n" +
               instances(scene));
-    write_samples(run, range, out, "point3f[] positions", [](const Frame& f) { return f.position; });
+    const HeldPoses held(run, range);
+    const auto positions = [&](const Frame& f) { return held.any() ? held.hold(f).position : f.position; };
+    const auto rotations = [&](const Frame& f) { return held.any() ? held.hold(f).rotation : f.rotation; };
+    write_samples(run, range, out, "point3f[] positions", positions);
     // The schema's orientations are half precision, 0.0005 rad; newer readers prefer orientationsf.
-    write_samples(run, range, out, "quath[] orientations", [](const Frame& f) { return f.rotation; });
-    write_samples(run, range, out, "quatf[] orientationsf", [](const Frame& f) { return f.rotation; });
+    write_samples(run, range, out, "quath[] orientations", rotations);
+    write_samples(run, range, out, "quatf[] orientationsf", rotations);
     write_samples(run, range, out, "vector3f[] velocities", [](const Frame& f) { return f.velocity; });
     write_samples(run, range, out, "vector3f[] angularVelocities",
                   [](const Frame& f) { return in_degrees(f.angular_velocity); });
+    if (held.any()) write_samples(run, range, out, "int64[] invisibleIds", absent_ids);
     out.write("\n        def Scope \"prototypes\"\n        {\n");
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) out.write(prototype(i, scene.shapes[i]));
     out.write("        }\n    }\n}\n");

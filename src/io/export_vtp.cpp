@@ -77,32 +77,47 @@ std::string mesh_file(const TriangleMesh& mesh) {
            cells("Polys", corners, mesh.triangles.size(), 3) + std::string(kFileEnd);
 }
 
-std::string activity_arrays(const Activity& activity) {
+/// Those of the bodies in `there`.
+template <class T>
+std::vector<T> of(const std::vector<std::size_t>& there, const std::vector<T>& values) {
+    std::vector<T> out;
+    for (const std::size_t i : there) out.push_back(values[i]);
+    return out;
+}
+
+std::string activity_arrays(const Activity& activity, const std::vector<std::size_t>& there) {
     if (activity.empty()) return "";
-    const auto integers = [](const auto& values) { return std::vector<std::int64_t>(values.begin(), values.end()); };
+    const auto integers = [&](const auto& values) {
+        const auto present = of(there, values);
+        return std::vector<std::int64_t>(present.begin(), present.end());
+    };
     return data_array<std::int64_t>("contacts", 1, integers(activity.contacts)) +
            data_array<std::int64_t>("cluster", 1, integers(activity.cluster)) +
            data_array<std::int64_t>("cost", 1, integers(activity.cost));
 }
 
 std::string frame_file(const RunScene& scene, const Frame& frame) {
-    const std::size_t n = scene.bodies.size();
-    std::vector<std::int64_t> shape, type;
+    std::vector<std::size_t> there;
+    std::vector<std::int64_t> body, shape, type;
     std::vector<double> quaternion, speed;
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        if (frame.absent(i)) continue;
+        there.push_back(i);
+        body.push_back(static_cast<std::int64_t>(i));
         shape.push_back(scene.bodies[i].shape);
         type.push_back(static_cast<std::int64_t>(scene.bodies[i].type));
         const Quat& q = frame.rotation[i];
         quaternion.insert(quaternion.end(), {q.w, q.x, q.y, q.z});
         speed.push_back(length(frame.velocity[i]));
     }
-    return std::string(kFileBegin) + piece(n, n, 0) + "<PointData>\n" +
-           data_array<std::int64_t>("body", 1, multiples(n, 1, 0)) + data_array<std::int64_t>("shape", 1, shape) +
-           data_array<std::int64_t>("type", 1, type) + data_array<double>("quaternion", 4, quaternion) +
-           data_array<double>("velocity", 3, flat(frame.velocity)) +
-           data_array<double>("angular_velocity", 3, flat(frame.angular_velocity)) +
-           data_array<double>("speed", 1, speed) + activity_arrays(frame.activity) + "</PointData>\n" +
-           points(frame.position) + cells("Verts", multiples(n, 1, 0), n, 1) + std::string(kFileEnd);
+    const std::size_t n = there.size();
+    return std::string(kFileBegin) + piece(n, n, 0) + "<PointData>\n" + data_array<std::int64_t>("body", 1, body) +
+           data_array<std::int64_t>("shape", 1, shape) + data_array<std::int64_t>("type", 1, type) +
+           data_array<double>("quaternion", 4, quaternion) +
+           data_array<double>("velocity", 3, flat(of(there, frame.velocity))) +
+           data_array<double>("angular_velocity", 3, flat(of(there, frame.angular_velocity))) +
+           data_array<double>("speed", 1, speed) + activity_arrays(frame.activity, there) + "</PointData>\n" +
+           points(of(there, frame.position)) + cells("Verts", multiples(n, 1, 0), n, 1) + std::string(kFileEnd);
 }
 
 /// A shape's name as part of a file name.

@@ -74,6 +74,7 @@ struct Placement {
     Quat rotation;
     double speed = 0; ///< m/s
     bool finite = true;
+    bool there = true;
 };
 
 /// Reads frames and hands out what the page shows of them.
@@ -89,7 +90,8 @@ class Source {
     }
     [[nodiscard]] Placement at(const io::Frame& frame, std::size_t i) const {
         const auto body = static_cast<std::size_t>(order_.bodies[i]);
-        Placement placement{frame.position[body], frame.rotation[body], length(frame.velocity[body]), true};
+        if (frame.absent(body)) return {{}, {}, 0, true, false};
+        Placement placement{frame.position[body], frame.rotation[body], length(frame.velocity[body])};
         placement.finite = flotilla::is_finite(placement.middle) && is_finite(placement.rotation);
         placement.rotation = placement.finite ? normalized(placement.rotation) : Quat{};
         if (!std::isfinite(placement.speed)) placement.speed = 0;
@@ -163,7 +165,7 @@ std::vector<Box> survey(io::RunReader& run, const Source& source, int threads, P
         for (std::size_t i = 0; i < boxes.size(); ++i) {
             const Placement& placement = placed.placements[i];
             not_finite += placement.finite ? 0 : 1;
-            if (placement.finite) boxes[i].add(placement.middle);
+            if (placement.finite && placement.there) boxes[i].add(placement.middle);
             track.top_speed = std::max(track.top_speed, placement.speed);
         }
     });
@@ -175,11 +177,12 @@ std::vector<Box> survey(io::RunReader& run, const Source& source, int threads, P
 /// Float bounds that contain the box, about the middle of all of them.
 void set_boxes(PoseTrack& track, std::span<Box> boxes) {
     Box all;
-    for (Box& box : boxes) {
-        if (box.empty()) box.add({});
-        all.add(box.low), all.add(box.high);
-    }
-    if (!boxes.empty()) track.origin = 0.5 * all.low + 0.5 * all.high;
+    for (const Box& box : boxes)
+        if (!box.empty()) all.add(box.low), all.add(box.high);
+    if (all.empty()) all.add({});
+    track.origin = 0.5 * all.low + 0.5 * all.high;
+    for (Box& box : boxes)
+        if (box.empty()) box.add(track.origin);
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     for (const Box& box : boxes) {
         std::array<float, 3> low{}, extent{};
@@ -246,6 +249,7 @@ class Encoder {
 
   private:
     Words words_of(const Placement& placement, std::size_t i) {
+        if (!placement.there) return not_there(i);
         const float* box = &track_.boxes[6 * i];
         const Vec3 r = placement.middle - track_.origin;
         Words words{};
@@ -263,6 +267,12 @@ class Encoder {
             track_.position_error = std::max(track_.position_error, distance);
             track_.rotation_error = std::max(track_.rotation_error, angle_between(decoded_rotation(words), q));
         }
+        return words;
+    }
+
+    [[nodiscard]] Words not_there(std::size_t i) const {
+        Words words = last_words_[i];
+        std::fill(words.begin() + 4, words.end(), std::uint16_t{0});
         return words;
     }
 

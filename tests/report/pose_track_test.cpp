@@ -92,6 +92,46 @@ TEST(PoseTrack, DecodesToThePosesWithinTheStatedError) {
     EXPECT_LE(rotation_error, track.rotation_error * (1 + 1e-6));
 }
 
+TEST(PoseTrack, MarksBodiesThatAreNotThereAndDoesNotMeasureThem) {
+    test::TemporaryFolder folder;
+    io::RunScene scene;
+    scene.shapes.push_back({"point", {{{0, 0, 0}}, {}}, {}});
+    for (const char* name : {"stays", "comes"}) scene.bodies.push_back({name, 0, BodyType::dynamic});
+    io::RunInfo info;
+    info.time_step = 0.1;
+    info.edits_json = "{}", info.scene_bodies = 1;
+    constexpr std::int64_t kFrames = 6, kComes = 2, kGoes = 4;
+    {
+        io::RunWriter writer(folder.path(), info, scene, io::OpenRun::create);
+        for (std::int64_t k = 0; k < kFrames; ++k) {
+            const bool there = k >= kComes && k < kGoes;
+            const double x = static_cast<double>(k);
+            io::Activity activity;
+            activity.append({});
+            if (there)
+                activity.append({});
+            else
+                activity.append_absent();
+            const std::vector<Vec3> position{{100 + x, 0, 0}, there ? Vec3{1000 + x, 5, 0} : Vec3{}}, zero(2);
+            const std::vector<Quat> rotation(2);
+            writer.add_frame({k, 0.1 * x, position, rotation, zero, zero, {}, activity.view()});
+        }
+        writer.close("complete");
+    }
+    io::RunReader reader(folder.path());
+    const report::PoseTrack track = report::encode_poses(reader, report::draw_order(scene), 1, 1);
+    EXPECT_TRUE(track.problems.empty());
+    EXPECT_NEAR(track.origin.x, (100 + 1003) / 2.0, 1e-3) << "the world's origin is far from all";
+    EXPECT_LT(track.position_error, 1e-3);
+    const auto poses = test::decode_poses(bytes_of(track), kFrames, track.boxes, track.origin, track.top_speed);
+    for (std::int64_t k = 0; k < kFrames; ++k) {
+        const auto& frame = poses[static_cast<std::size_t>(k)];
+        EXPECT_TRUE(frame[0].there);
+        EXPECT_EQ(frame[1].there, k >= kComes && k < kGoes) << k;
+        if (frame[1].there) EXPECT_NEAR(frame[1].middle.x, 1000.0 + static_cast<double>(k), 1e-3);
+    }
+}
+
 TEST(PoseTrack, DrawsDynamicBodiesFirstAndOneShapeAtATime) {
     const Tumbling run(7, 1);
     io::RunReader reader(run.path());

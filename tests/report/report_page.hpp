@@ -58,6 +58,7 @@ struct DecodedPose {
     Vec3 middle; ///< m
     Quat rotation;
     double speed = 0; ///< m/s
+    bool there = true;
 };
 
 /// Poses as [frames][bodies], bodies in the page's order.
@@ -81,6 +82,7 @@ inline std::vector<std::vector<DecodedPose>> decode_poses(const std::vector<std:
                        static_cast<double>(boxes[6 * i + 3 + axis]) * words[i][axis] / 65535;
             };
             const auto part = [&](std::size_t w) { return words[i][w] < 32768 ? words[i][w] : words[i][w] - 65536; };
+            poses[k][i].there = part(4) != 0 || part(5) != 0 || part(6) != 0 || part(7) != 0;
             poses[k][i].middle = origin + Vec3{coordinate(0), coordinate(1), coordinate(2)};
             poses[k][i].rotation = normalized({static_cast<double>(part(7)), static_cast<double>(part(4)),
                                                static_cast<double>(part(5)), static_cast<double>(part(6))});

@@ -113,6 +113,7 @@ function attachPicking(viewer, data) {
   const show = () => {
     const i = viewer.picked;
     byId("picked").textContent = i < 0 ? ""
+      : !viewer.isThere(i) ? `${data.bodies.names[i]} (body ${data.bodies.indices[i]}), not there`
       : `${data.bodies.names[i]} (body ${data.bodies.indices[i]}), ${shortNumber(viewer.speedOf(i))} m/s, middle at (` +
         `${add(viewer.middleOf(i), data.track.origin).map((x) => shortNumber(x)).join(", ")}) m`;
   };

@@ -6,7 +6,7 @@ const PLACE_SHADER = `#version 300 es
 precision highp float;
 layout(location = 0) in vec3 vertex;   // m, about the middle of the shape
 layout(location = 1) in vec4 place0;   // part of the body's box; w: sqrt(speed / top speed)
-layout(location = 2) in vec4 turn0;    // quaternion x y z w
+layout(location = 2) in vec4 turn0;    // quaternion x y z w; zero: the body is not there
 layout(location = 3) in vec4 place1;   // the same in the next frame
 layout(location = 4) in vec4 turn1;
 layout(location = 5) in vec3 low;      // the body's box, m, about the origin of the page
@@ -31,11 +31,17 @@ vec3 ramp(float t) { // as in the legend; t is a root, so that slow motion in a 
 }
 
 void main() {
-  vec4 next = dot(turn0, turn1) < 0.0 ? -turn1 : turn1;
-  vec4 turn = normalize(mix(turn0, next, part));
-  vec4 place = mix(place0, place1, part);
-  world = low + extent * place.xyz + rotate(turn, vertex);
   body = firstBody + gl_InstanceID;
+  if (turn0 == vec4(0.0)) { // every vertex at one point out of sight
+    world = albedo = vec3(0.0);
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    return;
+  }
+  bool stays = turn1 != vec4(0.0);
+  vec4 next = dot(turn0, turn1) < 0.0 ? -turn1 : turn1;
+  vec4 turn = normalize(stays ? mix(turn0, next, part) : turn0);
+  vec4 place = stays ? mix(place0, place1, part) : place0;
+  world = low + extent * place.xyz + rotate(turn, vertex);
   albedo = linear(speedScale > 0.0 ? ramp(place.w * sqrt(speedScale)) : tint.rgb);
   if (body == pickedBody) albedo = vec3(1.0, 0.95, 0.7);
   gl_Position = projection * vec4(world, 1.0);

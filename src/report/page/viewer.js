@@ -25,6 +25,12 @@ function sphereOf(low, high) {
   return { center: scale(0.5, add(low, high)), radius: Math.max(0.5 * Math.hypot(...subtract(high, low)), 1e-6) };
 }
 
+/** Whether a body in the page's order is in a frame. */
+function isThere(data, poses, frame, body) {
+  const at = WORDS * (frame * data.bodies.count + body);
+  return poses[at + 4] !== 0 || poses[at + 5] !== 0 || poses[at + 6] !== 0 || poses[at + 7] !== 0;
+}
+
 /**
  * What to look at in every frame (m): the box of most moving bodies, low and high. Not of all: one that flew off must not
  * shrink the others to a dot. Of a sample of them, because thousands of bodies and frames would take seconds.
@@ -35,8 +41,9 @@ function movingBoxes(data, boxes, poses, radii) {
   const sample = bodies.filter((_, i) => i % Math.ceil(bodies.length / 400) === 0);
   const margin = Math.max(0, ...moving.map((g) => radii[g.shape]));
   return data.track.frames.map((_, frame) => {
+    const there = sample.filter((body) => isThere(data, poses, frame, body));
     const ends = [0, 1, 2].map((axis) => {
-      const values = Float32Array.from(sample, (body) => boxes[6 * body + axis] +
+      const values = Float32Array.from(there.length > 0 ? there : sample, (body) => boxes[6 * body + axis] +
         (boxes[6 * body + 3 + axis] * poses[WORDS * (frame * data.bodies.count + body) + axis]) / 65535).sort();
       return [quantile(values, 0.01) - margin, quantile(values, 0.99) + margin];
     });
@@ -293,6 +300,9 @@ class Viewer {
     return [0, 1, 2].map((k) => this.boxes[6 * body + k] + (this.boxes[6 * body + 3 + k] * this.words[at + k]) / 65535);
   }
 
+  /** Whether a body in the page's order is in the frame shown. */
+  isThere(body) { return isThere(this.data, this.words, this.player.place().frame, body); }
+
   /** m/s, of a body in the page's order, at the frame shown. */
   speedOf(body) {
     const word = this.words[WORDS * (this.player.place().frame * this.bodies + body) + 3];
@@ -382,8 +392,8 @@ function topOfColours(poses, data) {
   const speeds = [];
   const count = moving * data.track.frames.length, step = Math.max(1, Math.floor(count / 50000));
   for (let k = 0; k < count; k += step) {
-    const pose = Math.floor(k / moving) * data.bodies.count + (k % moving);
-    speeds.push((poses[WORDS * pose + 3] / 65535) ** 2 * data.track.top_speed);
+    const frame = Math.floor(k / moving), pose = frame * data.bodies.count + (k % moving);
+    if (isThere(data, poses, frame, k % moving)) speeds.push((poses[WORDS * pose + 3] / 65535) ** 2 * data.track.top_speed);
   }
   speeds.sort((a, b) => a - b);
   return speeds[Math.floor(0.99 * speeds.length)] ?? 0;
