@@ -7,6 +7,7 @@
 #include "base/vec3.hpp"
 #include "mesh/building.hpp"
 #include "mesh/primitives.hpp"
+#include "mesh/topology.hpp"
 #include "scene/scene.hpp"
 
 namespace flotilla::io {
@@ -51,6 +52,13 @@ bool has_thin_elements(const TriangleMesh& mesh) {
 }
 
 double drawn_radius(double size) { return size / kSizePerRestDistance; }
+
+TriangleMesh drawn_triangles(const TriangleMesh& mesh) {
+    if (!has_thin_elements(mesh)) return mesh;
+    TriangleMesh out = drawn_mesh(mesh, drawn_radius(2 * bounding_sphere(mesh).radius));
+    std::erase_if(out.triangles, [](const Triangle& t) { return element_of(t) != ElementKind::triangle; });
+    return out;
+}
 
 TriangleMesh drawn_mesh(const TriangleMesh& mesh, double radius) {
     const auto vertex = [&](std::int32_t i) { return mesh.vertices[static_cast<std::size_t>(i)]; };

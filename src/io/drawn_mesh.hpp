@@ -17,4 +17,8 @@ namespace flotilla::io {
 /// Whether there is anything of that kind.
 [[nodiscard]] bool has_thin_elements(const TriangleMesh& mesh);
 
+/// Triangles alone, for formats and viewers that have no others: the mesh itself, or drawn_mesh() at the radius of its
+/// size without segments and points.
+[[nodiscard]] TriangleMesh drawn_triangles(const TriangleMesh& mesh);
+
 } // namespace flotilla::io

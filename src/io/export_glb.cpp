@@ -86,20 +86,36 @@ class Glb {
     std::vector<std::byte> binary_; ///< all elements have four bytes, so everything stays aligned
 };
 
-/// Accessors of a shape; none for one without triangles, which glTF cannot hold.
+/// Accessors of a shape; none for an empty one, which glTF cannot hold.
 struct ShapeArrays {
-    std::size_t position = 0, index = 0;
+    struct Part {
+        int mode = 4; ///< 0 points, 1 lines, 4 triangles
+        std::size_t index = 0;
+    };
+    std::size_t position = 0;
+    std::vector<Part> parts;
 };
 std::optional<ShapeArrays> add_shape(Glb& glb, const RunShape& shape) {
     if (shape.mesh.triangles.empty()) return {};
     std::vector<float> positions;
     for (const Vec3& v : shape.mesh.vertices)
         for (const double x : {v.x, v.y, v.z}) positions.push_back(static_cast<float>(x));
-    std::vector<std::uint32_t> indices;
-    for (const Triangle& t : shape.mesh.triangles)
-        for (const std::int32_t i : t) indices.push_back(static_cast<std::uint32_t>(i));
-    return ShapeArrays{glb.add<float>(positions, "VEC3", kVertexArray, true),
-                       glb.add<std::uint32_t>(indices, "SCALAR", kIndexArray, false)};
+    ShapeArrays arrays{glb.add<float>(positions, "VEC3", kVertexArray, true), {}};
+    constexpr std::array kParts{std::pair{ElementKind::triangle, 4}, std::pair{ElementKind::segment, 1},
+                                std::pair{ElementKind::point, 0}};
+    for (const auto& [kind, mode] : kParts) {
+        std::vector<std::uint32_t> indices;
+        for (const Triangle& t : shape.mesh.triangles) {
+            if (element_of(t) != kind) continue;
+            const auto [a, b] = segment_ends(t);
+            const Triangle named = kind == ElementKind::triangle ? t : Triangle{a, b, b};
+            for (std::size_t k = 0; k <= static_cast<std::size_t>(kind); ++k)
+                indices.push_back(static_cast<std::uint32_t>(named[k]));
+        }
+        if (!indices.empty())
+            arrays.parts.push_back({mode, glb.add<std::uint32_t>(indices, "SCALAR", kIndexArray, false)});
+    }
+    return arrays;
 }
 
 /// A material for every colour that a body has, and a mesh for every shape in a colour, which share the shape's arrays.
@@ -117,11 +133,14 @@ class Looks {
                                        : kBodyColours.size();
         const auto [place, is_new] = meshes_.try_emplace({shape, colour}, meshes_.size());
         if (is_new) {
-            const Json primitive{{"attributes", {{"POSITION", shapes_[shape]->position}}},
-                                 {"indices", shapes_[shape]->index},
-                                 {"material", material(colour)}};
-            glb_.json["meshes"].push_back(
-                Json{{"name", scene_.shapes[shape].name}, {"primitives", Json::array({primitive})}});
+            Json primitives = Json::array();
+            for (const ShapeArrays::Part& part : shapes_[shape]->parts) {
+                Json primitive{{"attributes", {{"POSITION", shapes_[shape]->position}}}, {"indices", part.index}};
+                if (part.mode != 4) primitive["mode"] = part.mode;
+                primitive["material"] = material(colour);
+                primitives.push_back(std::move(primitive));
+            }
+            glb_.json["meshes"].push_back(Json{{"name", scene_.shapes[shape].name}, {"primitives", primitives}});
         }
         return place->second;
     }

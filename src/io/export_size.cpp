@@ -7,6 +7,7 @@
 
 #include <flotilla/error.hpp>
 
+#include "io/drawn_mesh.hpp"
 #include "io/export.hpp"
 #include "io/poses_csv.hpp"
 #include "mesh/placement.hpp"
@@ -153,7 +154,8 @@ double glb_bodies(const Samples& samples) {
 double bytes_of(const RunScene& scene, ExportFormat format, const Samples& samples) {
     const auto bodies = static_cast<double>(scene.bodies.size());
     Features shapes;
-    for (const auto& shape : scene.shapes) shapes.add(shape.mesh);
+    for (const auto& shape : scene.shapes)
+        shapes.add(format == ExportFormat::usd ? drawn_triangles(shape.mesh) : shape.mesh);
     switch (format) {
     case ExportFormat::csv: return samples.sum([&](const Frame& frame) { return csv_frame(scene, frame); });
     case ExportFormat::obj: {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "io/drawn_mesh.hpp"
 #include "io/export.hpp"
 #include "io/file_stream.hpp"
 #include "io/frames_in_order.hpp"
@@ -70,15 +71,17 @@ std::string header(const RunReader& run, const FrameRange& range) {
     return text + "\n)\n\n";
 }
 
+/// Segments and points as tubes and balls: an instancer's prototypes are easiest on readers when they are meshes.
 std::string prototype(std::size_t index, const RunShape& shape) {
+    const TriangleMesh mesh = drawn_triangles(shape.mesh);
     std::vector<std::int32_t> corners;
-    for (const Triangle& t : shape.mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
-    const std::vector<std::int32_t> counts(shape.mesh.triangles.size(), 3);
+    for (const Triangle& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
+    const std::vector<std::int32_t> counts(mesh.triangles.size(), 3);
     return "            def Mesh \"" + prim_name(index, shape.name) +
            "\"\n            {\n                uniform bool doubleSided = 1\n"
            "                uniform token subdivisionScheme = \"none\"\n                int[] faceVertexCounts = " +
            list(counts) + "\n                int[] faceVertexIndices = " + list(corners) +
-           "\n                point3f[] points = " + list(shape.mesh.vertices) + "\n            }\n";
+           "\n                point3f[] points = " + list(mesh.vertices) + "\n            }\n";
 }
 
 /// The attributes that do not change.

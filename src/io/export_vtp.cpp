@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // VTK's XML format for polygonal data, arrays as base64 so that files stay small and exact.
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "base/vec3.hpp"
@@ -54,9 +55,10 @@ constexpr std::string_view kFileBegin = "<?xml version=\"1.0\"?>\n<VTKFile type=
                                         "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n";
 constexpr std::string_view kFileEnd = "</Piece>\n</PolyData>\n</VTKFile>\n";
 
-std::string piece(std::size_t points, std::size_t vertices, std::size_t polygons) {
+std::string piece(std::size_t points, std::size_t vertices, std::size_t lines, std::size_t polygons) {
     return "<Piece NumberOfPoints=\"" + std::to_string(points) + "\" NumberOfVerts=\"" + std::to_string(vertices) +
-           "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" + std::to_string(polygons) + "\">\n";
+           "\" NumberOfLines=\"" + std::to_string(lines) + "\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
+           std::to_string(polygons) + "\">\n";
 }
 
 std::string points(std::span<const Vec3> positions) {
@@ -71,10 +73,20 @@ std::string cells(const std::string& tag, std::span<const std::int64_t> corners,
 }
 
 std::string mesh_file(const TriangleMesh& mesh) {
-    std::vector<std::int64_t> corners;
-    for (const Triangle& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
-    return std::string(kFileBegin) + piece(mesh.vertices.size(), 0, mesh.triangles.size()) + points(mesh.vertices) +
-           cells("Polys", corners, mesh.triangles.size(), 3) + std::string(kFileEnd);
+    std::array<std::vector<std::int64_t>, 3> corners; // by dimension
+    for (const Triangle& t : mesh.triangles) {
+        const ElementKind kind = element_of(t);
+        const auto [a, b] = segment_ends(t);
+        const Triangle named = kind == ElementKind::triangle ? t : Triangle{a, b, b};
+        const auto used = std::span(named).first(static_cast<std::size_t>(kind) + 1);
+        corners[used.size() - 1].insert(corners[used.size() - 1].end(), used.begin(), used.end());
+    }
+    const auto count = [&](std::size_t dimension) { return corners[dimension].size() / (dimension + 1); };
+    std::string text =
+        std::string(kFileBegin) + piece(mesh.vertices.size(), count(0), count(1), count(2)) + points(mesh.vertices);
+    if (count(0) > 0) text += cells("Verts", corners[0], count(0), 1);
+    if (count(1) > 0) text += cells("Lines", corners[1], count(1), 2);
+    return text + cells("Polys", corners[2], count(2), 3) + std::string(kFileEnd);
 }
 
 /// Those of the bodies in `there`.
@@ -111,7 +123,7 @@ std::string frame_file(const RunScene& scene, const Frame& frame) {
         speed.push_back(length(frame.velocity[i]));
     }
     const std::size_t n = there.size();
-    return std::string(kFileBegin) + piece(n, n, 0) + "<PointData>\n" + data_array<std::int64_t>("body", 1, body) +
+    return std::string(kFileBegin) + piece(n, n, 0, 0) + "<PointData>\n" + data_array<std::int64_t>("body", 1, body) +
            data_array<std::int64_t>("shape", 1, shape) + data_array<std::int64_t>("type", 1, type) +
            data_array<double>("quaternion", 4, quaternion) +
            data_array<double>("velocity", 3, flat(of(there, frame.velocity))) +

@@ -11,6 +11,7 @@
 #include <flotilla/error.hpp>
 
 #include "io/base64.hpp"
+#include "io/drawn_mesh.hpp"
 #include "io/file_stream.hpp"
 #include "io/run_files.hpp"
 #include "report/page.hpp"
@@ -43,12 +44,13 @@ std::string name_of(const std::filesystem::path& folder) {
 /// Vertices about the middle of the bounding box, in single precision: r places that point.
 Json shape_json(const io::RunShape& shape) {
     const Vec3 center = middle(shape.mesh);
+    const TriangleMesh mesh = io::drawn_triangles(shape.mesh);
     std::vector<float> vertices;
-    for (const Vec3& v : shape.mesh.vertices)
+    for (const Vec3& v : mesh.vertices)
         for (const double x : {v.x - center.x, v.y - center.y, v.z - center.z})
             vertices.push_back(static_cast<float>(x));
     std::vector<std::uint32_t> corners;
-    for (const Triangle& t : shape.mesh.triangles)
+    for (const Triangle& t : mesh.triangles)
         for (const std::int32_t i : t) corners.push_back(static_cast<std::uint32_t>(i));
     return Json{
         {"name", shape.name}, {"vertices", packed<float>(vertices)}, {"triangles", packed<std::uint32_t>(corners)}};

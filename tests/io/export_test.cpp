@@ -115,6 +115,49 @@ TEST(ExportGlb, HasAMaterialForEveryColour) {
             << "arrays are shared";
 }
 
+TEST(ExportElements, SegmentsAndPointsAreThoseOfEachFormat) {
+    const test::TemporaryFolder folder;
+    io::RunScene scene = sample_scene(2);
+    scene.shapes[0].mesh.vertices.push_back({0, 0, 2});
+    scene.shapes[0].mesh.triangles = {segment_element(0, 3), {0, 1, 2}, point_element(3), segment_element(3, 1)};
+    io::RunWriter writer(folder.path(), sample_info(), scene, io::OpenRun::create);
+    write_sample(writer, 2, 0, 1);
+    writer.close("complete");
+    io::RunReader run(folder.path());
+    const FrameRange all = io::frames_of(run, {});
+
+    io::export_obj(run, all, folder.path() / "obj");
+    const std::string obj = io::read_text(folder.path() / "obj" / "frame-00000000.obj");
+    EXPECT_NE(obj.find("l 5 8\nf 5 6 7\np 8\nl 8 6\n"), std::string::npos) << obj;
+
+    io::export_vtp(run, all, folder.path() / "vtp");
+    const std::string vtp = io::read_text(folder.path() / "vtp" / "meshes" / "0-plate.vtp");
+    EXPECT_NE(vtp.find("NumberOfVerts=\"1\" NumberOfLines=\"2\" NumberOfStrips=\"0\" NumberOfPolys=\"1\""),
+              std::string::npos);
+    EXPECT_NE(vtp.find("<Lines>"), std::string::npos);
+
+    const auto json = nlohmann::json::parse(glb_json(run, {}));
+    const auto& primitives = json["meshes"][0]["primitives"];
+    ASSERT_EQ(primitives.size(), 3U);
+    EXPECT_FALSE(primitives[0].contains("mode")) << "triangles";
+    EXPECT_EQ(primitives[1]["mode"], 1);
+    EXPECT_EQ(primitives[2]["mode"], 0);
+    const auto count = [&](std::size_t k) {
+        return json["accessors"][primitives[k]["indices"].get<std::size_t>()]["count"];
+    };
+    EXPECT_EQ(count(0), 3);
+    EXPECT_EQ(count(1), 4);
+    EXPECT_EQ(count(2), 1);
+
+    io::export_usd(run, all, folder.path() / "run.usda");
+    const std::string usd = io::read_text(folder.path() / "run.usda");
+    const std::size_t faces = usd.find("faceVertexIndices = [0,1,2,");
+    ASSERT_NE(faces, std::string::npos) << "tubes after the triangle";
+    const std::string corners = usd.substr(faces, usd.find(']', faces) - faces) + ",";
+    for (const char* thin : {",0,3,3,", ",3,3,3,", ",3,1,1,"})
+        EXPECT_EQ(corners.find(thin), std::string::npos) << "no faces without an area";
+}
+
 TEST_F(Export, FramesOfARangeKeepTheirNumbers) {
     io::RunReader run(folder_.path()); // frames 0 to 4
     const auto frames = [&](FrameRange range) {
