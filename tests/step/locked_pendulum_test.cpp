@@ -102,6 +102,54 @@ TEST(LockedPendulum, SwingsAtItsPeriodAndStaysInItsPlace) {
     EXPECT_LE(s.edge_z, 1e-3 * kRest);
 }
 
+// A hinge and a torque that goes by its angle, taken where the body will be in the middle of the step: what free motion makes
+// of it is Verlet's scheme, which keeps the amplitude for ever and the period to (w dt)^2 / 24.
+TEST(LockedPendulum, OnAHingeNeitherDriftsNorGainsIn10000Steps) {
+    constexpr double kStep = 1.0 / 240, kAngle = 0.2;
+    constexpr double kAboutPivot = kInertia + kMass * kArm * kArm;
+    SceneDescription scene = empty_scene();
+    scene.gravity = {};
+    scene.settings.time_step = kStep;
+    const auto shape = add_shape(scene, make_box(0.1, 0.1, 0.5), kMass);
+    scene.shapes.back().inertia = diagonal({kAboutPivot, kAboutPivot, kAboutPivot});
+    BodyDescription& body = add_body(scene, shape, BodyType::dynamic, {});
+    body.rotation = {std::cos(kAngle / 2), 0, std::sin(kAngle / 2), 0};
+    body.locked_translation = {true, true, true};
+    body.locked_rotation = {true, false, true};
+    World world(scene, "pendulum", {1});
+    const auto angle = [&] {
+        const BodyState s = world.body(0);
+        return 2 * std::atan2(s.rotation.y, s.rotation.w);
+    };
+    world.set_force_callback([&](World& w) {
+        const double middle = angle() + 0.5 * kStep * w.body(0).angular_velocity.y;
+        w.apply_torque(w.id(0), {0, -kWeightArm * std::sin(middle), 0});
+    });
+    double before = kAngle, crossing = -1, worst = 0, first = 0, last = 0, highest = 0;
+    int periods = 0;
+    for (int n = 1; n <= 10000; ++n) {
+        world.step();
+        const double now = angle();
+        highest = std::max(highest, now);
+        if (before < 0 && now >= 0) {
+            const double time = (n - now / (now - before)) * kStep;
+            if (crossing >= 0) {
+                worst = std::max(worst, std::abs((time - crossing) / period(kAngle) - 1));
+                (periods++ == 0 ? first : last) = highest;
+            }
+            crossing = time;
+            highest = 0;
+        }
+        before = now;
+    }
+    std::printf("hinge: %d periods, worst %.2g off theory; amplitude %.6f rad, then %.6f\n", periods, worst, first,
+                last);
+    EXPECT_GE(periods, 30);
+    EXPECT_LE(worst, 1e-3);
+    EXPECT_NEAR(last, kAngle, 1e-3 * kAngle);
+    EXPECT_EQ(world.body(0).center_of_mass, Vec3{});
+}
+
 TEST(LockedPendulum, LosesLessInShorterSteps) {
     const auto last = [](double step) { return swing(0.2, step, static_cast<int>(6 / step)).amplitudes.back(); };
     const double coarse = 0.2 - last(1.0 / 240), fine = 0.2 - last(1.0 / 960);
