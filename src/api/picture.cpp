@@ -9,8 +9,8 @@
 #include <flotilla/scene_file.hpp>
 
 #include "base/floating_point.hpp"
-#include "io/picture.hpp"
 #include "io/run_folder.hpp"
+#include "picture/render.hpp"
 
 namespace flotilla {
 namespace {

@@ -24,11 +24,11 @@
 #include "io/file_stream.hpp"
 #include "io/run_bodies.hpp"
 #include "io/run_folder.hpp"
-#include "io/trace_file.hpp"
 #include "parallel/background.hpp"
-#include "parallel/measure_costs.hpp"
 #include "scene/scene.hpp"
 #include "scene/settings_table.hpp"
+#include "trace/measure_costs.hpp"
+#include "trace/trace_file.hpp"
 
 namespace flotilla {
 namespace {

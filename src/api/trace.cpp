@@ -6,9 +6,9 @@
 
 #include <flotilla/error.hpp>
 
-#include "io/trace_file.hpp"
-#include "parallel/merge_records.hpp"
-#include "parallel/schedule.hpp"
+#include "trace/merge_records.hpp"
+#include "trace/schedule.hpp"
+#include "trace/trace_file.hpp"
 
 namespace flotilla {
 namespace {

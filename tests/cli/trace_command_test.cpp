@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "io/sample_trace.hpp"
-#include "io/trace_file.hpp"
 #include "support/command.hpp"
+#include "trace/sample_trace.hpp"
+#include "trace/trace_file.hpp"
 
 namespace flotilla::test {
 namespace {

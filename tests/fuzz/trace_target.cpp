@@ -4,7 +4,7 @@
 
 #include "fuzz/checks.hpp"
 #include "io/file.hpp"
-#include "io/trace_file.hpp"
+#include "trace/trace_file.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace flotilla;

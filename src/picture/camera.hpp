@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "io/picture_model.hpp"
+#include "picture/model.hpp"
 
 namespace flotilla::picture {
 

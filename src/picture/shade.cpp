@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "io/picture_shade.hpp"
+#include "picture/shade.hpp"
 
 #include <algorithm>
 #include <array>

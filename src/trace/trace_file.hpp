@@ -24,8 +24,8 @@
 #include <string>
 #include <vector>
 
-#include "parallel/schedule.hpp"
 #include "parallel/task_recorder.hpp"
+#include "trace/schedule.hpp"
 
 namespace flotilla::io {
 

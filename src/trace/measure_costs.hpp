@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "parallel/schedule.hpp"
+#include "trace/schedule.hpp"
 
 namespace flotilla {
 

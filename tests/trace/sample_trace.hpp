@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "io/trace_file.hpp"
 #include "parallel/team.hpp"
+#include "trace/trace_file.hpp"
 
 namespace flotilla::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "parallel/measure_costs.hpp"
+#include "trace/measure_costs.hpp"
 
 #include <algorithm>
 #include <chrono>

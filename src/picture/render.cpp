@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "io/picture.hpp"
+#include "picture/render.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include <flotilla/error.hpp>
 
 #include "base/rotation.hpp"
-#include "io/picture_camera.hpp"
-#include "io/picture_light.hpp"
-#include "io/picture_model.hpp"
-#include "io/picture_shade.hpp"
+#include "picture/camera.hpp"
+#include "picture/light.hpp"
+#include "picture/model.hpp"
+#include "picture/shade.hpp"
 
 namespace flotilla {
 namespace {

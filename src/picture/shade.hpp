@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "io/picture_light.hpp"
+#include "picture/light.hpp"
 
 namespace flotilla::picture {
 

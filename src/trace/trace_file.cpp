@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "io/trace_file.hpp"
+#include "trace/trace_file.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The file of run --trace: round trip, the viewers' format, and damage.
-#include "io/trace_file.hpp"
+#include "trace/trace_file.hpp"
 
 #include <algorithm>
 #include <fstream>
@@ -14,8 +14,8 @@
 #include <flotilla/error.hpp>
 
 #include "io/file.hpp"
-#include "io/sample_trace.hpp"
 #include "support/temporary_folder.hpp"
+#include "trace/sample_trace.hpp"
 
 namespace flotilla::io {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "io/picture_camera.hpp"
+#include "picture/camera.hpp"
 
 namespace flotilla::picture {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "io/picture_light.hpp"
+#include "picture/light.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/rotation.hpp"
-#include "io/picture_raster.hpp"
+#include "picture/raster.hpp"
 
 namespace flotilla::picture {
 namespace {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "io/picture.hpp"
-#include "io/picture_math.hpp"
+#include "picture/float3.hpp"
+#include "picture/render.hpp"
 
 namespace flotilla::picture {
 

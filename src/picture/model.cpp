@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "io/picture_model.hpp"
+#include "picture/model.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Schedules of small task graphs against times computed by hand.
-#include "parallel/schedule.hpp"
+#include "trace/schedule.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "parallel/measure_costs.hpp"
-#include "parallel/merge_records.hpp"
 #include "parallel/sweep_width.hpp"
 #include "parallel/task_order.hpp"
+#include "trace/measure_costs.hpp"
+#include "trace/merge_records.hpp"
 
 namespace flotilla {
 namespace {

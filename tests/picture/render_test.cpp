@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "io/picture.hpp"
+#include "picture/render.hpp"
 
 #include <array>
 #include <cmath>

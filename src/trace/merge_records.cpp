@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "parallel/merge_records.hpp"
+#include "trace/merge_records.hpp"
 
 #include <algorithm>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "parallel/schedule.hpp"
+#include "trace/schedule.hpp"
 
 #include <algorithm>
 #include <cmath>
