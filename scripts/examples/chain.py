@@ -30,7 +30,7 @@ def make_chain(links):
 
 def pulls(world):
     """N, of each ring at the one above, upwards on the ring itself."""
-    contacts = world.contacts
+    contacts = world.contacts_view
     force = contacts["impulse"][:, 2] / world.settings.time_step
     return numpy.array([force[(contacts["body_a"] == k - 1) & (contacts["body_b"] == k)].sum()
                         for k in range(1, len(world))])

@@ -45,10 +45,10 @@ def main():
     options = parser.parse_args()
     world = flotilla.World(make_scene(options.parts, options.duration, options.seed))
     went = numpy.zeros(options.parts)
-    before = None
+    places, before = world.positions_view[1:], None  # where the parts are, whenever it is looked at
     for _ in range(round(options.duration * FREQUENCY)):
         world.step(STEPS_PER_STROKE)
-        angle = numpy.arctan2(world.positions[1:, 1], world.positions[1:, 0])
+        angle = numpy.arctan2(places[:, 1], places[:, 0])
         if before is not None:
             went += (angle - before + numpy.pi) % (2 * numpy.pi) - numpy.pi
         before = angle

@@ -26,6 +26,9 @@ void bind_verify(py::module_& m);
 void bind_sweep(py::module_& m);
 void bind_tools(py::module_& m);
 
+/// By BodyType.
+inline constexpr std::array<std::string_view, 3> kBodyTypes{"dynamic", "static", "kinematic"};
+
 /// A value of an enumeration by its name; the values are those of the positions in `names`.
 template <class Enum>
 Enum choice(std::string_view kind, std::string_view name, std::span<const std::string_view> names) {

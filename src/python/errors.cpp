@@ -39,6 +39,8 @@ void translate(std::exception_ptr pointer) {
               }));
     } catch (const ScriptError& e) {
         raise("ScriptError", e, e.step(), tuple_of(e.pairs(), names_of));
+    } catch (const StepCancelled& e) {
+        raise("StepCancelled", e);
     } catch (const BrokenPromise& e) {
         raise("BrokenPromise", e, e.step(), names_of(e.pair()));
     } catch (const Error& e) {

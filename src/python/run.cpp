@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "python/bind.hpp"
+#include "python/edits.hpp"
 #include "python/reports.hpp"
 #include "python/scene.hpp"
 #include "python/world_options.hpp"
@@ -36,7 +37,9 @@ RunTotals run(const py::object& scene, const std::filesystem::path& output, std:
               std::optional<double> duration, const py::object& preset, const py::object& settings, bool overwrite,
               bool resume, int frame_every, int checkpoint_every, int threads, const std::string& executor,
               const std::filesystem::path& trace, int trace_every, const std::filesystem::path& contacts,
-              const py::object& after_step, const std::function<void(const std::string&)>& note) {
+              const py::object& edits, const py::object& after_step,
+              const std::function<void(const RunTotals&)>& blocked,
+              const std::function<void(const std::string&)>& note) {
     const NamedScene named = scene_argument(scene, preset, settings);
     const SceneDescription start = *named.scene; // the caller's may change while the lock is away
     RunOptions options;
@@ -52,6 +55,8 @@ RunTotals run(const py::object& scene, const std::filesystem::path& output, std:
     options.trace = trace;
     options.trace_every = trace_every;
     options.contacts = contacts;
+    options.edits = edits_argument(edits, start);
+    options.blocked = blocked;
     options.after_step = [&](const StepReport& report) { return goes_on(after_step, report); };
     options.note = note;
     const py::gil_scoped_release unlocked;
@@ -93,8 +98,8 @@ void bind_run(py::module_& m) {
           py::arg("duration") = py::none(), py::arg("preset") = py::none(), py::arg("settings") = py::none(),
           py::arg("overwrite") = false, py::arg("resume") = false, py::arg("frame_every") = 1,
           py::arg("checkpoint_every") = 0, py::arg("threads") = 0, py::arg("executor") = "parallel",
-          py::arg("trace") = "", py::arg("trace_every") = 1, py::arg("contacts") = "",
-          py::arg("after_step") = py::none(), py::arg("note") = py::none(),
+          py::arg("trace") = "", py::arg("trace_every") = 1, py::arg("contacts") = "", py::arg("edits") = py::none(),
+          py::arg("after_step") = py::none(), py::arg("blocked") = py::none(), py::arg("note") = py::none(),
           "Simulates a scene into a run folder and returns RunTotals. scene, preset, settings: as World takes them; "
           "output: the folder, "
           "empty: nothing is written. steps or duration (s, default 10) are totals, those before a resumption "
@@ -103,9 +108,13 @@ void bind_run(py::module_& m) {
           "frame_every: steps per "
           "frame; checkpoint_every: steps per checkpoint (0: 100, and one in five minutes). trace, contacts: files for "
           "the executed "
-          "tasks and for the contact points of every step. after_step(report) is called after every step and ends the "
+          "tasks and for the contact points of every step. edits, as read_edits takes them or a list of Edit, are made "
+          "on "
+          "the way; one that is refused ends the run with its error. after_step(report) is called after every step and "
+          "ends the "
           "run by returning "
-          "False; note(text) is told what a user should know. An exception of a callback, or an interrupt, leaves a "
+          "False; blocked(totals), before ScriptError is raised, with what was done; note(text) is told what a user "
+          "should know. An exception of a callback, or an interrupt, leaves a "
           "folder that can be resumed.");
 }
 

@@ -17,7 +17,6 @@
 namespace flotilla::python {
 namespace {
 
-constexpr std::array<std::string_view, 3> kBodyTypes{"dynamic", "static", "kinematic"};
 constexpr std::array<std::string_view, 4> kMassKinds{"none", "surface_density", "density", "mass"};
 
 struct ShapeOf {
@@ -104,7 +103,7 @@ void set_mass(ShapeDescription& shape, std::optional<double> surface_density, st
 
 std::optional<Mat3> inertia_of(const py::object& source) {
     if (source.is_none()) return {};
-    const Array<double> array(py::reinterpret_borrow<py::object>(source));
+    const Array<double> array(source);
     Mat3 out;
     if (array.size() == 9)
         std::memcpy(out.m.data(), array.data(), sizeof out.m);
@@ -158,21 +157,50 @@ Keyframe keyframe_of(const py::handle& source) {
     return out;
 }
 
+/// World axes along which, and about which, a body does not move.
+constexpr std::array<std::string_view, 3> kAlong{"x", "y", "z"}, kAbout{"rx", "ry", "rz"};
+
+void set_locked(BodyDescription& body, const py::iterable& axes) {
+    body.locked_translation = body.locked_rotation = {};
+    for (const py::handle axis : axes) {
+        const auto name = axis.cast<std::string>();
+        const bool turns = !name.empty() && name[0] == 'r';
+        const auto& names = turns ? kAbout : kAlong;
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end()) throw InputError("locked: an axis is x, y, z, rx, ry or rz, not \"" + name + '"');
+        (turns ? body.locked_rotation : body.locked_translation)[static_cast<std::size_t>(found - names.begin())] =
+            true;
+    }
+}
+py::tuple locked_of(const BodyDescription& body) {
+    py::list out;
+    for (std::size_t k = 0; k < 3; ++k)
+        if (body.locked_translation[k]) out.append(kAlong[k]);
+    for (std::size_t k = 0; k < 3; ++k)
+        if (body.locked_rotation[k]) out.append(kAbout[k]);
+    return py::tuple(out);
+}
+
 std::int32_t add_body(SceneDescription& scene, const py::object& shape, const std::optional<std::string>& name,
                       const std::string& type, const Vec3& position, const Quat& rotation, const Vec3& velocity,
                       const Vec3& angular_velocity, std::optional<double> friction, std::optional<double> restitution,
-                      const py::iterable& keyframes) {
+                      const py::iterable& keyframes, const py::iterable& locked, const Vec3& force, const Vec3& torque,
+                      const std::string& group) {
     BodyDescription body;
     body.name = name ? *name : free_name(scene.bodies, "body");
     body.shape = shape_index(scene, shape);
     body.type = choice<BodyType>("type of a body", type, kBodyTypes);
-    for (const py::handle k : keyframes) body.keyframes.push_back(keyframe_of(k));
+    body.keyframes = keyframes_of(keyframes);
     body.position = body.keyframes.empty() ? position : body.keyframes.front().position;
     body.rotation = body.keyframes.empty() ? rotation : body.keyframes.front().rotation;
     body.velocity = velocity;
     body.angular_velocity = angular_velocity;
     body.friction = friction.value_or(scene.settings.friction);
     body.restitution = restitution.value_or(scene.settings.restitution);
+    set_locked(body, locked);
+    body.force = force;
+    body.torque = torque;
+    body.group = group;
     scene.bodies.push_back(std::move(body));
     return static_cast<std::int32_t>(scene.bodies.size() - 1);
 }
@@ -223,6 +251,16 @@ void bind_shape(py::module_& m) {
         "none, surface_density (kg/m^2), density (kg/m^3) or mass (kg)");
     type.def_property_readonly(
         "mass_value", [](const ShapeOf& s) { return s.get().mass_value; }, "in the unit of mass_kind");
+    type.def_property_readonly(
+        "inertia",
+        [](const ShapeOf& s) -> std::optional<py::array> {
+            if (!s.get().inertia) return {};
+            return to_array(s.get().inertia->m).reshape({3, 3});
+        },
+        "kg m^2 about the centre of mass, mesh axes, shape (3, 3); None: computed");
+    type.def_property_readonly(
+        "center_of_mass", [](const ShapeOf& s) { return s.get().center_of_mass; },
+        "m, mesh coordinates, shape (3); None: computed");
 }
 
 void bind_body(py::module_& m) {
@@ -248,17 +286,66 @@ void bind_body(py::module_& m) {
     field("angular_velocity", &BodyDescription::angular_velocity, "rad/s, world axes, shape (3)");
     field("friction", &BodyDescription::friction, "coefficient, >= 0; pairs take the geometric mean");
     field("restitution", &BodyDescription::restitution, "in [0, 1]; pairs take the larger one");
-    type.def_property_readonly(
+    field("force", &BodyDescription::force, "N on a dynamic body, all the time, at its centre of mass, shape (3)");
+    field("torque", &BodyDescription::torque, "N m, likewise");
+    field("group", &BodyDescription::group, "name for Scene.ignore_groups; empty: none");
+    type.def_property(
+        "locked", [](const BodyOf& b) { return locked_of(b.get()); },
+        [](const BodyOf& b, const py::iterable& axes) { set_locked(b.get(), axes); },
+        "of a dynamic body: a tuple of the world axes along which its centre of mass never moves, x, y, z, and about "
+        "which it never turns, rx, ry, rz");
+    type.def_property(
         "keyframes",
         [](const BodyOf& b) {
             py::list out;
             for (const Keyframe& k : b.get().keyframes) out.append(py::make_tuple(k.time, k.position, k.rotation));
             return py::tuple(out);
         },
+        [](const BodyOf& b, const py::iterable& keyframes) { b.get().keyframes = keyframes_of(keyframes); },
         "of a kinematic body: (time in s, position in m, rotation) each");
 }
 
+py::list pairs_of(const std::vector<NamedPair>& pairs) {
+    py::list out;
+    for (const NamedPair& pair : pairs) out.append(py::make_tuple(pair.a, pair.b));
+    return out;
+}
+
+/// What may pass through what.
+void bind_ignored(py::class_<SceneDescription, ScenePointer>& type) {
+    const auto adds = [&](const char* name, auto list, const char* doc) {
+        type.def(
+            name,
+            [list](SceneDescription& s, std::string a, std::string b) {
+                (s.*list).push_back({std::move(a), std::move(b)});
+            },
+            py::arg("a"), py::arg("b"), doc);
+    };
+    adds("ignore_groups", &SceneDescription::ignored_groups,
+         "Bodies of two groups, or of one where both names are the same, may pass through each other, and intersect at "
+         "the start. Nothing is promised of them.");
+    adds("ignore_bodies", &SceneDescription::ignored_bodies, "The same of two bodies, by name.");
+    type.def_property_readonly(
+        "ignored_groups", [](const SceneDescription& s) { return pairs_of(s.ignored_groups); },
+        "pairs of names of groups");
+    type.def_property_readonly(
+        "ignored_bodies", [](const SceneDescription& s) { return pairs_of(s.ignored_bodies); },
+        "pairs of names of bodies");
+}
+
 } // namespace
+
+std::vector<Keyframe> keyframes_of(const py::iterable& source) {
+    std::vector<Keyframe> out;
+    for (const py::handle k : source) out.push_back(keyframe_of(k));
+    return out;
+}
+
+py::object lone_body(const BodyDescription& body) {
+    const auto scene = std::make_shared<SceneDescription>();
+    scene->bodies.push_back(body);
+    return py::cast(BodyOf{scene, 0});
+}
 
 void bind_scene(py::module_& m) {
     bind_shape(m);
@@ -288,14 +375,18 @@ void bind_scene(py::module_& m) {
     type.def("add_body", &add_body, py::arg("shape"), py::kw_only(), py::arg("name") = py::none(),
              py::arg("type") = "dynamic", py::arg("position") = Vec3{}, py::arg("rotation") = Quat{},
              py::arg("velocity") = Vec3{}, py::arg("angular_velocity") = Vec3{}, py::arg("friction") = py::none(),
-             py::arg("restitution") = py::none(), py::arg("keyframes") = py::tuple(),
+             py::arg("restitution") = py::none(), py::arg("keyframes") = py::tuple(), py::arg("locked") = py::tuple(),
+             py::arg("force") = Vec3{}, py::arg("torque") = Vec3{}, py::arg("group") = "",
              "Adds a body and returns its index. shape: index or name; type: dynamic, static or kinematic; position of "
              "the mesh's own "
              "origin, m; rotation: unit quaternion w x y z; velocity of the centre of mass, m/s; angular_velocity: "
              "rad/s. friction and "
              "restitution are the settings' unless given. keyframes of a kinematic body: (time, position[, rotation]) "
              "each, the first "
-             "at time 0, which is its start.");
+             "at time 0, which is its start. locked: world axes along which the centre of mass of a dynamic body never "
+             "moves, x, y, z, and about which it never turns, rx, ry, rz. force (N, at the centre of mass) and torque "
+             "(N m) act all the time, in world axes. group: a name for ignore_groups.");
+    bind_ignored(type);
     type.def("to_json", &as_json, py::arg("inline_meshes") = true,
              "The scene as JSON that reads back to the same bits; inline_meshes: with all vertices, else with the mesh "
              "paths as they were written.");
@@ -320,6 +411,14 @@ void bind_scene(py::module_& m) {
         "A Scene from the path of a file, JSON text or a dict. What the file says replaces the preset's settings; "
         "`settings`, a dict, "
         "replaces both. Mesh paths in text and dicts are relative to the current folder.");
+    auto origin =
+        value_class<SceneOrigin>(m, "SceneOrigin", "What another program's scene file says beside the scene.");
+    origin.def_readonly("format", &SceneOrigin::format, "the other program; empty: the file is flotilla's own");
+    origin.def_readonly("warnings", &SceneOrigin::warnings, "what was left out, without changing the outcome");
+    origin.def_readonly("duration", &SceneOrigin::duration, "s, how long the file wants to be run");
+    m.def(
+        "scene_origin", [](const py::object& scene) { return scene_argument(scene, py::none(), py::none()).origin; },
+        py::arg("scene"), "SceneOrigin of what read_scene reads, files of Rigid-IPC among it.");
     m.def("write_scene", &write, py::arg("scene"), py::arg("path"), py::kw_only(), py::arg("inline_meshes") = true,
           "Writes a scene file; see Scene.to_json.");
 

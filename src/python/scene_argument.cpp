@@ -17,13 +17,13 @@ bool is_json(const std::string& text) {
 }
 
 /// numpy's arrays and numbers as lists and numbers.
-std::string json_of(const py::dict& scene) {
+std::string json_of(const py::dict& document) {
     const auto plain = py::cpp_function([](const py::object& value) -> py::object {
         if (py::hasattr(value, "tolist")) return value.attr("tolist")();
-        throw py::type_error("a scene cannot hold a value of type " +
+        throw py::type_error("JSON cannot hold a value of type " +
                              py::type::of(value).attr("__name__").cast<std::string>());
     });
-    return py::module_::import("json").attr("dumps")(scene, py::arg("default") = plain).cast<std::string>();
+    return py::module_::import("json").attr("dumps")(document, py::arg("default") = plain).cast<std::string>();
 }
 
 SceneFileOptions file_options(const py::object& preset, const py::object& settings) {
@@ -33,11 +33,21 @@ SceneFileOptions file_options(const py::object& preset, const py::object& settin
     return options;
 }
 
-NamedScene named(SceneDescription&& scene, std::string source) {
-    return {std::make_shared<SceneDescription>(std::move(scene)), std::move(source)};
+template <class Read>
+NamedScene of_file(std::string source, Read&& read) {
+    NamedScene out{nullptr, std::move(source)};
+    out.scene = std::make_shared<SceneDescription>(read(&out.origin));
+    return out;
 }
 
 } // namespace
+
+std::optional<std::string> json_argument(const py::object& value) {
+    if (py::isinstance<py::dict>(value)) return json_of(value.cast<py::dict>());
+    if (!py::isinstance<py::str>(value)) return {};
+    auto text = value.cast<std::string>();
+    return is_json(text) ? std::optional(std::move(text)) : std::nullopt;
+}
 
 NamedScene scene_argument(const py::object& scene, const py::object& preset, const py::object& settings) {
     if (py::isinstance<SceneDescription>(scene)) {
@@ -46,15 +56,13 @@ NamedScene scene_argument(const py::object& scene, const py::object& preset, con
         return {scene.cast<ScenePointer>(), "scene"};
     }
     const SceneFileOptions options = file_options(preset, settings);
-    if (py::isinstance<py::dict>(scene))
-        return named(parse_scene(json_of(scene.cast<py::dict>()), "scene", ".", options), "scene");
-    if (py::isinstance<py::str>(scene) && is_json(scene.cast<std::string>()))
-        return named(parse_scene(scene.cast<std::string>(), "scene", ".", options), "scene");
+    if (const std::optional<std::string> text = json_argument(scene))
+        return of_file("scene", [&](SceneOrigin* origin) { return parse_scene(*text, "scene", ".", options, origin); });
     if (!py::isinstance<py::str>(scene) && !py::hasattr(scene, "__fspath__"))
         throw py::type_error("a scene is a flotilla.Scene, the path of a file, JSON text or a dict, not " +
                              py::type::of(scene).attr("__name__").cast<std::string>());
     const auto path = scene.cast<std::filesystem::path>();
-    return named(read_scene(path, options), path.string());
+    return of_file(path.string(), [&](SceneOrigin* origin) { return read_scene(path, options, origin); });
 }
 
 std::string self_contained_json(SceneDescription scene) {

@@ -82,6 +82,8 @@ void bind_check(py::module_& m) {
     type.def_readonly("dynamic_bodies", &C::dynamic_bodies);
     type.def_readonly("static_bodies", &C::static_bodies);
     type.def_readonly("kinematic_bodies", &C::kinematic_bodies);
+    type.def_readonly("locked_bodies", &C::locked_bodies, "of the dynamic ones: with locked axes");
+    type.def_readonly("driven_bodies", &C::driven_bodies, "of the dynamic ones: with a force or a torque");
     type.def_readonly("shapes", &C::shapes, "identical ones counted once");
     type.def_readonly("triangles", &C::triangles, "of all bodies");
     type.def_readonly("mass", &C::mass, "kg, of the dynamic bodies");
@@ -92,20 +94,28 @@ void bind_check(py::module_& m) {
     m.def(
         "check_scene",
         [](const py::object& scene, const py::object& preset, const py::object& settings) {
-            const auto [pointer, source] = scene_argument(scene, preset, settings);
+            const NamedScene named = scene_argument(scene, preset, settings);
             const py::gil_scoped_release unlocked;
-            return check_scene(*pointer, source);
+            return check_scene(*named.scene, named.source);
         },
         py::arg("scene"), py::kw_only(), py::arg("preset") = py::none(), py::arg("settings") = py::none(),
         "Validates a scene and looks, exactly, for bodies that intersect at the start. InputError with every problem "
         "of an invalid scene.");
     m.def(
+        "write_intersections",
+        [](const std::vector<InitialIntersection>& intersections, const std::filesystem::path& path) {
+            write_intersections(path, intersections);
+        },
+        py::arg("intersections"), py::arg("path"),
+        "Writes the triangles of SceneCheck.intersections as an OBJ file, in world coordinates.");
+    m.def(
         "plan",
         [](const py::object& scene, const py::object& preset, const py::object& settings) {
-            const auto [pointer, source] = scene_argument(scene, preset, settings);
+            const NamedScene named = scene_argument(scene, preset, settings);
             const py::gil_scoped_release unlocked;
             std::vector<std::pair<std::string, std::string>> lines;
-            for (const PlanLine& line : plan_scene(*pointer, source)) lines.emplace_back(line.topic, line.text);
+            for (const PlanLine& line : plan_scene(*named.scene, named.source))
+                lines.emplace_back(line.topic, line.text);
             return lines;
         },
         py::arg("scene"), py::kw_only(), py::arg("preset") = py::none(), py::arg("settings") = py::none(),

@@ -10,8 +10,6 @@
 namespace flotilla::python {
 namespace {
 
-constexpr std::array<std::string_view, 3> kBodyTypes{"dynamic", "static", "kinematic"};
-
 World make_world(const SceneDescription& scene, const std::string& source, const WorldOptions& options,
                  const std::optional<std::string>& snapshot) {
     const py::gil_scoped_release unlocked;
@@ -48,27 +46,7 @@ std::vector<Value> of_places(const PythonWorld& w, Get&& get) {
     return values;
 }
 
-py::dtype structured(const py::list& names, const py::list& formats, const py::list& offsets, std::size_t size) {
-    return py::dtype(names, formats, offsets, static_cast<py::ssize_t>(size));
-}
-
-py::dtype contact_type() {
-    using C = ContactState;
-    py::list names, formats, offsets;
-    const auto add = [&](const char* name, const char* format, std::size_t offset) {
-        names.append(name), formats.append(format), offsets.append(offset);
-    };
-    add("body_a", "i4", offsetof(C, body_a));
-    add("body_b", "i4", offsetof(C, body_b));
-    add("point", "3f8", offsetof(C, point));
-    add("normal", "3f8", offsetof(C, normal));
-    add("distance", "f8", offsetof(C, distance));
-    add("impulse", "3f8", offsetof(C, impulse));
-    add("asleep", "?", offsetof(C, asleep));
-    return structured(names, formats, offsets, sizeof(C));
-}
-
-py::array contacts_of(const PythonWorld& w) {
+py::array contacts_copy(const PythonWorld& w) {
     std::vector<ContactState> contacts = w.world().contacts();
     const auto n = static_cast<py::ssize_t>(contacts.size());
     return owning_array(std::move(contacts), contact_type(), {n});
@@ -158,10 +136,10 @@ void bind_knowledge(WorldClass& type) {
     type.def_property_readonly(
         "settings", [](const PythonWorld& w) { return Settings(w.world().settings()); }, "a copy");
     type.def_property_readonly(
-        "contacts", &contacts_of,
+        "contacts", &contacts_copy,
         "structured array of the contact points at the present poses, sorted by bodies: body_a < body_b, point (m), "
         "normal (from a to b), distance (m), impulse on b (N s; divided by the time step, the force; a got its "
-        "opposite), asleep");
+        "opposite), asleep; a copy");
     type.def_property_readonly(
         "activity", &activity_of,
         "structured array of what the last step did with each body: contacts, cluster (ClusterState), cost");
@@ -193,32 +171,41 @@ PythonWorld::PythonWorld(const NamedScene& scene, const WorldOptions& options,
       options_(options),
       world_(make_world(scene_, source_, options_, snapshot)) {}
 
+template <class Work>
+auto PythonWorld::unlocked(Work&& work) const {
+    struct Busy {
+        explicit Busy(const PythonWorld& world) : w(world), was(std::exchange(w.busy_, true)) {
+            w.busy_on_ = PyThread_get_thread_ident();
+        }
+        ~Busy() { w.busy_ = was; }
+        Busy(const Busy&) = delete;
+        Busy& operator=(const Busy&) = delete;
+        const PythonWorld& w;
+        bool was;
+    } const busy(*this);
+    const py::gil_scoped_release released;
+    return work();
+}
+
 World& PythonWorld::edit() {
     static_cast<void>(world());
     return world_;
 }
 
 const World& PythonWorld::world() const {
-    if (stepping_) throw Error("the World is in a step of another thread");
+    if (!busy_) return world_;
+    if (busy_on_ != PyThread_get_thread_ident()) throw Error("the World is in a step of another thread");
+    if (!in_force_callback_) throw Error("the World is in a step: only its force callback may use it");
     return world_;
 }
 
 StepReport PythonWorld::step(std::int64_t n) {
     if (n < 1) throw InputError("step: the number of steps must be at least 1, not " + std::to_string(n));
     static_cast<void>(world());
-    struct Stepping {
-        explicit Stepping(bool& s) : flag(s) { flag = true; }
-        ~Stepping() { flag = false; }
-        Stepping(const Stepping&) = delete;
-        Stepping& operator=(const Stepping&) = delete;
-        bool& flag;
-    } const stepping(stepping_);
+    if (busy_) throw Error("step: the World is in a step already");
     StepReport report;
     for (std::int64_t k = 0; k < n; ++k) {
-        {
-            const py::gil_scoped_release unlocked;
-            report = world_.step();
-        }
+        report = unlocked([&] { return world_.step(); });
         if (k + 1 < n && PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
     return report;
@@ -226,26 +213,37 @@ StepReport PythonWorld::step(std::int64_t n) {
 
 void PythonWorld::restore(const std::string& snapshot) {
     static_cast<void>(world());
-    world_.restore(std::as_bytes(std::span(snapshot)));
+    unlocked([&] { world_.restore(std::as_bytes(std::span(snapshot))); });
 }
 
-PythonWorld::PythonWorld(const PythonWorld& other, World&& world)
-    : scene_(other.scene_),
-      added_(other.added_),
-      source_(other.source_),
-      options_(other.options_),
-      world_(std::move(world)) {}
+PythonWorld::PythonWorld(const PythonWorld& other, World&& world, const WorldOptions& options)
+    : scene_(other.scene_), added_(other.added_), source_(other.source_), options_(options), world_(std::move(world)) {}
 
-std::unique_ptr<PythonWorld> PythonWorld::clone() const {
-    return std::unique_ptr<PythonWorld>(new PythonWorld(*this, world().clone(options_)));
+std::unique_ptr<PythonWorld> PythonWorld::clone(const WorldOptions& options) const {
+    const World& w = world();
+    return std::unique_ptr<PythonWorld>(new PythonWorld(*this, unlocked([&] { return w.clone(options); }), options));
 }
 
-std::int32_t PythonWorld::add_shape(const ShapeDescription& shape) {
-    const std::int32_t number = edit().add_shape(shape);
-    added_.resize(static_cast<std::size_t>(number) -
-                  scene_.shapes.size()); // those after a snapshot went with its return
-    added_.push_back(shape);
-    return number;
+BodyId PythonWorld::apply(const Edit& given) {
+    const BodyId body = edit().apply(given);
+    if (const auto* e = std::get_if<edits::AddShape>(&given.change)) {
+        added_.resize(static_cast<std::size_t>(body.index) -
+                      scene_.shapes.size()); // those after a snapshot went with its return
+        added_.push_back(e->shape);
+    }
+    return body;
+}
+
+std::int32_t PythonWorld::shape_number(const py::object& shape) const {
+    if (!py::isinstance<py::str>(shape)) return shape.cast<std::int32_t>();
+    const auto name = shape.cast<std::string>();
+    std::vector<std::string_view> names;
+    for (const auto* shapes : {&scene_.shapes, &added_})
+        for (const ShapeDescription& s : *shapes) {
+            if (s.name == name) return static_cast<std::int32_t>(names.size());
+            names.emplace_back(s.name);
+        }
+    throw InputError(unknown_name("shape", name, names));
 }
 
 SceneDescription PythonWorld::scene_now() const {
@@ -274,10 +272,12 @@ SceneDescription PythonWorld::scene_now() const {
 
 void bind_world(py::module_& m) {
     bind_edit_values(m);
+    bind_edit_files(m);
     WorldClass type(m, "World",
                     "A scene in motion. No two of its bodies intersect at the end of a step: a step that could not be "
                     "proved throws "
-                    "BrokenPromise. While a step runs on one thread of Python, calls from others throw Error.");
+                    "BrokenPromise. While a step runs on one thread of Python, calls from others throw Error.",
+                    collected_with_callbacks());
     type.def(
         py::init(&new_world), py::arg("scene"), py::kw_only(), py::arg("preset") = py::none(),
         py::arg("settings") = py::none(), py::arg("snapshot") = py::none(), py::arg("threads") = 0,
@@ -294,13 +294,24 @@ void bind_world(py::module_& m) {
     type.def(
         "restore", [](PythonWorld& w, const py::bytes& data) { w.restore(std::string(data)); }, py::arg("snapshot"),
         "Goes on from a snapshot of a World of the same scene and settings. On an error nothing changes.");
+    type.def(
+        "clone",
+        [](const PythonWorld& w, int threads, const std::string& executor) {
+            return w.clone(world_options(threads, executor));
+        },
+        py::kw_only(), py::arg("threads") = 0, py::arg("executor") = "parallel",
+        "Another World in the same state, with the same bits from here on; without callbacks and recorded edits. "
+        "copy.copy does it with this World's own threads and executor.");
     bind_motion(type);
+    bind_views(type);
     bind_knowledge(type);
     bind_edits(type);
+    bind_recorded_edits(type);
+    bind_callbacks(type);
     type.def("__repr__", &text_of);
-    type.def("__copy__", [](const PythonWorld& w) { return w.clone(); });
+    type.def("__copy__", [](const PythonWorld& w) { return w.clone(w.options()); });
     type.def(
-        "__deepcopy__", [](const PythonWorld& w, const py::dict&) { return w.clone(); }, py::arg("memo"));
+        "__deepcopy__", [](const PythonWorld& w, const py::dict&) { return w.clone(w.options()); }, py::arg("memo"));
     type.def(py::pickle(&pickle, &unpickle));
 }
 

@@ -89,6 +89,110 @@ def test_questions_about_bodies(world):
         world.ray((0, 0, 0), (0, 0, 0), 1)
 
 
+def test_what_is_known_of_a_body(world, plate):
+    shape = world.add_shape(plate, name="extra", mass=2)
+    body = world.add_body("extra", name="locked", position=(0, 0, 2), locked=("x", "rz"), force=(0, 0, 1), group="some",
+                          friction=0.7)
+    assert world.name(body) == "locked" and world.generation(2) == 0
+    described = world.description(body)
+    assert isinstance(described, flotilla.Body) and described.shape == shape and described.friction == 0.7
+    assert described.locked == ("x", "rz") and described.group == "some" and (described.force == (0, 0, 1)).all()
+    described.name = "other"  # of the description alone
+    assert world.name(body) == "locked"
+    world.set_user_data(body, 2**64 - 1)
+    assert world.user_data(body) == 2**64 - 1 and world.user_data(world.id(0)) == 0
+    assert world.clone().user_data(body) == 2**64 - 1
+    world.remove_body(body)
+    assert world.generation(2) == 1
+    for wrong in (lambda: world.name(body), lambda: world.description(body), lambda: world.user_data(body),
+                  lambda: world.set_user_data(body, 1), lambda: world.generation(9), lambda: world.contacts_of(body),
+                  lambda: world.add_body("extr"), lambda: world.overlapping("extr", (0, 0, 0))):
+        with pytest.raises(flotilla.InputError):
+            wrong()
+    for wrong in (lambda: world.set_user_data(world.id(0), -1), lambda: world.set_user_data(world.id(0), 2**64)):
+        with pytest.raises(TypeError):
+            wrong()
+    assert world.overlapping("plate", (0, 0, 0.1)) == [world.id(1)]
+
+
+def test_a_locked_body_falls_along_its_rail_alone(plate):
+    scene = flotilla.Scene(settings={"time_step": 0.01})
+    scene.add_body(scene.add_shape(plate, mass=2), locked=("x", "y", "rx", "ry", "rz"), force=(5, 0, 2 * 9.8 - 2),
+                   torque=(1, 1, 1))
+    world = flotilla.World(scene, threads=1)
+    world.step(10)
+    assert world.velocities[0] == pytest.approx((0, 0, -0.1), abs=1e-12) and not world.angular_velocities.any()
+
+
+def test_who_may_pass_through_whom(world):
+    falls = world.find("falls")
+    world.set_group(falls, "loose")
+    world.set_group(world.id(0), "ground")
+    world.ignore_groups("loose", "ground")
+    world.step(20)
+    assert world.positions[1, 2] < -1  # through the ground
+    with pytest.raises(flotilla.OverlapError):
+        world.set_pose(falls, (0, 0, 0))
+        world.ignore_groups("loose", "ground", False)
+    world.set_pose(falls, (0, 0, 1))
+    world.ignore_groups("loose", "ground", ignored=False)
+    world.ignore_pair(falls, world.id(0))
+    world.set_pose(falls, (0, 0, 0))
+    with pytest.raises(flotilla.OverlapError):
+        world.ignore_pair(falls, world.id(0), ignored=False)
+    world.set_pose(falls, (0, 0, 0.1), (1, 0, 0, 0))
+    world.ignore_pair(falls, world.id(0), ignored=False)
+    world.set_velocity(falls, (0, 0, 0))
+    world.step(40)
+    assert world.positions[1, 2] > 0
+    for wrong in (lambda: world.set_group(flotilla.BodyId(9), "a"), lambda: world.ignore_pair(falls, falls)):
+        with pytest.raises(flotilla.InputError):
+            wrong()
+
+
+def test_a_script_takes_a_body_from_where_it_is(world):
+    falls = world.find("falls")
+    world.step(3)
+    start, now = world.positions[1], world.time
+    world.set_script(falls, [(now + 1, start + (0, 0, 2)), (now + 2, (0, 0, 5), (0, 1, 0, 0))])
+    assert world.types[1] == "kinematic" and len(world.description(falls).keyframes) >= 3
+    world.step(12)  # half a second
+    assert world.positions[1] == pytest.approx(start + (0, 0, 1), abs=1e-9)
+    world.step(60)
+    assert world.positions[1] == pytest.approx((0, 0, 5), abs=1e-9)
+    for wrong in ([(0, (0, 0, 1))], [(9, (0, 0, 1)), (9, (0, 0, 2))], [(9,)], [(float("nan"), (0, 0, 1))]):
+        with pytest.raises(flotilla.InputError):
+            world.set_script(falls, wrong)
+    with pytest.raises((TypeError, RuntimeError)):
+        world.set_script(falls, 5)
+
+
+def test_what_touches_a_body_carries_it(world):
+    world.step(80)
+    touching = world.contacts_of(world.find("falls"))
+    assert touching.force == pytest.approx((0, 0, 98), abs=0.98) and touching.torque == pytest.approx(0, abs=0.5)
+    assert (touching.contacts == world.contacts).all() and len(touching.contacts) >= 3
+    assert world.contacts_of(world.id(0)).force == pytest.approx(-touching.force, abs=1e-12)
+    assert world.step(200).sleeping == 1 and world.contacts_of(world.id(1)).contacts["asleep"].all()
+
+
+def test_memory_in_use(world):
+    memory = world.memory
+    assert memory.total == memory.shapes + memory.bodies + memory.contacts + memory.pairs
+    assert 1000 < memory.total < 1_000_000 and repr(memory).startswith("MemoryUse(shapes=")
+
+
+def test_clones_go_on_alike_with_other_threads(world):
+    world.step(5)
+    others = [world.clone(), world.clone(threads=3), world.clone(executor="serial")]
+    expected = world.step(10).state_hash
+    assert [other.step(10).state_hash for other in others] == 3 * [expected]
+    with pytest.raises(flotilla.InputError):
+        world.clone(threads=-1)
+    with pytest.raises(TypeError):
+        world.clone(3)
+
+
 def test_arrays_outlive_edits(world):
     kept = world.positions
     before = kept.copy()

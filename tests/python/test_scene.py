@@ -60,6 +60,50 @@ def test_masses_of_all_kinds(plate):
         scene.add_shape(plate, mass=1, density=1)
 
 
+def test_shapes_tell_what_replaces_their_own(plate):
+    scene = flotilla.Scene()
+    scene.add_shape(plate, mass=3, inertia=(1, 2, 3), center_of_mass=(0.5, 0.5, 0))
+    scene.add_shape(plate, mass=3)
+    first, second = scene.shapes
+    assert (first.inertia == numpy.diag((1, 2, 3))).all() and (first.center_of_mass == (0.5, 0.5, 0)).all()
+    assert second.inertia is None and second.center_of_mass is None
+
+
+def test_every_field_of_a_body_reads_back(plate):
+    scene = flotilla.Scene()
+    shape = scene.add_shape(plate, mass=1, name="plate")
+    scene.add_body(shape, name="slider", locked=["z", "x", "ry"], force=(1, 2, 3), torque=(0, 0, 1), group="rail")
+    scene.add_body(shape, name="rail", type="static", position=(0, 0, 1), group="rail")
+    scene.ignore_groups("rail", "rail")
+    scene.ignore_bodies("slider", "rail")
+    written = scene.to_dict()
+    assert written["bodies"][0]["locked"] == ["x", "z", "ry"] and written["bodies"][0]["group"] == "rail"
+    assert written["ignore"] == {"groups": [["rail", "rail"]], "bodies": [["slider", "rail"]]}
+    for again in (scene, flotilla.read_scene(written), flotilla.read_scene(scene.to_json())):
+        slider = again.bodies[0]
+        assert slider.locked == ("x", "z", "ry") and slider.group == "rail"
+        assert (slider.force == (1, 2, 3)).all() and (slider.torque == (0, 0, 1)).all()
+        assert again.ignored_groups == [("rail", "rail")] and again.ignored_bodies == [("slider", "rail")]
+    slider = scene.bodies[0]
+    slider.locked, slider.force, slider.torque, slider.group = (), (0, 0, 0), (0, 0, 0), ""
+    assert slider.locked == () and "locked" not in scene.to_dict()["bodies"][0]
+    lid = scene.bodies[1]
+    lid.type, lid.keyframes = "kinematic", [(0, (0, 0, 1)), (2, (0, 0, 3), (0, 1, 0, 0))]
+    assert [k[0] for k in lid.keyframes] == [0, 2] and (lid.keyframes[1][1] == (0, 0, 3)).all()
+    for wrong in (["w"], ["xy"], [""], ["r"]):
+        with pytest.raises(flotilla.InputError, match="an axis is"):
+            slider.locked = wrong
+    with pytest.raises(flotilla.InputError, match="an axis is"):
+        scene.add_body(shape, locked=("rw",))
+    with pytest.raises(TypeError):
+        slider.force = "up"
+    with pytest.raises(flotilla.InputError):
+        lid.keyframes = [(0,)]
+    scene.add_body(shape, name="heavy", position=(0, 0, 5), force=(float("inf"), 0, 0))
+    with pytest.raises(flotilla.InputError, match="force"):
+        flotilla.World(scene)
+
+
 def test_keyframes_move_a_body(plate):
     scene = flotilla.Scene(settings={"time_step": 0.1})
     scene.add_body(scene.add_shape(plate), type="kinematic", keyframes=[(0, (0, 0, 5)), (1, (0, 0, 4), (1, 0, 0, 0))])
@@ -158,12 +202,30 @@ def test_the_library_of_scenes():
         flotilla.make_scene("houshold")
 
 
-def test_plans_and_checks(falling, plate):
+def test_scenes_of_another_program(tmp_path):
+    (tmp_path / "fixture.json").write_text(json.dumps({
+        "timestep": 0.02, "max_time": 3, "rigid_body_problem": {"rigid_bodies": [
+            {"vertices": [[0, 0, 0], [1, 0, 0], [0, 0, 1], [0, 1, 0]],
+             "faces": [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]}]}}))
+    origin = flotilla.scene_origin(tmp_path / "fixture.json")
+    assert origin.format == "Rigid-IPC" and origin.duration == 3 and isinstance(origin.warnings, list)
+    assert flotilla.read_scene(tmp_path / "fixture.json").settings.time_step == 0.02
+    assert flotilla.scene_origin(flotilla.Scene()).format == ""
+
+
+def test_plans_and_checks(falling, plate, tmp_path):
     assert all(topic and text for topic, text in flotilla.plan(falling))
     check = flotilla.check_scene(falling)
     assert (check.dynamic_bodies, check.static_bodies, check.triangles) == (1, 1, 4)
     assert check.mass == pytest.approx(10, abs=1e-9)
     crossing = flotilla.check_scene(flotilla.scene_from_meshes([plate, plate])).intersections
     assert crossing[0].triangles_a.shape[1:] == (3, 3) and crossing[0].triangle_pairs >= 1
+    flotilla.write_intersections(crossing, tmp_path / "crossing.obj")
+    assert (tmp_path / "crossing.obj").read_text().count("\nf ") == len(crossing[0].triangles_a) + len(
+        crossing[0].triangles_b)
+    assert (check.locked_bodies, check.driven_bodies) == (0, 0)
+    falling.bodies[1].locked, falling.bodies[1].torque = ("x",), (0, 0, 1)
+    check = flotilla.check_scene(falling)
+    assert (check.locked_bodies, check.driven_bodies) == (1, 1)
     with pytest.raises(flotilla.InputError):
         flotilla.check_scene(json.loads("{}"))

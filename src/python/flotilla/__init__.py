@@ -13,7 +13,7 @@ from . import _core
 from ._core import *  # everything that is compiled and public
 from ._enums import ClusterState, StepWarning
 from ._errors import (BodyPair, BrokenPromise, Error, InputError, IoError, OverlapError, OverlapPair, Problem,
-                      ScriptError)
+                      ScriptError, StepCancelled)
 from ._meshes import scene_from_meshes
 from ._picture import picture
 from ._run_folder import RunFolder, read_steps
@@ -23,5 +23,5 @@ __version__ = _core.build_info()["version"]
 __all__ = sorted(
     {name for name in dir(_core) if not name.startswith("_")}
     | {"BodyPair", "BrokenPromise", "ClusterState", "Error", "InputError", "IoError", "OverlapError", "OverlapPair",
-       "Problem", "RunFolder", "ScriptError", "StepWarning", "picture", "read_steps", "scene_from_meshes",
-       "sweep"})
+       "Problem", "RunFolder", "ScriptError", "StepCancelled", "StepWarning", "picture", "read_steps",
+       "scene_from_meshes", "sweep"})

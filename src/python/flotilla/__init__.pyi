@@ -11,6 +11,7 @@ from ._errors import OverlapError as OverlapError
 from ._errors import OverlapPair as OverlapPair
 from ._errors import Problem as Problem
 from ._errors import ScriptError as ScriptError
+from ._errors import StepCancelled as StepCancelled
 from ._meshes import scene_from_meshes as scene_from_meshes
 from ._picture import picture as picture
 from ._run_folder import RunFolder as RunFolder

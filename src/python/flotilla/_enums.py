@@ -22,3 +22,4 @@ class ClusterState(enum.IntEnum):
     RIGID = 2  # as one rigid body with others
     HELD = 3  # not at all
     ASLEEP = 4  # not at all: it rests
+    ABSENT = 255  # in Frames: it is not there, because an edit removed it or will add it

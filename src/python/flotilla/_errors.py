@@ -66,6 +66,10 @@ class ScriptError(Error):
         self.pairs = tuple(BodyPair(*pair) for pair in pairs)
 
 
+class StepCancelled(Error):
+    """An observer ended the step (World.set_observer). The World stands where the step began."""
+
+
 class BrokenPromise(Error):
     """The end of step `step` could not be proved free of intersections: a fault of the library. `pair` has no proof."""
 

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Types of what callers may give."""
 import os
-from typing import TYPE_CHECKING, Any, Mapping, Protocol, Tuple, Union
+from typing import TYPE_CHECKING, Any, Mapping, Protocol, Sequence, Tuple, Union
 
 from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
-    from ._core import Scene
+    from ._core import Edit, Scene
 
 Path = Union[str, "os.PathLike[str]"]
 SettingValue = Union[str, bool, int, float]
@@ -20,4 +20,6 @@ class Mesh(Protocol):
 
 
 MeshLike = Union[Mesh, Tuple[ArrayLike, ArrayLike]]
+KeyframeLike = Union[Tuple[float, ArrayLike], Tuple[float, ArrayLike, ArrayLike]]  # time, position[, rotation]
+EditsLike = Union[Sequence["Edit"], Path, Mapping[str, Any]]  # a list, a file, JSON text, or a dict as such text has
 SceneLike = Union["Scene", Path, Mapping[str, Any]]  # a Scene, a file, JSON text, or a dict as such text has
