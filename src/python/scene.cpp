@@ -17,7 +17,7 @@
 namespace flotilla::python {
 namespace {
 
-constexpr std::array<std::string_view, 4> kMassKinds{"none", "surface_density", "density", "mass"};
+constexpr std::array<std::string_view, 5> kMassKinds{"none", "surface_density", "density", "mass", "line_density"};
 
 struct ShapeOf {
     ScenePointer scene;
@@ -49,16 +49,18 @@ std::vector<Vec3> vertices_of(const py::handle& source) {
     return out;
 }
 
-/// Of any integer type: what does not fit into an index is refused, not cut.
+/// Of any integer type: what does not fit into an index is refused, not cut. A row of two is a segment, of one a point.
 std::vector<Triangle> triangles_of(const py::handle& source) {
     const py::array any(py::reinterpret_borrow<py::object>(source));
-    if (any.ndim() != 2 || any.shape(1) != 3) throw InputError("faces must be an array of shape (n, 3)");
+    if (any.ndim() != 2 || any.shape(1) < 1 || any.shape(1) > 3)
+        throw InputError("faces must be an array of shape (n, 3), or (n, 2) of segments, or (n, 1) of points");
+    const auto width = static_cast<std::size_t>(any.shape(1));
     if (any.size() > 0 && any.dtype().kind() != 'i' && any.dtype().kind() != 'u')
         throw InputError("faces must be whole numbers, indices of vertices");
     const Array<std::int64_t> array(py::reinterpret_borrow<py::object>(any));
     std::vector<Triangle> out(static_cast<std::size_t>(array.shape(0)));
     for (std::size_t i = 0; i < out.size() * 3; ++i) {
-        const std::int64_t vertex = array.data()[i];
+        const std::int64_t vertex = array.data()[i / 3 * width + std::min(i % 3, width - 1)];
         if (vertex < 0 || vertex > std::numeric_limits<std::int32_t>::max())
             throw InputError("faces: vertex " + std::to_string(vertex) + " does not exist");
         out[i / 3][i % 3] = static_cast<std::int32_t>(vertex);
@@ -90,15 +92,16 @@ std::string free_name(const Items& items, const std::string& stem) {
 }
 
 void set_mass(ShapeDescription& shape, std::optional<double> surface_density, std::optional<double> density,
-              std::optional<double> mass) {
-    if (surface_density.has_value() + density.has_value() + mass.has_value() > 1)
-        throw InputError("a shape has one of surface_density, density and mass");
+              std::optional<double> mass, std::optional<double> line_density) {
+    if (surface_density.has_value() + density.has_value() + mass.has_value() + line_density.has_value() > 1)
+        throw InputError("a shape has one of surface_density, density, line_density and mass");
     const auto set = [&](MassKind kind, std::optional<double> value) {
         if (value) shape.mass_kind = kind, shape.mass_value = *value;
     };
     set(MassKind::surface_density, surface_density);
     set(MassKind::density, density);
     set(MassKind::mass, mass);
+    set(MassKind::line_density, line_density);
 }
 
 std::optional<Mat3> inertia_of(const py::object& source) {
@@ -116,14 +119,15 @@ std::optional<Mat3> inertia_of(const py::object& source) {
 
 std::int32_t add_shape(SceneDescription& scene, const py::object& mesh, const std::optional<std::string>& name,
                        double scale, std::optional<double> surface_density, std::optional<double> density,
-                       std::optional<double> mass, const py::object& inertia, std::optional<Vec3> center_of_mass) {
+                       std::optional<double> mass, std::optional<double> line_density, const py::object& inertia,
+                       std::optional<Vec3> center_of_mass) {
     MeshArrays arrays = mesh_of(mesh);
     ShapeDescription shape;
     shape.name = name ? *name : free_name(scene.shapes, "shape");
     shape.vertices = std::move(arrays.vertices);
     shape.triangles = std::move(arrays.triangles);
     for (Vec3& v : shape.vertices) v = {scale * v.x, scale * v.y, scale * v.z};
-    set_mass(shape, surface_density, density, mass);
+    set_mass(shape, surface_density, density, mass, line_density);
     shape.inertia = inertia_of(inertia);
     shape.center_of_mass = center_of_mass;
     scene.shapes.push_back(std::move(shape));
@@ -245,10 +249,10 @@ void bind_shape(py::module_& m) {
             const auto n = static_cast<py::ssize_t>(faces.size());
             return owning_array(std::move(faces), py::dtype::of<std::int32_t>(), {n, 3});
         },
-        "indices of vertices, shape (triangles, 3); a copy");
+        "indices of vertices, shape (triangles, 3), one twice in a row that is a segment, thrice in a point; a copy");
     type.def_property_readonly(
         "mass_kind", [](const ShapeOf& s) { return kMassKinds[static_cast<std::size_t>(s.get().mass_kind)]; },
-        "none, surface_density (kg/m^2), density (kg/m^3) or mass (kg)");
+        "none, surface_density (kg/m^2), density (kg/m^3), line_density (kg/m) or mass (kg)");
     type.def_property_readonly(
         "mass_value", [](const ShapeOf& s) { return s.get().mass_value; }, "in the unit of mass_kind");
     type.def_property_readonly(
@@ -364,12 +368,14 @@ void bind_scene(py::module_& m) {
         "bodies", [](const ScenePointer& s) { return places<BodyOf>(s, s->bodies); }, "a tuple of Body");
     type.def("add_shape", &add_shape, py::arg("mesh"), py::kw_only(), py::arg("name") = py::none(),
              py::arg("scale") = 1.0, py::arg("surface_density") = py::none(), py::arg("density") = py::none(),
-             py::arg("mass") = py::none(), py::arg("inertia") = py::none(), py::arg("center_of_mass") = py::none(),
+             py::arg("mass") = py::none(), py::arg("line_density") = py::none(), py::arg("inertia") = py::none(),
+             py::arg("center_of_mass") = py::none(),
              "Adds a mesh and returns its index. mesh: an object with .vertices (n, 3) and .faces (m, 3), or a pair of "
-             "such arrays; "
+             "such arrays; rows of two numbers in place of three are segments, rows of one are points; "
              "vertices times scale are metres. Mass: surface_density (kg/m^2, thin shell), density (kg/m^3, closed "
-             "mesh) or mass (kg, "
-             "spread over the surface); shapes of static and kinematic bodies need none. inertia: kg m^2 about the "
+             "mesh), line_density (kg/m, segments) or mass (kg, "
+             "spread over the surface, the segments or the points); shapes of static and kinematic bodies need none. "
+             "inertia: kg m^2 about the "
              "centre of mass, "
              "mesh axes, shape (3) or (3, 3); center_of_mass: m, mesh coordinates; both replace what is computed.");
     type.def("add_body", &add_body, py::arg("shape"), py::kw_only(), py::arg("name") = py::none(),

@@ -48,6 +48,26 @@ def test_copies_of_scenes_are_their_own(falling):
         assert falling.bodies[1].position[2] == 0.1
 
 
+def test_rows_of_two_are_segments_and_of_one_points():
+    scene = flotilla.Scene(gravity=(0, 0, 0))
+    corners = numpy.array([(0, 0, 0), (3.0, 0, 0), (0, 4, 0)])
+    wire = scene.add_shape((corners, [(0, 1), (0, 2)]), line_density=2)
+    cloud = scene.add_shape((corners, [[0], [1], [2]]), mass=3)
+    assert [shape.mass_kind for shape in scene.shapes] == ["line_density", "mass"]
+    assert scene.shapes[wire].faces.tolist() == [[0, 1, 1], [0, 2, 2]]
+    assert scene.shapes[cloud].faces.tolist() == [[0, 0, 0], [1, 1, 1], [2, 2, 2]]
+    scene.add_body(wire, angular_velocity=(0, 0, 1))
+    scene.add_body(cloud, position=(0, 0, 1))
+    assert flotilla.read_scene(scene.to_dict()).to_json() == scene.to_json()
+    world = flotilla.World(scene)
+    world.step(3)
+    assert world.angular_velocities[0][2] == pytest.approx(1)
+    with pytest.raises(flotilla.InputError, match="segments"):
+        scene.add_shape((corners, [(0, 1, 2, 0)]))
+    with pytest.raises(flotilla.InputError, match="line_density"):
+        scene.add_shape((corners, [(0, 1)]), line_density=1, mass=1)
+
+
 def test_masses_of_all_kinds(plate):
     scene = flotilla.Scene()
     scene.add_shape(plate, surface_density=2)
@@ -142,7 +162,7 @@ def test_presets_and_settings_of_files(falling):
 
 @pytest.mark.parametrize("mesh, kind", [
     (types.SimpleNamespace(vertices=[(0, 0)], faces=[(0, 0, 0)]), flotilla.InputError),
-    (types.SimpleNamespace(vertices=[(0, 0, 0)], faces=[(0, 0)]), flotilla.InputError),
+    (types.SimpleNamespace(vertices=[(0, 0, 0)], faces=[(0, 0, 0, 0)]), flotilla.InputError),
     (types.SimpleNamespace(vertices=[(0, 0, 0)], faces=[(0.5, 0, 0)]), flotilla.InputError),
     (types.SimpleNamespace(vertices=[(0, 0, 0)], faces=[(0, 0, -1)]), flotilla.InputError),
     (types.SimpleNamespace(vertices=[(0, 0, 0)], faces=[(0, 0, 2**31)]), flotilla.InputError),

@@ -177,8 +177,8 @@ class Scene:
     bodies: Final[tuple[Body, ...]]
     def add_shape(
         self, mesh: MeshLike, *, name: str | None = None, scale: float = 1.0, surface_density: float | None = None,
-        density: float | None = None, mass: float | None = None, inertia: ArrayLike | None = None,
-        center_of_mass: ArrayLike | None = None
+        density: float | None = None, mass: float | None = None, line_density: float | None = None,
+        inertia: ArrayLike | None = None, center_of_mass: ArrayLike | None = None
     ) -> int: ...
     def add_body(
         self, shape: int | str, *, name: str | None = None, type: str = "dynamic", position: ArrayLike = ...,
