@@ -99,6 +99,7 @@ class RigidIpcReader : JsonReader {
     void read_motion(const Json& value, const JsonPlace& at, FileBody& body);
     void read_loads(const Json& value, const JsonPlace& at, FileBody& body);
     void read_script(const Json& value, const JsonPlace& at, FileBody& body);
+    void check_turns(const JsonPlace& at, FileBody& body);
     void read_group(const Json& value, const JsonPlace& at, FileBody& body);
     void list_groups();
     void add_body(const FileBody& file, const std::string& name);
@@ -264,11 +265,26 @@ void RigidIpcReader::read_loads(const Json& value, const JsonPlace& at, FileBody
     body.torque = kDegree * torque; // it takes a torque for an angle: 300 means 300 pi / 180 N m
 }
 
+/// Keyframes are made of turns, and none of their numbers would tell that a turn was beyond all reach.
+void RigidIpcReader::check_turns(const JsonPlace& at, FileBody& body) {
+    const auto check = [&](const JsonPlace& place, Vec3& turn, double most, const char* unit) {
+        const double largest = max_component(abs(turn));
+        if (largest <= most) return;
+        problem(place, "component " + to_text(largest) + " exceeds the limit of " + to_text(most) + unit);
+        turn = {};
+    };
+    check(at.member("angular_velocity"), body.angular_velocity, kMaxAngularVelocity, " rad/s");
+    for (std::size_t k = 0; k < body.poses.size(); ++k)
+        check(at.member("kinematic_poses").element(k).member("rotation"), body.poses[k].rotation,
+              kMaxAngularVelocity * kMaxTime, " rad");
+}
+
 void RigidIpcReader::read_script(const Json& value, const JsonPlace& at, FileBody& body) {
     double most = -1;
     get(most, value, at, "kinematic_max_time");
     if (most >= 0) body.script_end = most;
     get(body.poses, value, at, "kinematic_poses");
+    check_turns(at, body);
     const double end = std::min(body.script_end, origin_.duration), steps = end / file_step_;
     if (!body.poses.empty() && static_cast<double>(body.poses.size()) < steps - 1e-9)
         warn(at.member("kinematic_poses"), "end before the body does at " + to_text(end) + " s; it keeps the last");

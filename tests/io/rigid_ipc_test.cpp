@@ -311,6 +311,13 @@ TEST(RigidIpc, EveryProblemOnceAndAtItsPlaceInTheFile) {
         refusal(scene(brick(R"("type": "kinematic", "angular_velocity": [0, 1, 0])"), "", R"("max_time": 1e6, )")),
         "f.json: /rigid_body_problem/rigid_bodies/0/angular_velocity: needs 5e+07 keyframes, one a step; all scripts "
         "together may have 1e+06");
+    EXPECT_EQ(
+        refusal(scene(brick(R"("type": "kinematic", "angular_velocity": [0, 7, 1e300])"))),
+        "f.json: /rigid_body_problem/rigid_bodies/0/angular_velocity: component 1.7453292519943297e+298 exceeds the "
+        "limit of 1e+06 rad/s");
+    EXPECT_EQ(refusal(scene(brick(R"("type": "kinematic", "kinematic_poses": [{"rotation": [1e300, 0, 0]}])"))),
+              "f.json: /rigid_body_problem/rigid_bodies/0/kinematic_poses/0/rotation: component 1e+300 "
+              "exceeds the limit of 1e+15 rad");
     EXPECT_EQ(refusal("{\"rigid_body_problem\": 3}"), "f.json: /rigid_body_problem: must be an object, got 3");
 }
 
