@@ -14,6 +14,7 @@
 
 #include "base/vec3.hpp"
 #include "extremes/check.hpp"
+#include "fuzz/small_scene.hpp"
 #include "step/scene_parts.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -28,13 +29,6 @@ bool is_small(const SceneDescription& scene) {
     for (const BodyDescription& b : scene.bodies)
         triangles += scene.shapes[static_cast<std::size_t>(b.shape)].triangles.size();
     return scene.bodies.size() <= kMostBodies && triangles <= kMostTriangles;
-}
-
-void cut_limits(Settings& s) {
-    s.substeps = std::min(s.substeps, 2);
-    for (int* limit : {&s.collision_iterations, &s.collision_pair_iterations, &s.dynamic_iterations,
-                       &s.dynamic_pair_iterations, &s.static_iterations})
-        *limit = std::min(*limit, 20);
 }
 
 double extent(const TriangleMesh& mesh) {

@@ -8,30 +8,17 @@
 
 #include "fuzz/checks.hpp"
 #include "fuzz/input.hpp"
-#include "mesh/primitives.hpp"
+#include "fuzz/small_scene.hpp"
 #include "state/build_model.hpp"
 #include "state/snapshot.hpp"
-#include "step/scene_parts.hpp"
 #include "step/stepper.hpp"
 
 namespace {
 
 using namespace flotilla;
 
-SceneDescription small_pile() {
-    SceneDescription scene;
-    const std::int32_t box = scenario::add_shape(scene, make_box(1, 1, 1), 1);
-    const std::int32_t plate = scenario::add_shape(scene, make_plate(4, 4));
-    scenario::add_body(scene, box, BodyType::dynamic, {0, 0, 0.501});
-    scenario::add_body(scene, box, BodyType::dynamic, {0.1, 0, 1.51}).velocity = {0, 0, -2};
-    scenario::add_body(scene, plate, BodyType::fixed, {});
-    BodyDescription& lid = scenario::add_body(scene, plate, BodyType::kinematic, {0, 0, 4});
-    lid.keyframes = {{0, {0, 0, 4}, {}}, {1, {0, 0, 3}, {}}};
-    return scene;
-}
-
 struct Start {
-    SceneDescription description = small_pile();
+    SceneDescription description = fuzz::small_pile();
     Model model = make_model(build_scene(description));
     State state = initial_state(build_scene(description), model);
     std::uint64_t scene = scene_hash(model, state);
