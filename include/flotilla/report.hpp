@@ -36,9 +36,9 @@ inline constexpr std::array<std::string_view, kNumPhases> kPhaseNames{
 
 /// Reasons to look at a step; a set of bits. Each names the setting to raise.
 enum StepWarning : std::uint32_t {
-    /// collision_iterations ended stage 1 before it was quiet.
+    /// Stage 1 ended before it was quiet: at collision_iterations, or as more sweeps gained nothing.
     kCollisionLimit = 1u << 0,
-    /// dynamic_iterations ended Algorithm 2: the failsafe had to finish.
+    /// Algorithm 2 was given up, at dynamic_iterations or as more sweeps gained nothing: the failsafe had to finish.
     kDynamicLimit = 1u << 1,
     /// A contact solve ended above its tolerance (of fast bodies: and above the rounding of its normals): at
     /// static_iterations, or as more sweeps gained nothing.

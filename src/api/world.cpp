@@ -266,8 +266,8 @@ StepReport World::step() {
 /// Those that the step before did not have.
 void World::Impl::say_warnings(const StepReport& report) {
     constexpr std::array<std::pair<StepWarning, std::string_view>, 6> kTexts{
-        {{kCollisionLimit, "stage 1 ended at collision_iterations"},
-         {kDynamicLimit, "dynamic contact ended at dynamic_iterations: the failsafe had to finish"},
+        {{kCollisionLimit, "stage 1 ended before it was quiet"},
+         {kDynamicLimit, "dynamic contact was given up: the failsafe had to finish"},
          {kStaticLimit, "a contact solve ended above its tolerance"},
          {kScriptDelayed, "a scripted body was held, as bodies were in its way"},
          {kReboundLost, "a body that the failsafe held lost a rebound"},

@@ -3,14 +3,30 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "base/index.hpp"
 #include "collision/pair_hits.hpp"
+#include "pair/progress.hpp"
 
 namespace flotilla {
 namespace {
 
 constexpr std::size_t kPairGrain = 16, kBodyGrain = 16; // items of a task
+
+std::pair<std::int32_t, std::int32_t> bodies_of_hit(const KeptHit& hit) { return {hit.a, hit.b}; }
+std::pair<std::int32_t, std::int32_t> bodies_of_found(const FoundHit& found) {
+    return {found.record->a, found.record->b};
+}
+
+/// How many pairs of bodies hits have that are sorted by bodies.
+template <class Hit, class Bodies>
+std::size_t num_pairs(const std::vector<Hit>& hits, Bodies&& bodies) {
+    std::size_t pairs = 0;
+    for (std::size_t i = 0; i < hits.size(); ++i)
+        if (i == 0 || bodies(hits[i]) != bodies(hits[i - 1])) ++pairs;
+    return pairs;
+}
 
 bool by_bodies(const KeptHit& x, const KeptHit& y) { return std::tuple(x.a, x.b) < std::tuple(y.a, y.b); }
 
@@ -22,11 +38,12 @@ class Accumulation {
     StageCounters run() {
         lists_.hits.clear();
         for (int left = data_.model.settings.collision_iterations;; --left) {
-            counters_.limit = left <= 0;
+            counters_.limit = left <= 0 || progress_.stalled();
             if (counters_.limit) break;
             look();
             if (lists_.found.empty()) break;
             keep();
+            progress_.add(num_pairs(lists_.found, bodies_of_found), num_pairs(lists_.hits, bodies_of_hit));
             solve();
             if (!move()) break;
         }
@@ -187,6 +204,7 @@ class Accumulation {
     const KnownContacts& known_;
     HitLists& lists_;
     StageCounters counters_;
+    Progress progress_;
 };
 
 } // namespace

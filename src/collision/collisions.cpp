@@ -6,6 +6,7 @@
 #include "base/index.hpp"
 #include "collision/pair_hits.hpp"
 #include "pair/ordered_sweep.hpp"
+#include "pair/progress.hpp"
 #include "parallel/compact.hpp"
 
 namespace flotilla {
@@ -47,8 +48,8 @@ void push_all(const StepData& data, Worker& worker, const CandidatePair& pair) {
     data.clusters.evolve(pair.b, data.dt, data.trajectories);
 }
 
-/// Resolves the hits of one pair in consecutive order, then its fast end proximities.
-void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
+/// Resolves the hits of one pair in consecutive order, then its fast end proximities. Whether it applied an impulse.
+bool collide(const StepData& data, Worker& worker, const ListedPair& listed) {
     PairRecord& record = *listed.record;
     const CandidatePair& pair = listed.pair;
     ++worker.counters.pairs;
@@ -56,7 +57,7 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
     const double restitution = pair_restitution(data.model, pair.a, pair.b);
     worker.manifold.start(data.clusters.impulsive(pair.a), data.clusters.impulsive(pair.b));
     for (int i = 0; i < data.model.settings.collision_pair_iterations; ++i) {
-        if (!find_hits(data, worker, record)) return;
+        if (!find_hits(data, worker, record)) return i > 0;
         const ContactPoint point = worker.hits[0];
         const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
         if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.changes)) {
@@ -69,12 +70,13 @@ void collide(const StepData& data, Worker& worker, const ListedPair& listed) {
             record.left_a = data.trajectories.version(at(pair.a));
             record.left_b = data.trajectories.version(at(pair.b));
             ++worker.counters.left;
-            return;
+            return i > 0;
         }
         record.active = true;
         worker.manifold.add(point, restitution, *impulse);
         push(data, worker, pair.a, pair.b, point, *impulse);
     }
+    return data.model.settings.collision_pair_iterations > 0;
 }
 
 /// Adds the pairs of a list that had an impulse in this step to those of earlier lists, sorted.
@@ -90,27 +92,35 @@ void merge_active(StepData& data, const std::vector<ListedPair>& list, std::vect
 }
 
 /// Runs the stale pairs of a list, `rounds` times or until none is left; odd sweeps go backwards. Returns the number of
-/// sweeps that found any.
-int sweep(StepData& data, const std::vector<ListedPair>& list, int rounds, StageCounters& counters) {
+/// sweeps that found any, and in `hitting` how many pairs hit in each of them.
+std::size_t sweep(StepData& data, const std::vector<ListedPair>& list, int rounds, StageCounters& counters,
+                  std::vector<std::size_t>& hitting) {
     const auto current = [&](std::size_t i) {
         const PairRecord& r = *list[i].record;
         return proved(data, r) || missed(data, r) || left(data, r);
     };
     const auto fetch = [&](std::size_t i) { fetch_record(*list[i].record); };
     const auto count = static_cast<std::size_t>(rounds);
-    for (const auto& worker : data.workers) worker->work.assign(count, 0);
+    for (const auto& worker : data.workers) {
+        worker->work.assign(count, 0);
+        worker->hitting.assign(count, 0);
+    }
     const auto pair_of = [&](std::size_t i) { return list[i].pair; };
     run_in_order(data, "collide", {order_by_color(data, list.size(), pair_of), counters.sweeps % 2 != 0, rounds},
                  current, fetch, [&](std::size_t i, int round, Worker& worker) {
-                     collide(data, worker, list[i]);
-                     ++worker.work[static_cast<std::size_t>(round)];
+                     if (collide(data, worker, list[i])) ++worker.hitting[at(round)];
+                     ++worker.work[at(round)];
                  });
     collect(data, counters);
-    int sweeps = 0;
-    for (std::size_t r = 0; r < count; ++r)
-        sweeps += std::any_of(data.workers.begin(), data.workers.end(), [&](const auto& w) { return w->work[r] > 0; });
-    counters.sweeps += sweeps;
-    return sweeps;
+    hitting.clear();
+    for (std::size_t r = 0; r < count; ++r) {
+        if (std::none_of(data.workers.begin(), data.workers.end(), [&](const auto& w) { return w->work[r] > 0; }))
+            continue;
+        hitting.push_back(0);
+        for (const auto& worker : data.workers) hitting.back() += worker->hitting[r];
+    }
+    counters.sweeps += static_cast<std::int64_t>(hitting.size());
+    return hitting.size();
 }
 
 } // namespace
@@ -122,13 +132,18 @@ StageCounters handle_collisions(StepData& data, const KnownContacts& known, HitL
     active.clear();
     const int limit = data.model.settings.collision_iterations;
     const auto left = [&] { return limit - static_cast<int>(counters.sweeps); };
-    while (left() > 0) {
+    Progress progress;
+    std::vector<std::size_t> hitting;
+    const auto add_sweeps = [&] {
+        for (const std::size_t pairs : hitting) progress.add(pairs, active.size());
+    };
+    while (left() > 0 && !progress.stalled()) {
         const std::vector<ListedPair>& list = freeze(data, true);
         if (data.savings.calm_pairs)
             prove_early(data, [&](PairRecord& record, Worker& worker) { return examine(data, worker, record); });
         const std::size_t proved_early = list.size() - data.lists.num_open;
         counters.pairs += static_cast<std::int64_t>(proved_early);
-        if (data.lists.num_open == 0 || sweep(data, list, 1, counters) == 0) {
+        if (data.lists.num_open == 0 || sweep(data, list, 1, counters, hitting) == 0) {
             // What was known of pairs, a cache, must not decide how many sweeps count: proving pairs in turn would have
             // been one.
             if (proved_early > 0) ++counters.sweeps;
@@ -136,7 +151,10 @@ StageCounters handle_collisions(StepData& data, const KnownContacts& known, HitL
             return counters;
         }
         merge_active(data, list, active);
-        if (left() > 0) sweep(data, active, std::min(kActiveSweeps, left()), counters);
+        add_sweeps();
+        if (left() <= 0) break;
+        sweep(data, active, std::min(kActiveSweeps, left()), counters, hitting);
+        add_sweeps();
     }
     counters.limit = true;
     return counters;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "dynamic_contact/dynamic_contact.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "pair/ordered_sweep.hpp"
+#include "pair/progress.hpp"
 
 namespace flotilla {
 namespace {
@@ -56,10 +58,11 @@ DynamicContactStats handle_dynamic_contact(StepData& data) {
     std::vector<Resolution> resolutions;
     std::vector<Request> requests;
     Patience patience(data.model.settings.dynamic_iterations);
+    Progress progress;
     for (int sweep = 0;; ++sweep) {
         freeze_clusters(data, list);
         if (list.empty()) return stats;
-        if (!patience.allows(sweep, list.size())) {
+        if (!patience.allows(sweep, list.size()) || progress.stalled()) {
             stats.counters.limit = true;
             return stats;
         }
@@ -85,6 +88,8 @@ DynamicContactStats handle_dynamic_contact(StepData& data) {
                     resolve_inelastic(data, worker, list[i].a, list[i].b, data.model.settings.dynamic_pair_iterations);
             });
         collect(data, stats.counters);
+        const auto hits = std::count_if(resolutions.begin(), resolutions.end(), [](const auto& r) { return r.found; });
+        progress.add(static_cast<std::size_t>(hits), list.size());
         requests.clear();
         for (std::size_t i = 0; i < list.size(); ++i) {
             const auto k = static_cast<std::size_t>(order[backwards ? list.size() - 1 - i : i]);

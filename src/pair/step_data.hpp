@@ -44,6 +44,7 @@ struct alignas(64) Worker {
     std::vector<FoundHit> found;
     StageCounters counters;
     std::vector<std::int64_t> work;    ///< operations run, by round of a sweep
+    std::vector<std::size_t> hitting;  ///< of these, those that applied an impulse
     std::vector<CandidatePair> pushed; ///< clusters that had an impulse in the step; equal ones may come again
 };
 using Workers = std::vector<std::unique_ptr<Worker>>;

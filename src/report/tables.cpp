@@ -67,9 +67,11 @@ struct WarningText {
     const char* advice;
 };
 constexpr std::array kWarnings{
-    WarningText{kCollisionLimit, "collisions: the limit of iterations ended stage 1 before it was quiet",
+    WarningText{kCollisionLimit,
+                "collisions: stage 1 ended before it was quiet, at the limit of sweeps or as they gained nothing",
                 "raise collision_iterations"},
-    WarningText{kDynamicLimit, "dynamic contact: the limit of iterations was reached and the failsafe had to finish",
+    WarningText{kDynamicLimit,
+                "dynamic contact: the failsafe had to finish, after the limit of sweeps or as they gained nothing",
                 "raise dynamic_iterations"},
     WarningText{kStaticLimit,
                 "static contact: a solve ended above its tolerance, at the limit of sweeps or as they gained nothing",

@@ -115,8 +115,8 @@ const std::vector<SettingRow>& table() {
          kMaxSweeps,
          {},
          "limit of sweeps of Algorithm 1, or of looks at all pairs where collisions are accumulated",
-         "sweeps end by themselves when quiet; a limit below about 30 leaves work to the failsafe, which freezes "
-         "piles"},
+         "sweeps end by themselves when quiet, or when they gain nothing; a limit below about 30 leaves work to the "
+         "failsafe, which freezes piles"},
         {"collision_pair_iterations",
          &Settings::collision_pair_iterations,
          "",
@@ -131,7 +131,8 @@ const std::vector<SettingRow>& table() {
          0,
          kMaxSweeps,
          {},
-         "sweeps of Algorithm 2 after which it is given up unless the pairs left get fewer",
+         "sweeps of Algorithm 2 after which it is given up unless the pairs left get fewer; before, when they gain "
+         "nothing",
          "a limit below about 50 leaves work to the failsafe"},
         {"dynamic_pair_iterations",
          &Settings::dynamic_pair_iterations,

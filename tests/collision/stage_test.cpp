@@ -69,6 +69,15 @@ TEST_P(CollisionStage, WithoutSweepsItSaysSoAndLeavesAllAsItWas) {
     expect_velocities(world, {10, 0});
 }
 
+TEST_P(CollisionStage, EndsWhereShellsHandEachOtherOnWhatNoBlowEnds) {
+    SceneDescription s = test::nested_boxes(scene(), 4);
+    s.settings.collision_iterations = 200;
+    StageWorld world(s);
+    const StageCounters counters = collide(world);
+    EXPECT_TRUE(counters.limit) << "what is left is for later stages";
+    EXPECT_LE(counters.sweeps, 60);
+}
+
 /// 27 bodies of three shapes that fly towards the middle, spinning.
 SceneDescription implosion(SceneDescription s) {
     const std::int32_t shapes[] = {add_shape(s, make_box(1, 0.7, 0.4), 3), add_shape(s, make_plate(1, 1), 1),

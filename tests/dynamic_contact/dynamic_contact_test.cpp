@@ -151,6 +151,18 @@ TEST(DynamicContact, SpendsNoImpulsesOnWhatTurnsTooFar) {
     }
 }
 
+TEST(DynamicContact, IsGivenUpWhereNoPushEndsTheHits) {
+    SceneDescription s = test::nested_boxes(test::weightless_scene(), 3);
+    s.settings.dynamic_iterations = 1000;
+    BodyDescription& outer = s.bodies[0]; // no cluster can be made with it
+    outer.type = BodyType::fixed;
+    outer.velocity = outer.angular_velocity = {};
+    StageWorld world(s);
+    const DynamicContactStats stats = run(world);
+    EXPECT_TRUE(stats.counters.limit) << "the failsafe's to solve";
+    EXPECT_LE(stats.counters.sweeps, 20);
+}
+
 /// A row that is pushed together from both ends, hitting in every gap.
 SceneDescription crush() {
     std::vector<std::pair<double, double>> bodies;

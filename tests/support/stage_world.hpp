@@ -131,4 +131,17 @@ inline std::int32_t add_octahedron(SceneDescription& scene, double mass, double 
     return scenario::add_shape(scene, scenario::make_octahedron(radius), mass);
 }
 
+/// Boxes in each other, with less room than they turn: whatever a blow does to one of them, it hits the next.
+inline SceneDescription nested_boxes(SceneDescription scene, int count) {
+    scene.settings.trajectory = Trajectory::rigid;
+    double size = 1;
+    for (int i = 0; i < count; ++i, size *= 0.998) {
+        const std::int32_t shape = scenario::add_shape(scene, make_box(size, size, size), 1);
+        BodyDescription& body = scenario::add_body(scene, shape, BodyType::dynamic, {}, 0.5, 0);
+        body.angular_velocity = {300.0 - 60 * i, 150.0 * (i % 2), 100};
+        body.velocity = {0.1 * (i % 3), 0, 0};
+    }
+    return scene;
+}
+
 } // namespace flotilla::test
