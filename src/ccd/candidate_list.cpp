@@ -30,6 +30,20 @@ Displacement displacement_of(const RigidShape& shape, const MatrixPose& from, co
             Vec3{dot(abs(row(turn, 0)), half), dot(abs(row(turn, 1)), half), dot(abs(row(turn, 2)), half)}};
 }
 
+bool in_range(const BodyMotion& a, const BodyMotion& b) { return std::max(a.max_abs(), b.max_abs()) < kLargestListed; }
+
+ListingReach listing_reach(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
+                           const CandidateMargins& margins) {
+    const double max_abs = std::max(a.max_abs(), b.max_abs()), room = (kRounding + kExcessRounding) * max_abs;
+    const CoarseReach r0(reach.swept + room, max_abs), r1(std::max(reach.swept, reach.end) + room, max_abs);
+    const float scale0 = margins.start > 0 ? static_cast<float>(margins.end / margins.start) : kNoStraying;
+    const auto margin = static_cast<float>(margins.end * kScaleRoom);
+    // Beyond the range of float everything is listed.
+    constexpr float kAll = std::numeric_limits<float>::infinity();
+    if (!in_range(a, b)) return {kAll, kAll, scale0, margin};
+    return {r0.distance(), r1.distance(), scale0, margin};
+}
+
 } // namespace
 
 double relative_displacement(const RigidShape& a, const MatrixPose& a_from, const MatrixPose& a_to, const RigidShape& b,
@@ -52,29 +66,39 @@ double CandidateList::strayed_at_end(const BodyMotion& a, const BodyMotion& b) c
     return relative_displacement(*a.shape, end_[0], matrix_pose(a.at1), *b.shape, end_[1], matrix_pose(b.at1));
 }
 
-bool CandidateList::build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
-                          const CandidateMargins& margins, bool refined, ListingScratch& scratch) {
+void CandidateList::start(const BodyMotion& a, const BodyMotion& b, const CandidateMargins& margins) {
     start_ = {matrix_pose(a.at0), matrix_pose(b.at0)};
     end_ = {matrix_pose(a.at1), matrix_pose(b.at1)};
     margins_ = margins;
-    const double max_abs = std::max(a.max_abs(), b.max_abs()), room = (kRounding + kExcessRounding) * max_abs;
-    const CoarseReach r0(reach.swept + room, max_abs), r1(std::max(reach.swept, reach.end) + room, max_abs);
-    scale0_ = margins.start > 0 ? static_cast<float>(margins.end / margins.start) : kNoStraying;
-    const auto margin = static_cast<float>(margins.end * kScaleRoom);
-    slots_per_metre_ = margin > 0 ? kSlots / margin : 0;
-    // Beyond the range of float everything is listed.
-    constexpr float kAll = std::numeric_limits<float>::infinity();
-    const bool in_range = max_abs < kLargestListed;
-    std::size_t n =
-        list(a, b, {in_range ? r0.distance() : kAll, in_range ? r1.distance() : kAll, scale0_, margin}, scratch.found);
+}
+
+bool CandidateList::build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
+                          const CandidateMargins& margins, bool refined, ListingScratch& scratch) {
+    start(a, b, margins);
+    of_leaves_ = false;
+    const ListingReach listed = listing_reach(a, b, reach, margins);
+    scale0_ = listed.scale0;
+    slots_per_metre_ = listed.margin > 0 ? kSlots / listed.margin : 0;
+    std::size_t n = list(a, b, listed, scratch.found);
     if (n > kMostListed) {
         drop();
         return false;
     }
-    refined_ = refined && in_range && margins.start > 0;
+    refined_ = refined && in_range(a, b) && margins.start > 0;
     if (refined_) n = refine(a, b, reach, std::span(scratch.found).first(n));
     store(std::span(scratch.found).first(n));
     return true;
+}
+
+bool CandidateList::build_of_leaves(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
+                                    double margin_at_end) {
+    const CandidateMargins margins{0, margin_at_end};
+    start(a, b, margins);
+    of_leaves_ = true;
+    refined_ = false;
+    if (leaves_.find(a, b, listing_reach(a, b, reach, margins))) return true;
+    drop();
+    return false;
 }
 
 // Straying by x along every axis, both at the start and at the end of the step, moves points of the two bodies by at
@@ -136,10 +160,12 @@ void CandidateList::drop() {
     margins_ = {-1, -1};
     features_.clear();
     begin_ = {};
+    leaves_.drop();
 }
 
 double CandidateList::room_at_end(double strayed) const {
     constexpr double kFloatRoom = 1 - 0x1p-20; // for the rounding of slot()
+    if (of_leaves_) return -strayed;
     double room = margins_.end;
     for (int s = 0; s < kSlots && room == margins_.end; ++s)
         for (int place = s; place < 3 * kSlots; place += kSlots)
@@ -157,8 +183,9 @@ int CandidateList::last_slot(FeatureTest test, const CandidateMargins& strayed) 
 std::span<const FeaturePair> CandidateList::select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,
                                                    const CandidateMargins& strayed, const CoarseReach& reach,
                                                    FeatureBuffer& buffer) const {
+    if (of_leaves_) return leaves_.select(test, a, b, reach, buffer);
     if (features_.empty()) return {};
-    if (buffer.size() < size() + 1) buffer.resize(size() + 1);
+    if (buffer.pairs.size() < size() + 1) buffer.pairs.resize(size() + 1);
     const FeatureArrays arrays_a = feature_arrays(a), arrays_b = feature_arrays(b);
     const Isa isa = best_isa();
     const auto slots = static_cast<std::size_t>(last_slot(test, strayed)) + 1;
@@ -167,9 +194,9 @@ std::span<const FeaturePair> CandidateList::select(FeatureTest test, const BodyM
         const std::size_t first = static_cast<std::size_t>(kind) * kSlots;
         n += static_cast<std::size_t>(select_features(test, kind, features_.data() + begin_[first],
                                                       static_cast<long>(begin_[first + slots] - begin_[first]),
-                                                      arrays_a, arrays_b, reach, buffer.data() + n, isa));
+                                                      arrays_a, arrays_b, reach, buffer.pairs.data() + n, isa));
     }
-    return {buffer.data(), n};
+    return {buffer.pairs.data(), n};
 }
 
 } // namespace flotilla

@@ -8,7 +8,8 @@
 //
 // Within the list the feature pairs stand in the order in which they become possible: for each the build finds how far
 // a motion must stray from the reference before it can matter, and a query reads those within what its own motion
-// strays.
+// strays. Of pairs that are fast, whose lists serve one step, the leaves are listed in place of their features
+// (leaf_pairs.hpp): found in a fraction of the time.
 //
 // A list changes the cost of a query and never a bit of its answer: it holds every feature pair that the query of any
 // covered motion examines, and the query itself decides by the features' own boxes (pair_query.hpp).
@@ -19,12 +20,9 @@
 #include <span>
 #include <vector>
 
-#include "ccd/feature_listing.hpp"
+#include "ccd/leaf_pairs.hpp"
 
 namespace flotilla {
-
-/// A buffer of feature pairs; one per thread, reused. It grows and never shrinks.
-using FeatureBuffer = std::vector<FeaturePair>;
 
 /// How far a motion may stray from the reference at the start and at the end of the step, both bodies together, m.
 struct CandidateMargins {
@@ -74,11 +72,15 @@ class CandidateList {
     /// one of these pairs.
     [[nodiscard]] bool build(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
                              const CandidateMargins& margins, bool refined, ListingScratch& scratch);
+    /// The same of leaves, for motions that start where this one does: conservative queries alone may ask it. False:
+    /// there are more than LeafPairs::kMost.
+    [[nodiscard]] bool build_of_leaves(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
+                                       double margin_at_end);
     void drop();
 
     /// All pairs of the list whose coarse boxes come within the reach, which is at most the list's (FeatureTest::near:
     /// for bodies that rest at the end of a covered motion, of which `strayed` need say no more than that). They stand
-    /// in `buffer`, until its next use.
+    /// in `buffer`, until its next use. A list of leaves leaves out what it proves to be no hit (LeafPairs::select).
     [[nodiscard]] std::span<const FeaturePair> select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,
                                                       const CandidateMargins& strayed, const CoarseReach& reach,
                                                       FeatureBuffer& buffer) const;
@@ -90,15 +92,18 @@ class CandidateList {
 
     [[nodiscard]] bool empty() const { return margins_.end < 0; } ///< there is no list
     [[nodiscard]] bool refined() const { return refined_; }
-    [[nodiscard]] std::size_t size() const { return features_.size(); }
+    [[nodiscard]] std::size_t size() const { return of_leaves_ ? leaves_.size() : features_.size(); }
 
     static constexpr std::size_t kMostListed = std::size_t{1} << 20; ///< 16 MB while it is made, 8 MB kept
 
-    [[nodiscard]] std::size_t memory() const { return features_.capacity() * sizeof(FeatureIds); } ///< bytes
+    [[nodiscard]] std::size_t memory() const { ///< bytes
+        return features_.capacity() * sizeof(FeatureIds) + leaves_.memory();
+    }
 
   private:
     static constexpr int kSlots = 16;
 
+    void start(const BodyMotion& a, const BodyMotion& b, const CandidateMargins& margins);
     /// What was listed, or more than kMostListed.
     static std::size_t list(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach,
                             std::vector<ListedFeature>& out);
@@ -113,10 +118,11 @@ class CandidateList {
 
     std::array<MatrixPose, 2> start_, end_; ///< of the reference motion
     CandidateMargins margins_{-1, -1};
-    bool refined_ = false;
+    bool refined_ = false, of_leaves_ = false;
     float scale0_ = 0, slots_per_metre_ = 0;            ///< of the listing
     std::vector<FeatureIds> features_;                  ///< by kind, and of a kind by slot
     std::array<std::uint32_t, 3 * kSlots + 1> begin_{}; ///< where each kind's slots begin
+    LeafPairs leaves_;
 };
 
 /// A list that covers the motion of a query, which strays by so much from the list's reference. Null: there is none.

@@ -28,6 +28,22 @@ long open_node_pairs(const ListingArrays& a, const ListingArrays& b, const Listi
     return open_node_pairs_by<BoxPack>(a, b, reach, stack, leaves, room);
 }
 
+long meeting_leaves(const ListingArrays& a, const ListingArrays& b, float reach, const NodeIds* leaves, long count,
+                    std::int32_t* out, Isa isa) {
+#if defined(__x86_64__)
+    if (isa != Isa::scalar) return meeting_leaves_avx2(a, b, reach, leaves, count, out);
+#endif
+    return meeting_leaves_by<BoxPack>(a, b, reach, leaves, count, out);
+}
+
+void select_leaf_features(const ListingArrays& a, const ListingArrays& b, float reach, const NodeIds* leaves,
+                          long count, SelectedFeatures& selected, Isa isa) {
+#if defined(__x86_64__)
+    if (isa != Isa::scalar) return select_leaf_features_avx2(a, b, reach, leaves, count, selected);
+#endif
+    select_leaf_features_by<BoxPack>(a, b, reach, leaves, count, selected);
+}
+
 long list_features(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach, const NodeIds* leaves,
                    long count, ListedFeature* out, Isa isa) {
 #if defined(__x86_64__)

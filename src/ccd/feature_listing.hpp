@@ -53,15 +53,34 @@ struct ListedFeature {
 /// stack's pairs are taken to meet.
 [[nodiscard]] long open_node_pairs(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
                                    ListingStack& stack, NodeIds* leaves, long room, Isa isa);
+/// Writes the places of those leaf pairs whose boxes come within a reach (CoarseReach::distance) at some time; returns
+/// how many. `out` has room for all.
+[[nodiscard]] long meeting_leaves(const ListingArrays& a, const ListingArrays& b, float reach, const NodeIds* leaves,
+                                  long count, std::int32_t* out, Isa isa);
 /// Lists the feature pairs that leaf pairs own; returns how many. `out` has room for kFeaturesPerTrianglePair for each
 /// pair of their triangles and one more.
 [[nodiscard]] long list_features(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
                                  const NodeIds* leaves, long count, ListedFeature* out, Isa isa);
 inline constexpr std::size_t kFeaturesPerTrianglePair = 15;
 
+/// What is selected of leaf pairs, by kind. Each kind has room for as many as the pairs of triangles own at most, and
+/// one more.
+struct SelectedFeatures {
+    FeaturePair* out[3];
+    long count[3];
+};
+inline constexpr std::size_t kKindsPerTrianglePair[3] = {3, 3, 9};
+/// Those of the feature pairs that leaf pairs own whose boxes come within a reach (CoarseReach::distance) at some time.
+void select_leaf_features(const ListingArrays& a, const ListingArrays& b, float reach, const NodeIds* leaves,
+                          long count, SelectedFeatures& selected, Isa isa);
+
 /// Compiled for its instruction set: call only where the processor has it.
 long open_node_pairs_avx2(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
                           ListingStack& stack, NodeIds* leaves, long room);
+long meeting_leaves_avx2(const ListingArrays& a, const ListingArrays& b, float reach, const NodeIds* leaves, long count,
+                         std::int32_t* out);
+void select_leaf_features_avx2(const ListingArrays& a, const ListingArrays& b, float reach, const NodeIds* leaves,
+                               long count, SelectedFeatures& selected);
 long list_features_avx2(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
                         const NodeIds* leaves, long count, ListedFeature* out);
 

@@ -93,6 +93,21 @@ inline long open_node_pairs_by(const ListingArrays& a, const ListingArrays& b, c
     return n;
 }
 
+template <class B>
+inline long meeting_leaves_by(const ListingArrays& a, const ListingArrays& b, float reach, const NodeIds* leaves,
+                              long count, std::int32_t* out) {
+    const B within = B::all(reach);
+    long n = 0;
+    for (long i = 0; i < count; ++i) {
+        const NodeIds p = leaves[i];
+        const auto box_a = load_moving<B>(a.nodes0, a.nodes1, p.a),
+                   box_b = turned(load_moving<B>(b.nodes0, b.nodes1, p.b));
+        out[n] = static_cast<std::int32_t>(i); // written in any case, kept or not: no branch to be mispredicted
+        n += any_greater_twice(box_a.at0 + box_b.at0, within, box_a.at1 + box_b.at1, within) ? 0 : 1;
+    }
+    return n;
+}
+
 /// A triangle with the boxes of its corners, its edges and itself.
 template <class B>
 struct ListedTriangle {
@@ -159,18 +174,70 @@ class FeatureLister {
     long n_ = 0;
 };
 
+/// Of features by their boxes alone, for a third of the work of listing them by distances.
 template <class B>
-inline long list_features_by(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
-                             const NodeIds* leaves, long count, ListedFeature* out) {
-    FeatureLister<B> lister(reach, out);
+class FeatureSelector {
+  public:
+    FeatureSelector(float reach, SelectedFeatures& selected) : within_(B::all(reach)), selected_(selected) {}
+
+    [[gnu::always_inline]] void add(const ListedTriangle<B>& a, const ListedTriangle<B>& b) {
+        if (!meet(a.box, b.box)) return;
+        for (int k = 0; k < 3; ++k) {
+            if ((a.owned >> k & 1u) != 0) offer(FeatureKind::vertex_face, a.corners[k], b.number, a.corner[k], b.box);
+            if ((b.owned >> k & 1u) != 0) offer(FeatureKind::face_vertex, a.number, b.corners[k], a.box, b.corner[k]);
+        }
+        for (int k = 0; k < 3; ++k) {
+            if ((a.owned >> (3 + k) & 1u) == 0 || !meet(a.edge[k], b.box)) continue;
+            for (int l = 0; l < 3; ++l)
+                if ((b.owned >> (3 + l) & 1u) != 0)
+                    offer(FeatureKind::edge_edge, a.edges[k], b.edges[l], a.edge[k], b.edge[l]);
+        }
+    }
+
+  private:
+    [[nodiscard]] bool meet(const MovingPack<B>& p, const MovingPack<B>& turned_q) const {
+        return !any_greater_twice(p.at0 + turned_q.at0, within_, p.at1 + turned_q.at1, within_);
+    }
+    [[gnu::always_inline]] void offer(FeatureKind kind, std::int32_t a, std::int32_t b, const MovingPack<B>& p,
+                                      const MovingPack<B>& turned_q) {
+        const auto k = static_cast<int>(kind);
+        FeaturePair& f = selected_.out[k][selected_.count[k]]; // written in any case
+        f.kind = kind;
+        f.a = a;
+        f.b = b;
+        selected_.count[k] += meet(p, turned_q) ? 1 : 0;
+    }
+
+    B within_;
+    SelectedFeatures& selected_;
+};
+
+/// Calls to.add(triangle of a, triangle of b) for all pairs of triangles of leaf pairs.
+template <class B, class Add>
+inline void for_each_triangle_pair(const ListingArrays& a, const ListingArrays& b, const NodeIds* leaves, long count,
+                                   Add& to) {
     for (long p = 0; p < count; ++p) {
         const BvhNode leaf_a = a.nodes[leaves[p].a], leaf_b = b.nodes[leaves[p].b];
         for (std::int32_t i = 0; i < leaf_a.count; ++i) {
             const auto triangle_a = ListedTriangle<B>::template load<false>(a, leaf_a.first + i);
             for (std::int32_t j = 0; j < leaf_b.count; ++j)
-                lister.add(triangle_a, ListedTriangle<B>::template load<true>(b, leaf_b.first + j));
+                to.add(triangle_a, ListedTriangle<B>::template load<true>(b, leaf_b.first + j));
         }
     }
+}
+
+template <class B>
+inline void select_leaf_features_by(const ListingArrays& a, const ListingArrays& b, float reach, const NodeIds* leaves,
+                                    long count, SelectedFeatures& selected) {
+    FeatureSelector<B> selector(reach, selected);
+    for_each_triangle_pair<B>(a, b, leaves, count, selector);
+}
+
+template <class B>
+inline long list_features_by(const ListingArrays& a, const ListingArrays& b, const ListingReach& reach,
+                             const NodeIds* leaves, long count, ListedFeature* out) {
+    FeatureLister<B> lister(reach, out);
+    for_each_triangle_pair<B>(a, b, leaves, count, lister);
     return lister.count();
 }
 

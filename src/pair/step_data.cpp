@@ -93,13 +93,16 @@ CoveringList candidates(const StepData& data, Worker& worker, PairRecord& r, con
     c.last_strayed = live && !first ? strayed.end : 0;
     c.uses = 0;
     const CandidateMargins margins = choose_margins(r, way);
-    if ((first && !c.busy && margins.start == 0) || !c.paid) {
+    const bool of_leaves = margins.start == 0 && data.model.settings.ccd == CcdMethod::conservative;
+    // One of leaves is made in less time than a query takes without it.
+    if (!of_leaves && ((first && !c.busy && margins.start == 0) || !c.paid)) {
         c.list.drop();
         c.paid = true;
         return {};
     }
-    if (!c.list.build(a, b, reach, margins, resting, worker.ccd.listing)) return {};
-    return {&c.list, {}};
+    const bool built = of_leaves ? c.list.build_of_leaves(a, b, reach, margins.end)
+                                 : c.list.build(a, b, reach, margins, resting, worker.ccd.listing);
+    return built ? CoveringList{&c.list, {}} : CoveringList{};
 }
 
 } // namespace

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "ccd/leaf_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/index.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr double kGapRounding = 0x1p-46, kLengthRoom = 1 - 0x1p-20;
+
+Vec3 direction_of(const float (&d)[3]) { return {d[0], d[1], d[2]}; }
+
+/// Vertex numbers of a leaf's triangles.
+std::span<const std::int32_t> corners_of(const BodyMotion& body, std::int32_t leaf) {
+    const BvhNode node = body.shape->bvh.nodes[at(leaf)];
+    return {body.shape->bvh.corners[at(node.first)].data(), 3 * at(node.count)};
+}
+
+/// The lesser distance that the vertices of two leaves keep along a direction, and two vertices that do.
+struct Extremes {
+    double gap;
+    std::int32_t a, b;
+};
+Extremes extremes(const Vec3* xa, std::span<const std::int32_t> a, const Vec3* xb, std::span<const std::int32_t> b,
+                  const Vec3& d) {
+    double most = -std::numeric_limits<double>::infinity(), least = std::numeric_limits<double>::infinity();
+    std::int32_t of_a = a[0], of_b = b[0];
+    for (const std::int32_t v : a) {
+        const double along = dot(d, xa[v]);
+        of_a = along > most ? v : of_a;
+        most = std::max(most, along);
+    }
+    for (const std::int32_t v : b) {
+        const double along = dot(d, xb[v]);
+        of_b = along < least ? v : of_b;
+        least = std::min(least, along);
+    }
+    return {least - most, of_a, of_b};
+}
+
+double gap_along(const Vec3* xa, std::span<const std::int32_t> a, const Vec3* xb, std::span<const std::int32_t> b,
+                 const Vec3& d) {
+    double most = dot(d, xa[a[0]]), least = dot(d, xb[b[0]]);
+    for (std::size_t i = 1; i < a.size(); ++i) most = std::max(most, dot(d, xa[a[i]]));
+    for (std::size_t i = 1; i < b.size(); ++i) least = std::min(least, dot(d, xb[b[i]]));
+    return least - most;
+}
+
+} // namespace
+
+/// Directions between leaves of two bodies.
+class LeafPairs::Separation {
+  public:
+    Separation(const BodyMotion& a, const BodyMotion& b)
+        : a_(a), b_(b), error_(kGapRounding * std::max(a.max_abs(), b.max_abs())) {}
+
+    /// Whether the kept direction proves the leaves farther apart than `distance` at the end, m.
+    [[nodiscard]] bool proved_at_end(const NodeIds& leaves, const Kept& kept, double distance) const {
+        const double gap = gap_along(a_.at1.x.data(), corners_of(a_, leaves.a), b_.at1.x.data(),
+                                     corners_of(b_, leaves.b), direction_of(kept.direction));
+        return kLengthRoom * (gap - error_) > distance;
+    }
+
+    /// Looks for a direction that proves both gaps greater than `least`, m, and stops where they exceed `wanted`: the
+    /// kept one or, where there is none, `guess`, then Gilbert's steps (1966) towards the nearest point of the hull of
+    /// all differences of vertices at both ends. Keeps the best.
+    [[nodiscard]] bool find(const NodeIds& leaves, double least, double wanted, const Vec3& guess, Kept& kept) const {
+        constexpr int kTrials = 4;
+        const auto corners_a = corners_of(a_, leaves.a), corners_b = corners_of(b_, leaves.b);
+        Vec3 d = direction_of(kept.direction), nearest;
+        if (d == Vec3{}) d = guess == Vec3{} ? center(*b_.at1.box) - center(*a_.at1.box) : guess;
+        double best = least;
+        for (int trial = 0; trial < kTrials; ++trial) {
+            const double size = length(d);
+            if (!(size > 0)) break;
+            const float unit[3] = {static_cast<float>(d.x / size), static_cast<float>(d.y / size),
+                                   static_cast<float>(d.z / size)};
+            d = direction_of(unit);
+            const Extremes at0 = extremes(a_.at0.x.data(), corners_a, b_.at0.x.data(), corners_b, d);
+            const Extremes at1 = extremes(a_.at1.x.data(), corners_a, b_.at1.x.data(), corners_b, d);
+            const double lesser = kLengthRoom * (std::min(at0.gap, at1.gap) - error_);
+            if (lesser > best) {
+                best = lesser;
+                std::copy(unit, unit + 3, kept.direction);
+                kept.start_gap = std::nextafter(static_cast<float>(kLengthRoom * (at0.gap - error_)), -1.0f);
+            }
+            if (lesser > wanted) break;
+            const Vec3 w = at0.gap < at1.gap ? b_.at0.x[at(at0.b)] - a_.at0.x[at(at0.a)]
+                                             : b_.at1.x[at(at1.b)] - a_.at1.x[at(at1.a)];
+            nearest = trial == 0 ? w : nearest_of_segment(nearest, w);
+            d = nearest;
+        }
+        return best > least;
+    }
+
+  private:
+    static Vec3 nearest_of_segment(const Vec3& p, const Vec3& q) {
+        const Vec3 e = q - p;
+        const double square = length_sq(e);
+        return square > 0 ? p + std::clamp(-dot(p, e) / square, 0.0, 1.0) * e : p;
+    }
+
+    const BodyMotion &a_, &b_;
+    double error_;
+};
+
+namespace {
+
+/// The features of the open leaves whose boxes come within the reach.
+std::span<const FeaturePair> features_of(const BodyMotion& a, const BodyMotion& b, const CoarseReach& reach,
+                                         FeatureBuffer& buffer) {
+    std::size_t triangle_pairs = 0;
+    for (const NodeIds& p : buffer.open)
+        triangle_pairs += a.shape->bvh.leaf_triangles(p.a).size() * b.shape->bvh.leaf_triangles(p.b).size();
+    const std::size_t room = triangle_pairs * kFeaturesPerTrianglePair + 3;
+    if (buffer.pairs.size() < room) buffer.pairs.resize(room);
+    SelectedFeatures selected{};
+    FeaturePair* next = buffer.pairs.data();
+    for (std::size_t k = 0; k < 3; ++k) {
+        selected.out[k] = next;
+        next += triangle_pairs * kKindsPerTrianglePair[k] + 1;
+    }
+    select_leaf_features(listing_arrays(a), listing_arrays(b), reach.distance(), buffer.open.data(),
+                         static_cast<long>(buffer.open.size()), selected, best_isa());
+    FeaturePair* end = buffer.pairs.data();
+    for (std::size_t k = 0; k < 3; ++k) end = std::copy(selected.out[k], selected.out[k] + selected.count[k], end);
+    return {buffer.pairs.data(), end};
+}
+
+} // namespace
+
+void LeafPairs::drop() {
+    leaves_.clear();
+    kept_.clear();
+}
+
+bool LeafPairs::find(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach) {
+    constexpr std::size_t kRoom = 128;
+    const Isa isa = best_isa();
+    const ListingArrays arrays_a = listing_arrays(a), arrays_b = listing_arrays(b);
+    ListingStack stack;
+    stack.pairs[stack.size++] = {0, 0};
+    drop();
+    std::size_t n = 0;
+    while (stack.size > 0 && n <= kMost) {
+        leaves_.resize(n + kRoom);
+        n += static_cast<std::size_t>(
+            open_node_pairs(arrays_a, arrays_b, reach, stack, leaves_.data() + n, static_cast<long>(kRoom), isa));
+    }
+    leaves_.resize(n);
+    kept_.resize(n);
+    if (n <= kMost) return true;
+    drop();
+    return false;
+}
+
+std::span<const FeaturePair> LeafPairs::select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,
+                                               const CoarseReach& reach, FeatureBuffer& buffer) const {
+    // Leaves that touch do so again, and a look in vain costs as much as their features.
+    constexpr std::int32_t kLeftOut = 8;
+    constexpr double kWanted = 16; // of what is clear: a direction that serves the next queries as well
+    if (buffer.meeting.size() < size() + 1) buffer.meeting.resize(size() + 1);
+    const long meeting = meeting_leaves(listing_arrays(a), listing_arrays(b), reach.distance(), leaves_.data(),
+                                        static_cast<long>(size()), buffer.meeting.data(), best_isa());
+    const double distance = double{reach.distance()}, clear = kClear * distance;
+    const bool swept = test == FeatureTest::swept;
+    const double least_start = swept ? clear : 0, least_end = swept ? clear : distance;
+    const Separation separation(a, b);
+    Vec3 last; // direction found
+    buffer.open.clear();
+    for (const std::int32_t i : std::span(buffer.meeting).first(static_cast<std::size_t>(meeting))) {
+        const NodeIds& leaves = leaves_[at(i)];
+        Kept& kept = kept_[at(i)];
+        if (double{kept.start_gap} > least_start && separation.proved_at_end(leaves, kept, least_end)) continue;
+        if (swept && kept.in_vain-- <= 0) {
+            kept.in_vain = kLeftOut;
+            if (separation.find(leaves, clear, kWanted * clear, last, kept)) {
+                kept.in_vain = 0;
+                last = direction_of(kept.direction);
+                continue;
+            }
+        }
+        buffer.open.push_back(leaves);
+    }
+    return buffer.open.empty() ? std::span<const FeaturePair>{} : features_of(a, b, reach, buffer);
+}
+
+} // namespace flotilla
