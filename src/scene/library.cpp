@@ -137,6 +137,9 @@ constexpr std::array kEntries{
     Entry{{"wires", 101, 2, kMaxBodies,
            "rods, hoops and frames of segments and clouds of points, without any surface, fall into a bowl"},
           library::wires},
+    Entry{{"rocks", 1329, 7, kMaxBodies,
+           "convex rocks of 16 triangles fall on a floor with walls, a scripted cylinder ploughs through them"},
+          library::rocks},
     Entry{
         {"triangles-on-pegs", 186, 6, kMaxBodies, "flat triangles fall on fixed pegs and the ground (paper, figure 1)"},
         library::triangles_on_pegs},

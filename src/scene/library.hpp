@@ -39,6 +39,7 @@ enum class Purpose : std::uint64_t { orientation = 1, jitter = 2 };
 [[nodiscard]] SceneDescription boats_in_bowl(int bodies, std::uint64_t seed);
 [[nodiscard]] SceneDescription boats_in_bowls(int bodies, std::uint64_t seed);
 [[nodiscard]] SceneDescription household(int bodies, std::uint64_t seed);
+[[nodiscard]] SceneDescription rocks(int bodies, std::uint64_t seed);
 [[nodiscard]] SceneDescription wires(int bodies, std::uint64_t seed);
 [[nodiscard]] SceneDescription triangles_on_pegs(int bodies, std::uint64_t seed);
 [[nodiscard]] SceneDescription stack(int bodies, std::uint64_t seed);

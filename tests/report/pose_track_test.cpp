@@ -128,7 +128,9 @@ TEST(PoseTrack, MarksBodiesThatAreNotThereAndDoesNotMeasureThem) {
         const auto& frame = poses[static_cast<std::size_t>(k)];
         EXPECT_TRUE(frame[0].there);
         EXPECT_EQ(frame[1].there, k >= kComes && k < kGoes) << k;
-        if (frame[1].there) EXPECT_NEAR(frame[1].middle.x, 1000.0 + static_cast<double>(k), 1e-3);
+        if (frame[1].there) {
+            EXPECT_NEAR(frame[1].middle.x, 1000.0 + static_cast<double>(k), 1e-3);
+        }
     }
 }
 

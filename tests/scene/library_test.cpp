@@ -52,6 +52,19 @@ TEST(SceneLibrary, WiresNeverIntersectAtTheStart) {
         for (const std::uint64_t seed : {0U, 5U}) expect_valid_and_free(make_scene("wires", bodies, seed), "wires");
 }
 
+TEST(SceneLibrary, RocksAreConvexAndNeverIntersectAtTheStart) {
+    for (const int bodies : {7, 8, 12, 50, 1329, 3000})
+        for (const std::uint64_t seed : {0U, 5U}) expect_valid_and_free(make_scene("rocks", bodies, seed), "rocks");
+    const ShapeDescription rock = make_scene("rocks").shapes.front();
+    EXPECT_EQ(rock.triangles.size(), 16U); // Euler: 2 * 10 - 4
+    for (const Triangle& t : rock.triangles) {
+        const Vec3 &p = rock.vertices[static_cast<std::size_t>(t[0])],
+                   &q = rock.vertices[static_cast<std::size_t>(t[1])],
+                   &r = rock.vertices[static_cast<std::size_t>(t[2])];
+        for (const Vec3& v : rock.vertices) EXPECT_LE(dot(cross(q - p, r - p), v - p), 1e-12);
+    }
+}
+
 /// The bowl of a scene whose last bodies are a bowl and the ground.
 struct Bowl {
     std::size_t body = 0;
