@@ -6,12 +6,11 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/rounding.hpp"
+
 namespace flotilla {
 namespace {
 
-// Room for the rounding of world vertices (8 u |x| or so each, four of them) and of the bounds themselves, far above
-// both.
-constexpr double kRounding = 0x1p-40;
 // Room for the rounding of the excess of a gap over the reach (2^-24 of the largest coordinate), and of its scales.
 constexpr double kExcessRounding = 0x1p-21, kScaleRoom = 1 + 0x1p-10;
 constexpr float kNoStraying = 0x1p100f; // scales any excess beyond every margin
@@ -34,7 +33,8 @@ bool in_range(const BodyMotion& a, const BodyMotion& b) { return std::max(a.max_
 
 ListingReach listing_reach(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
                            const CandidateMargins& margins) {
-    const double max_abs = std::max(a.max_abs(), b.max_abs()), room = (kRounding + kExcessRounding) * max_abs;
+    const double max_abs = std::max(a.max_abs(), b.max_abs()),
+                 room = place_rounding(max_abs) + kExcessRounding * max_abs;
     const CoarseReach r0(reach.swept + room, max_abs), r1(std::max(reach.swept, reach.end) + room, max_abs);
     const float scale0 = margins.start > 0 ? static_cast<float>(margins.end / margins.start) : kNoStraying;
     const auto margin = static_cast<float>(margins.end * kScaleRoom);
@@ -164,7 +164,7 @@ void CandidateList::drop() {
 }
 
 double CandidateList::room_at_end(double strayed) const {
-    constexpr double kFloatRoom = 1 - 0x1p-20; // for the rounding of slot()
+    constexpr double kFloatRoom = 1 - kLengthRounding; // for the rounding of slot()
     if (of_leaves_) return -strayed;
     double room = margins_.end;
     for (int s = 0; s < kSlots && room == margins_.end; ++s)

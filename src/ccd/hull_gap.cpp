@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
+#include "geometry/rounding.hpp"
+
 namespace flotilla {
 namespace {
 
 constexpr int kTrials = 5;
-constexpr double kVertexRounding =
-    0x1p-40; // of the largest coordinate: far above that of world vertices and of the sums here
-constexpr double kScaleRoom = 1 - 0x1p-20; // a unit vector's length is rounded by less
+constexpr double kScaleRoom = 1 - kLengthRounding; // a unit vector's length is rounded by less
 
 /// Hulls at one end.
 struct Ends {
@@ -34,7 +34,7 @@ HullGap find_hull_gap(const BodyMotion& a, const BodyMotion& b, double wanted, V
     if (of_a.fours.empty() || of_b.fours.empty()) return {};
     const Ends ends{a, b};
     const bool still = a.still() && b.still();
-    const double error = of_a.error + of_b.error + kVertexRounding * std::max(a.max_abs(), b.max_abs());
+    const double error = of_a.error + of_b.error + place_rounding(std::max(a.max_abs(), b.max_abs()));
     Vec3 d = direction;
     if (d == Vec3{}) d = center(*b.at1.box) - center(*a.at1.box);
     HullGap best;

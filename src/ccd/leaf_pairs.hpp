@@ -48,7 +48,6 @@ class LeafPairs {
     }
 
     static constexpr std::size_t kMost = std::size_t{1} << 14; ///< the features of as many fill 20 MB
-    static constexpr double kClear = 2; ///< reaches: what is that far apart is no hit, early or late
 
   private:
     /// What is known of a pair of leaves.

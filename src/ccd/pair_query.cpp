@@ -11,12 +11,6 @@ namespace flotilla {
 namespace {
 
 constexpr std::size_t kBatch = 32; // queries between two updates of the earliest hit
-// A feature pair counts where its own coarse boxes come within kFeatureMargin times the separation. Boxes around
-// features are tried with more, far beyond rounding: so a feature pair that counts is never lost on the way to it,
-// whatever the way.
-constexpr double kFeatureMargin = 1 + 0x1p-6;
-constexpr double kNodeMargin = 1 + 0x1p-5;
-constexpr double kNodeRoom = 0x1p-19; // of the largest coordinate
 constexpr float kNodeTimeSlack = 0x1p-19f;
 
 } // namespace
@@ -27,7 +21,7 @@ class EarliestHit {
         : a_(a),
           b_(b),
           options_(options),
-          feature_reach_(options.separation * kFeatureMargin, std::max(a.max_abs(), b.max_abs())),
+          feature_reach_(options.separation * kFeatureReach, std::max(a.max_abs(), b.max_abs())),
           node_reach_(swept_reach(options.separation, a, b), std::max(a.max_abs(), b.max_abs())),
           scratch_(scratch) {}
 
@@ -148,10 +142,6 @@ class EarliestHit {
     Isa isa_ = best_isa();
     PairHit best_;
 };
-
-double swept_reach(double separation, const BodyMotion& a, const BodyMotion& b) {
-    return separation * kNodeMargin + kNodeRoom * std::max(a.max_abs(), b.max_abs());
-}
 
 PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const CoveringList& list,
                      CcdScratch& scratch) {

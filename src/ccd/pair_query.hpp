@@ -11,6 +11,7 @@
 
 #include "ccd/candidate_list.hpp"
 #include "ccd/feature_candidates.hpp"
+#include "ccd/separation.hpp"
 
 namespace flotilla {
 
@@ -69,8 +70,5 @@ struct HitOptions {
 /// were tried. `list`, where given, must cover the motions and have been built to reach swept_reach(separation).
 [[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
                                    const CoveringList& list, CcdScratch& scratch);
-
-/// What a list must reach at any time of the step for queries with a separation, m.
-[[nodiscard]] double swept_reach(double separation, const BodyMotion& a, const BodyMotion& b);
 
 } // namespace flotilla

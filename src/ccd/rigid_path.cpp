@@ -5,14 +5,13 @@
 #include <cmath>
 #include <optional>
 
+#include "ccd/separation.hpp"
+#include "geometry/rounding.hpp"
+
 namespace flotilla {
 namespace {
 
-constexpr double kKeep = 0.95; // share of the start distance that must be kept, as for straight paths
-constexpr double kClear =
-    1.02; // a start farther than this times the separation is not near it: beyond the slack of a hit
-constexpr double kLeastOnArcs = 0.5;  // of the separation, that a certificate must prove on the arcs
-constexpr double kBallRoom = 0x1p-40; // of the largest coordinate: far above the rounding of distances of centres
+constexpr double kLeastOnArcs = 0.5; // of the separation, that a certificate must prove on the arcs
 
 double both_gaps(const BodyMotion& a, const BodyMotion& b, int segments) {
     return a.arc_gap(segments) + b.arc_gap(segments);
@@ -55,9 +54,9 @@ class SegmentedPath {
         const Vec3 from = between(time(i)), to = between(time(i + 1)), along = to - from;
         const double square = length_sq(along);
         const double nearest = square > 0 ? std::clamp(-dot(from, along) / square, 0.0, 1.0) : 0.0;
-        const double room = kBallRoom * std::max(motion_[0]->max_abs(), motion_[1]->max_abs());
+        const double room = place_rounding(std::max(motion_[0]->max_abs(), motion_[1]->max_abs()));
         return length(from + nearest * along) >
-               motion_[0]->shape->radius + motion_[1]->shape->radius + 2 * separation + room;
+               motion_[0]->shape->radius + motion_[1]->shape->radius + kClear * separation + room;
     }
 
     [[nodiscard]] double time(int i) const { return static_cast<double>(i) / segments_; }
@@ -125,8 +124,8 @@ PairHit earliest_hit_on_path(const BodyMotion& a, const BodyMotion& b, const Hit
     HitOptions chord = options;
     if (options.method == CcdMethod::conservative) {
         chord.separation += cut.gap;
-        if (!(cut.start_distance >= kClear * chord.separation)) {
-            const double kept = kKeep * cut.start_distance;
+        if (!(cut.start_distance >= kNotNear * chord.separation)) {
+            const double kept = kKeptShare * cut.start_distance;
             if (!(kept - cut.gap >= kLeastOnArcs * std::min(options.separation, kept)))
                 return on_path(a, b, hit_at_start(path, chord, cut.start_distance));
             chord.separation = kept;

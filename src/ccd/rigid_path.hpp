@@ -16,7 +16,6 @@
 
 namespace flotilla {
 
-inline constexpr double kArcShare = 0.1; ///< of min(d0, d_rest), that the arcs of both bodies may take
 inline constexpr int kMaxSegments = 64;
 
 struct PathLengths {

@@ -68,9 +68,9 @@ class Failsafe {
     /// Whether a common motion that halves the distance of two bodies at most keeps it above the rounding of their
     /// coordinates.
     bool far_enough(std::int32_t a, std::int32_t b) {
-        constexpr double kFloorPerError = 16, kShrinks = 2;
+        constexpr double kShrinks = 2;
         const BodyMotion x = data_.trajectories.motion(at(a)), y = data_.trajectories.motion(at(b));
-        const double least = kShrinks * kFloorPerError * ccd_error(std::max(x.max_abs(), y.max_abs()));
+        const double least = kShrinks * ccd_floor(std::max(x.max_abs(), y.max_abs()));
         if (!boxes_overlap(*x.at0.box, *y.at0.box, least)) return true;
         PairRecord& record = data_.pairs.get(data_.model, data_.state, a, b);
         return std::min(start_distance(data_, data_.worker(0), record), kShrinks * record.lengths.separation) > least;

@@ -43,6 +43,8 @@ bool certified_along(CcdKind kind, const CcdQuery& query, const Vec3& direction,
 
 double ccd_error(double w) { return (ScalarPack{kErrFactor} * ceil_power_of_two(ScalarPack{w}) + ScalarPack{kTiny}).v; }
 
+double ccd_floor(double w) { return kFloorPerError * ccd_error(w); }
+
 namespace {
 
 Isa widest_isa() {

@@ -31,7 +31,7 @@ struct CcdResult {
 /// What a query does when the features start closer than the separation.
 enum class CcdStart : std::uint8_t {
     strict,  ///< a hit at t = 0
-    relaxed, ///< the separation of this query becomes 0.95 of the start distance, never below the floor (16 err)
+    relaxed, ///< the separation of this query becomes kKeptShare of the start distance, unless that is below the floor
 };
 
 struct CcdOptions {
@@ -49,6 +49,19 @@ struct CcdOptions {
 /// Rounding allowance of a query whose largest coordinate difference between the features is w (metres): distances are
 /// certified against separation + ccd_error(w).
 [[nodiscard]] double ccd_error(double w);
+
+/// The floor, m: of features nearer than that no motion is certified but one that opens the gap, so that gaps cannot
+/// creep to zero, step by step (kKeptShare), where rounding would no longer tell them from none.
+[[nodiscard]] double ccd_floor(double w);
+inline constexpr double kFloorPerError = 16; ///< of ccd_error()
+
+/// Of its start distance what a motion must keep that starts closer than the separation: less than all of it, or
+/// features that slide past each other would hit by rounding.
+inline constexpr double kKeptShare = 0.95;
+
+/// A hit is reported within this share of the separation above it, or where that is less within what rounding needs: a
+/// query need not approach it to the bit.
+inline constexpr double kSlackOfSeparation = 0x1p-7;
 
 /// Instruction sets of the wide kernels. All of them, and the scalar code, give the same bits.
 enum class Isa : std::uint8_t { scalar, avx2, avx512 };

@@ -42,16 +42,13 @@
 namespace flotilla {
 namespace {
 
-inline constexpr double kErrFactor = 0x1p-47;        // 64 u
-inline constexpr double kTiny = 0x1p-800;            // covers underflow
-inline constexpr double kLargest = 0x1p80;           // larger differences count as hits
-inline constexpr double kHuge = 0x1p300;             // above every finite product
-inline constexpr double kLeastSquare = 0x1p-500;     // a direction shorter than 2^-250 is none
-inline constexpr double kFloorFactor = 16;           // floor = 16 err: gaps below it are not told from none
-inline constexpr double kKeep = 0.95;                // relaxed start: share of the start distance that must be kept
-inline constexpr double kSlackOfSeparation = 0x1p-7; // a hit is reported within this share of the separation ...
-inline constexpr double kSlackOfErr = 1024;          // ... or this multiple of err above it
-inline constexpr int kMaxIterations = 2048;          // only grazing motion comes near it
+inline constexpr double kErrFactor = 0x1p-47;    // 64 u
+inline constexpr double kTiny = 0x1p-800;        // covers underflow
+inline constexpr double kLargest = 0x1p80;       // larger differences count as hits
+inline constexpr double kHuge = 0x1p300;         // above every finite product
+inline constexpr double kLeastSquare = 0x1p-500; // a direction shorter than 2^-250 is none
+inline constexpr double kSlackOfErr = 1024;      // beside kSlackOfSeparation: a multiple of err
+inline constexpr int kMaxIterations = 2048;      // only grazing motion comes near it
 
 template <class P>
 inline PackVec<P> add_scaled(const PackVec<P>& a, P s, const PackVec<P>& b) {
@@ -265,10 +262,10 @@ struct Wanted {
     double latest = 1;
 };
 
-/// The separation that the start allows: unchanged, or 0.95 of the start distance (relaxed start).
+/// The separation that the start allows: unchanged, or kKeptShare of the start distance (relaxed start).
 template <class P>
 inline P start_separation(P d0, P err, P separation) {
-    return select(P::all(kFloorFactor) * err <= d0, min(P::all(kKeep) * d0, separation), separation);
+    return select(P::all(kFloorPerError) * err <= d0, min(P::all(kKeptShare) * d0, separation), separation);
 }
 
 /// Writes the results of the lanes whose bits are in `done`.

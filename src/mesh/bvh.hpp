@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/assert.hpp"
+#include "base/index.hpp"
 #include "base/vec3.hpp"
 #include "geometry/box.hpp"
 #include "geometry/ccd.hpp"
@@ -136,7 +137,6 @@ inline double max_abs_coordinate(const BvhView& v) {
 template <class AnyBox, class Test, class Wanted, class Leaf>
 void traverse(const Bvh& a, const Bvh& b, std::span<const AnyBox> boxes_a, std::span<const AnyBox> boxes_b, Test&& test,
               Wanted&& wanted, Leaf&& leaf) {
-    const auto at = [](std::int32_t i) { return static_cast<std::size_t>(i); };
     NodePairStack stack;
     NodePair p{0, 0, 0};
     bool live = test(0, 0, p.entry_time);

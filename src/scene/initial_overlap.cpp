@@ -50,8 +50,6 @@ std::vector<Placed> place_all(const Scene& scene) {
 
 Box box_of(const Corners& t) { return box_of(t[0], t[1], t[2]); }
 
-constexpr double kFloorPerError = 16;
-
 Vec3 meeting_place(const Box& a, const Box& b) { return 0.5 * max(a.lower, b.lower) + 0.5 * min(a.upper, b.upper); }
 
 BodyOverlap overlap_of(Placed& a, Placed& b) {
@@ -96,8 +94,7 @@ void for_each_box_pair(const std::vector<Placed>& placed, Visit&& visit) {
     std::sort(order.begin(), order.end(),
               [&](std::size_t i, std::size_t j) { return low(i) != low(j) ? low(i) < low(j) : i < j; });
     double inflation = 0;
-    for (const Placed& p : placed)
-        inflation = std::max(inflation, kFloorPerError * ccd_error(2 * max_abs_coordinate(p.box)));
+    for (const Placed& p : placed) inflation = std::max(inflation, ccd_floor(2 * max_abs_coordinate(p.box)));
 
     std::vector<std::size_t> open; // bodies whose interval along the axis has not ended yet
     for (const std::size_t i : order) {
@@ -112,7 +109,7 @@ void for_each_box_pair(const std::vector<Placed>& placed, Visit&& visit) {
 
 double least_certified_distance(const Box& a, const Box& b) {
     const Box both = merged(a, b);
-    return kFloorPerError * ccd_error(max_component(extent(both)));
+    return ccd_floor(max_component(extent(both)));
 }
 
 bool triangles_overlap(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {

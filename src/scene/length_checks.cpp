@@ -12,13 +12,11 @@
 namespace flotilla {
 namespace {
 
-constexpr double kProximityOfRest = 2;
 /// Units of the last place of a coordinate that a rest distance must have: below, bodies cannot stop within it of each
 /// other.
 constexpr double kPlacesPerRest = 16;
-/// Of the error of continuous collision detection: a motion that brings features nearer than that is not certified
-/// (ccd.hpp), and bodies rest at twice as much.
-constexpr double kErrorsPerRest = 32;
+/// Of continuous collision detection (ccd_floor): bodies rest at so many at least.
+constexpr double kFloorsPerRest = 2;
 
 class LengthChecks {
   public:
@@ -47,8 +45,7 @@ class LengthChecks {
     }
     [[nodiscard]] double size(std::size_t body) const { return 2 * shape(body).sphere.radius; }
     [[nodiscard]] double rest(std::size_t body) const {
-        const double fixed = scene_.settings.rest_distance;
-        return fixed > 0 ? fixed : shape(body).extent / kSizePerRestDistance;
+        return lengths_of_size(scene_.settings, shape(body).extent).rest;
     }
     [[nodiscard]] std::string name(std::size_t body) const { return "body " + in_quotes(scene_.bodies[body].name); }
 
@@ -77,7 +74,7 @@ class LengthChecks {
                                                                  " m large, got " + to_text(value) + " m");
         };
         check("proximity_distance", s.proximity_distance, least);
-        if (!(s.proximity_distance > 0)) check("rest_distance", s.rest_distance, least / kProximityOfRest);
+        if (!(s.proximity_distance > 0)) check("rest_distance", s.rest_distance, least / kProximityPerRest);
     }
 
     void too_fine(std::size_t body, double least, const std::string& reason) {
@@ -114,7 +111,7 @@ class LengthChecks {
         const auto edge = [&](std::size_t body) { return shape(body).longest_edge; };
         for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
             if (!largest || edge(i) > edge(*largest)) largest = i;
-        const double least = kErrorsPerRest * ccd_error(edge(*largest));
+        const double least = kFloorsPerRest * ccd_floor(edge(*largest));
         if (rest(*smallest_) < least)
             too_fine(*smallest_, least,
                      "beside the triangles of " + name(*largest) + ", " + to_text(edge(*largest)) +

@@ -146,12 +146,12 @@ void warn_of_unused_shapes(const SceneDescription& description, std::vector<std:
 // World coordinates become coarser with the distance from the origin. Where a thousand roundings of them reach the
 // separation that the body's size asks for, resting contacts can no longer be kept apart by it.
 void warn_of_far_bodies(const Scene& scene, std::vector<std::string>& warnings) {
-    constexpr double kRoundings = 1024, kRestPerSeparation = 50;
+    constexpr double kRoundings = 1024;
     constexpr double kUnitRoundoff = 0x1p-53;
     for (const BodyDescription& body : scene.bodies) {
         if (body.type != BodyType::dynamic) continue;
         const Shape& shape = scene.shapes[static_cast<std::size_t>(body.shape)];
-        const double separation = shape.extent / kSizePerRestDistance / kRestPerSeparation;
+        const double separation = lengths_of_size({}, shape.extent).separation;
         const Vec3 c = world_center(scene, body);
         const double reach = max_component(abs(c)) + shape.radius;
         if (kRoundings * kUnitRoundoff * reach > separation)

@@ -14,12 +14,9 @@
 #include "mesh/mass_properties.hpp"
 #include "mesh/topology.hpp"
 #include "mesh/triangle_mesh.hpp"
+#include "scene/pair_lengths.hpp"
 
 namespace flotilla {
-
-/// The default rest distance of a pair is the smaller bounding-sphere diameter of its movable bodies divided by this: 1
-/// cm for the paper's boat of 3.3 m.
-inline constexpr double kSizePerRestDistance = 330;
 
 /// One surface, shared by all bodies that have it. Everything is in mesh coordinates, metres.
 struct Shape {

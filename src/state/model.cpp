@@ -9,14 +9,6 @@
 #include "state/locked_rotation.hpp"
 
 namespace flotilla {
-namespace {
-
-constexpr double kRestOfSize = 1.0 / 330.0; // 1 cm for the paper's 3.3 m boat
-constexpr double kProximityOfRest = 2;
-constexpr double kSeparationOfRest = 1.0 / 50.0;
-
-} // namespace
-
 Pose make_pose(const RigidShape& shape, const Vec3& com, const Quat& rotation) {
     return {com, rotation, com - rotate(rotation, shape.center_of_mass)};
 }
@@ -24,16 +16,6 @@ Pose make_pose(const RigidShape& shape, const Vec3& com, const Quat& rotation) {
 Pose pose_at_origin(const RigidShape& shape, const Vec3& origin, const Quat& rotation) {
     return {origin + rotate(rotation, shape.center_of_mass), rotation, origin};
 }
-
-namespace {
-
-PairLengths lengths_of_size(const Settings& s, double size) {
-    const double rest = s.rest_distance > 0 ? s.rest_distance : size * kRestOfSize;
-    return {rest, s.proximity_distance > 0 ? s.proximity_distance : kProximityOfRest * rest,
-            s.separation > 0 ? s.separation : kSeparationOfRest * rest};
-}
-
-} // namespace
 
 PairLengths body_lengths(const Model& model, std::size_t body) {
     return lengths_of_size(model.settings, model.bodies[body].extent);
@@ -65,7 +47,7 @@ PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a,
     // In a tight joint features that were far from each other pass at the distance of the play, which must not be a
     // hit.
     lengths.rest = it->distance;
-    lengths.separation = std::min(lengths.separation, kSeparationOfRest * lengths.rest);
+    lengths.separation = std::min(lengths.separation, derived_separation(lengths.rest));
     return lengths;
 }
 

@@ -113,11 +113,6 @@ struct State {
     std::vector<Searched> searched; ///< by body; empty where contacts are searched for in every step (contact_reuse)
 };
 
-/// Lengths of a pair: settings where they fix them, else from size = the smaller bounding-sphere diameter of its
-/// movable bodies (paper, section 4.3.1), less for thin solids (Shape::extent).
-struct PairLengths {
-    double rest, proximity, separation; ///< m
-};
 /// The lengths of a pair of which the body is the smaller one.
 [[nodiscard]] PairLengths body_lengths(const Model& model, std::size_t body);
 /// The model of an inner step (Settings::substeps), which is all that the stages know of.
@@ -125,6 +120,8 @@ struct PairLengths {
 /// How far gravity alone, and what else pulls on it all the time, moves a body from rest in one step, m; no more than
 /// its size.
 [[nodiscard]] double fall_in_step(const Model& model, std::size_t body);
+/// Lengths of a pair (scene/pair_lengths.hpp): the size that they go by is the smaller bounding-sphere diameter of its
+/// movable bodies (paper, section 4.3.1), less for thin solids (Shape::extent).
 [[nodiscard]] PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a, std::int32_t b);
 
 /// Angular velocity of a body with angular momentum `momentum` at the given orientation, rad/s.
