@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/index.hpp"
+#include "base/stopwatch.hpp"
 #include "collision/pair_hits.hpp"
 #include "pair/progress.hpp"
 
@@ -37,8 +38,8 @@ class Accumulation {
 
     StageCounters run() {
         lists_.hits.clear();
-        for (int left = data_.model.settings.collision_iterations;; --left) {
-            counters_.limit = left <= 0 || progress_.stalled();
+        for (int rounds = data_.model.settings.collision_iterations;; --rounds) {
+            counters_.limit = rounds <= 0 || progress_.stalled();
             if (counters_.limit) break;
             look();
             if (lists_.found.empty()) break;
@@ -53,19 +54,19 @@ class Accumulation {
   private:
     /// Fills lists_.found.
     void look() {
-        const std::vector<ListedPair>& list = freeze(data_, true);
+        const std::span<const ListedPair> list = freeze(data_, ListReach::proximity).pairs;
         lists_.found.clear();
         for (const auto& worker : data_.workers) worker->found.clear();
         data_.team.for_each("look for hits", list.size(), kPairGrain, [&](std::size_t i, int thread) {
             if (i + 1 < list.size()) fetch_record(*list[i + 1].record);
             PairRecord& record = *list[i].record;
-            if (proved(data_, record) || missed(data_, record) || left(data_, record)) return;
+            if (verdict(data_.trajectories, record) != Verdict::open) return;
             Worker& worker = data_.worker(thread);
             ++worker.counters.pairs;
             if (!find_hits(data_, worker, record)) return;
             for (const ContactPoint& point : worker.hits) worker.found.push_back({list[i].record, point});
         });
-        collect(data_, counters_);
+        collect(data_.workers, counters_);
         for (const auto& worker : data_.workers)
             lists_.found.insert(lists_.found.end(), worker->found.begin(), worker->found.end());
         std::stable_sort(lists_.found.begin(), lists_.found.end(), [](const FoundHit& x, const FoundHit& y) {
@@ -135,10 +136,11 @@ class Accumulation {
             solve_hits(lists_.hits, island, lists_.bodies);
             for (const std::int32_t k : island) {
                 const KeptHit& hit = lists_.hits[at(k)];
-                if (hit.change != Vec3{}) apply_impulse(data_, worker, hit.a, hit.b, hit.point, hit.change);
+                if (hit.change != Vec3{})
+                    apply_impulse(data_.movers.clusters, worker, hit.a, hit.b, hit.point, hit.change);
             }
         });
-        collect(data_, counters_);
+        collect(data_.workers, counters_);
     }
 
     void load_bodies() {
@@ -175,28 +177,27 @@ class Accumulation {
         lists_.begin.pop_back();
     }
 
-    /// Moves the bodies that the solve changed; whether there are any. What hit and was not changed is left to stage 5.
+    /// Moves the bodies that the solve changed; whether there are any. What hit and was not changed is stage 5's.
     bool move() {
         std::fill(lists_.used.begin(), lists_.used.end(), std::uint8_t{0});
         for (const KeptHit& hit : lists_.hits)
             if (hit.change != Vec3{}) {
                 lists_.used[at(hit.a)] = lists_.used[at(hit.b)] = 1;
             }
+        const PairRecord* last = nullptr; // hits come pair by pair
         for (const FoundHit& f : lists_.found) {
             PairRecord& r = *f.record;
+            if (std::exchange(last, &r) == &r) continue;
             if (lists_.used[at(r.a)] != 0 && lists_.movable[at(r.a)] != 0) continue;
             if (lists_.used[at(r.b)] != 0 && lists_.movable[at(r.b)] != 0) continue;
-            if (left(data_, r)) continue;
-            r.left_a = data_.trajectories.version(at(r.a));
-            r.left_b = data_.trajectories.version(at(r.b));
-            ++counters_.left;
+            commit(data_.trajectories, r, Verdict::settled);
+            ++counters_.settled;
         }
         lists_.moved.clear();
         for (std::size_t i = 0; i < lists_.used.size(); ++i)
             if (lists_.used[i] != 0 && lists_.movable[i] != 0) lists_.moved.push_back(static_cast<std::int32_t>(i));
-        data_.team.for_each("move bodies", lists_.moved.size(), kBodyGrain, [&](std::size_t k, int) {
-            data_.clusters.evolve(lists_.moved[k], data_.dt, data_.trajectories);
-        });
+        data_.team.for_each("move bodies", lists_.moved.size(), kBodyGrain,
+                            [&](std::size_t k, int) { data_.movers.evolve(lists_.moved[k]); });
         return !lists_.moved.empty();
     }
 

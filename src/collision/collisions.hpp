@@ -11,7 +11,14 @@
 
 namespace flotilla {
 
-/// `known` and `lists` are for `collisions: accumulated`.
-StageCounters handle_collisions(StepData& data, const KnownContacts& known, HitLists& lists);
+/// Kept between steps.
+struct CollisionScratch {
+    std::vector<ListedPair> active;   ///< sequential: pairs with an impulse in this step, sorted
+    std::vector<std::size_t> hitting; ///< sequential: how many pairs hit, by sweep
+    HitLists hits;                    ///< accumulated
+};
+
+/// `known` is for `collisions: accumulated`.
+StageCounters handle_collisions(StepData& data, const KnownContacts& known, CollisionScratch& scratch);
 
 } // namespace flotilla

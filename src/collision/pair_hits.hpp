@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "pair/examine.hpp"
 #include "pair/step_data.hpp"
 
 namespace flotilla {
@@ -13,7 +14,7 @@ namespace flotilla {
 /// step than static contact leaves undone (Settings::static_tolerance), or bodies that slide in a joint would hit each
 /// other at the speed of rounding. Of bodies with loads of their own it is half of what those add in a step, if that is
 /// more than gravity. `rest`: m, distance of the pair.
-[[nodiscard]] double least_approach(const StepData& data, std::int32_t a, std::int32_t b, double rest);
+[[nodiscard]] double least_approach(const StepView& view, std::int32_t a, std::int32_t b, double rest);
 
 /// The nearest contact point at the end of the step that approaches too fast to be left to static contact, with rigid
 /// velocities and arms at the end (section 3.2). Closer than the rest distance that is faster than the threshold.
@@ -22,10 +23,29 @@ namespace flotilla {
 /// there would lose its rebound. Of a point on its way down an arc (arc.hpp) the speed counts with which it arrives:
 /// those ahead of the contact of a wheel come down fast, and a wheel that sinks by the little that a facet makes it
 /// sink would collide with the ground at all of them.
-std::optional<ContactPoint> end_proximity(const StepData& data, Worker& worker, PairRecord& record);
+struct EndProximity {
+    std::optional<ContactPoint> point;
+    bool near = false; ///< some features are within the proximity distance, whether they approach or not
+};
+[[nodiscard]] EndProximity end_proximity(const StepView& view, Worker& worker, const PairRecord& pair);
 
-/// Fills worker.hits with the hits of the pair's present motion, the earliest one first. None: false, and its contact,
-/// if there is any, is left to later stages.
-bool find_hits(const StepData& data, Worker& worker, PairRecord& record);
+/// What stage 1 finds of the present motion of a pair.
+struct CollisionFinding {
+    PairHit hit;                        ///< the earliest, if there is any
+    Verdict verdict = Verdict::open;    ///< of the continuous query
+    bool processed = false;             ///< it hits, or is near at its end: stage 7 acts on it
+    std::optional<ContactPoint> urgent; ///< of the hit, or else the end proximity: what calls for an impulse
+};
+/// By the setting `ccd`. A function of the motion alone, as examine(): `cache` saves work, and nothing is recorded.
+[[nodiscard]] CollisionFinding find_collision(const StepView& view, Worker& worker, const PairRecord& pair,
+                                              PairCache& cache);
+
+/// find_collision(), recorded; fills worker.hits with what calls for an impulse, the earliest first, and what hits at
+/// the same time. Returns whether there is any.
+bool find_hits(const StepView& view, Worker& worker, PairRecord& pair);
+
+/// The same ahead of the pair's turn, recorded where nothing calls for an impulse: what its turn would do if it came
+/// now. Returns whether that was so.
+bool close_calm(const StepView& view, Worker& worker, PairRecord& pair);
 
 } // namespace flotilla

@@ -10,15 +10,15 @@
 namespace flotilla {
 namespace {
 
-/// When Algorithm 2 is given up. The hits left get fewer geometrically, and what a sweep costs with them; a deep pile
-/// in an impact may have some left of a hundred thousand at the limit. The failsafe would merge those into clusters,
+/// When Algorithm 2 is given up. The hits get fewer geometrically, and what a sweep costs with them; of a hundred
+/// thousand a deep pile in an impact may still have some at the limit. The failsafe would merge those into clusters,
 /// and these with all that they push, a body a sweep. So from the limit on it is given up when the list of pairs was
 /// never shorter than before for half as many sweeps.
 class Patience {
   public:
     explicit Patience(int limit) : limit_(limit) {}
 
-    /// Whether a sweep may follow `sweeps` of them, the last of which left `size` pairs.
+    /// Whether a sweep may follow `sweeps` of them, after the last of which `size` pairs were listed.
     bool allows(int sweeps, std::size_t size) {
         if (size < shortest_) {
             shortest_ = size;
@@ -34,71 +34,87 @@ class Patience {
     std::size_t shortest_ = std::numeric_limits<std::size_t>::max();
 };
 
-struct Request {
-    std::int32_t a, b;           ///< clusters
-    std::int32_t body_a, body_b; ///< of the hit that was left
-};
+/// Algorithm 2.
+class DynamicContact {
+  public:
+    explicit DynamicContact(StepData& data) : data_(data), patience_(data.model.settings.dynamic_iterations) {}
 
-/// Rigidifies the pairs that were left, in list order; of requests that meet a cluster already taken the first counts.
-void close(StepData& data, const std::vector<Request>& requests, DynamicContactStats& stats) {
-    for (const Request& r : requests) {
-        if (data.clusters[r.a].members.empty() || data.clusters[r.b].members.empty()) continue;
-        if (data.clusters[r.a].infinite() || data.clusters[r.b].infinite()) continue;
-        if (stats.merges++ == 0) stats.trigger_a = r.body_a, stats.trigger_b = r.body_b;
-        const std::int32_t merged = data.clusters.merge(r.a, r.b, true, data.dt, data.trajectories);
-        data.clusters.evolve(merged, data.dt, data.trajectories);
-    }
-}
-
-} // namespace
-
-DynamicContactStats handle_dynamic_contact(StepData& data) {
-    DynamicContactStats stats;
-    std::vector<CandidatePair> list;
-    std::vector<Resolution> resolutions;
-    std::vector<Request> requests;
-    Patience patience(data.model.settings.dynamic_iterations);
-    Progress progress;
-    for (int sweep = 0;; ++sweep) {
-        freeze_clusters(data, list);
-        if (list.empty()) return stats;
-        if (!patience.allows(sweep, list.size()) || progress.stalled()) {
-            stats.counters.limit = true;
-            return stats;
+    /// For all pairs of clusters that are not proved apart, resolve their hits; rigidify what did not resolve; again,
+    /// until every pair is proved apart.
+    DynamicContactStats run() {
+        for (int sweep = 0;; ++sweep) {
+            FrozenList frozen = freeze_clusters(data_, clusters_);
+            if (clusters_.empty()) return stats_;
+            stats_.counters.limit = !patience_.allows(sweep, clusters_.size()) || progress_.stalled();
+            if (stats_.counters.limit) return stats_;
+            if (alone()) close_apart(frozen);
+            stats_.counters.pairs += static_cast<std::int64_t>(frozen.num_closed());
+            if (frozen.num_open == 0) return stats_;
+            const SweepPlan plan{sweep_order(data_, clusters_.size(), [&](std::size_t i) { return clusters_[i]; }),
+                                 sweep % 2 != 0};
+            resolve(plan, frozen);
+            rigidify(plan);
+            ++stats_.counters.sweeps;
         }
-        const bool single = stats.merges == 0; // all clusters are single bodies: the pairs listed are the clusters'
-        if (single)
-            prove_early(data, [&](PairRecord& record, Worker& worker) { return !query(data, worker, record).hit; });
-        const std::vector<ListedPair>& listed = data.lists.listed;
-        stats.counters.pairs += static_cast<std::int64_t>(listed.size() - data.lists.num_open);
-        if (data.lists.num_open == 0) return stats;
-        const bool backwards = sweep % 2 != 0;
-        resolutions.assign(list.size(), {.resolved = true});
-        const auto pair_of = [&](std::size_t i) { return list[i]; };
-        const std::span<const std::int32_t> order = order_by_color(data, list.size(), pair_of);
-        run_in_order(
-            data, "dynamic contact", {order, backwards},
-            [&](std::size_t i) { return single && proved(data, *listed[i].record); },
+    }
+
+  private:
+    /// Whether all clusters are single bodies: the frozen pairs of bodies are those of clusters, one for one.
+    [[nodiscard]] bool alone() const { return stats_.merges == 0; }
+
+    /// Runs the queries of few open pairs side by side.
+    void close_apart(FrozenList& frozen) {
+        close_early(data_, frozen, [&](PairRecord& pair, Worker& worker) { return !query(data_, worker, pair).hit; });
+    }
+
+    /// Fills resolutions_, by pair of clusters.
+    void resolve(const SweepPlan& plan, const FrozenList& frozen) {
+        const bool single = alone();
+        const int iterations = data_.model.settings.dynamic_pair_iterations;
+        resolutions_.assign(clusters_.size(), {.resolved = true});
+        run_sweep(
+            data_, "dynamic contact", plan,
+            [&](std::size_t i) { return single && apart(data_.trajectories, *frozen.pairs[i].record); },
             [&](std::size_t i) {
-                if (single) fetch_record(*listed[i].record);
+                if (single) fetch_record(*frozen.pairs[i].record);
             },
             [&](std::size_t i, int, Worker& worker) {
                 ++worker.counters.pairs;
-                resolutions[i] =
-                    resolve_inelastic(data, worker, list[i].a, list[i].b, data.model.settings.dynamic_pair_iterations);
+                resolutions_[i] = resolve_inelastic(data_, data_.movers, data_.pairs, worker, clusters_[i], iterations);
             });
-        collect(data, stats.counters);
-        const auto hits = std::count_if(resolutions.begin(), resolutions.end(), [](const auto& r) { return r.found; });
-        progress.add(static_cast<std::size_t>(hits), list.size());
-        requests.clear();
-        for (std::size_t i = 0; i < list.size(); ++i) {
-            const auto k = static_cast<std::size_t>(order[backwards ? list.size() - 1 - i : i]);
-            const Resolution& r = resolutions[k];
-            if (!r.resolved) requests.push_back({list[k].a, list[k].b, r.first_a, r.first_b});
-        }
-        close(data, requests, stats);
-        ++stats.counters.sweeps;
+        collect(data_.workers, stats_.counters);
+        const auto hits =
+            std::count_if(resolutions_.begin(), resolutions_.end(), [](const Resolution& r) { return r.found; });
+        progress_.add(static_cast<std::size_t>(hits), clusters_.size());
     }
-}
+
+    /// Makes one rigid cluster of each two that did not resolve, in the order of the sweep; of those that meet a
+    /// cluster already merged the first counts.
+    void rigidify(const SweepPlan& plan) {
+        for (std::size_t i = 0; i < plan.size(); ++i) {
+            const std::size_t k = plan.place(0, i);
+            if (!resolutions_[k].resolved) merge(clusters_[k], resolutions_[k]);
+        }
+    }
+
+    void merge(const CandidatePair& pair, const Resolution& failed) {
+        Clusters& clusters = data_.movers.clusters;
+        if (clusters[pair.a].members.empty() || clusters[pair.b].members.empty()) return;
+        if (clusters[pair.a].infinite() || clusters[pair.b].infinite()) return;
+        if (stats_.merges++ == 0) stats_.trigger_a = failed.first_a, stats_.trigger_b = failed.first_b;
+        data_.movers.evolve(clusters.merge(pair.a, pair.b, true, data_.dt, data_.trajectories));
+    }
+
+    StepData& data_;
+    DynamicContactStats stats_;
+    std::vector<CandidatePair> clusters_; ///< frozen
+    std::vector<Resolution> resolutions_;
+    Patience patience_;
+    Progress progress_;
+};
+
+} // namespace
+
+DynamicContactStats handle_dynamic_contact(StepData& data) { return DynamicContact(data).run(); }
 
 } // namespace flotilla

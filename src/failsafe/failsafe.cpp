@@ -31,7 +31,7 @@ class Failsafe {
             for (const Request& r : requests_) apply(r);
             ++stats_.counters.sweeps;
         }
-        collect(data_, stats_.counters);
+        collect(data_.workers, stats_.counters);
         std::sort(stats_.delayed_scripts.begin(), stats_.delayed_scripts.end());
         return std::move(stats_);
     }
@@ -42,9 +42,9 @@ class Failsafe {
     /// held (step/certificate.hpp).
     void check_moved_clusters() {
         for (const std::int32_t c : data_.model.active) {
-            while (data_.clusters[c].members.size() > 1 && data_.clusters[c].rung != Rung::held && !members_apart(c))
-                go_down(c);
-            if (!data_.clusters[c].members.empty()) data_.clusters[c].internal_proved = true;
+            Cluster& cluster = clusters()[c];
+            while (cluster.members.size() > 1 && cluster.rung != Rung::held && !members_apart(c)) go_down(c);
+            if (!cluster.members.empty()) cluster.internal_proved = true;
         }
     }
 
@@ -53,13 +53,14 @@ class Failsafe {
         const bool kept_apart = data_.clusters[c].internal_proved;
         for (std::size_t i = 0; i < members.size(); ++i)
             for (std::size_t j = i + 1; j < members.size(); ++j)
-                if (!(kept_apart && far_enough(members[i], members[j])) && !apart(members[i], members[j])) return false;
+                if (!(kept_apart && far_enough(members[i], members[j])) && !proved_apart(members[i], members[j]))
+                    return false;
         return true;
     }
 
-    bool apart(std::int32_t a, std::int32_t b) {
+    bool proved_apart(std::int32_t a, std::int32_t b) {
         PairRecord& record = data_.pairs.get(data_.model, data_.state, a, b);
-        return proved(data_, record) ||
+        return apart(data_.trajectories, record) ||
                !boxes_overlap(data_.trajectories.motion(at(a)).swept(), data_.trajectories.motion(at(b)).swept(),
                               record.lengths.separation) ||
                !query(data_, data_.worker(0), record).hit;
@@ -73,15 +74,16 @@ class Failsafe {
         const double least = kShrinks * ccd_floor(std::max(x.max_abs(), y.max_abs()));
         if (!boxes_overlap(*x.at0.box, *y.at0.box, least)) return true;
         PairRecord& record = data_.pairs.get(data_.model, data_.state, a, b);
-        return std::min(start_distance(data_, data_.worker(0), record), kShrinks * record.lengths.separation) > least;
+        const double start = start_distance(data_, data_.worker(0), record, record.cache);
+        return std::min(start, kShrinks * record.lengths.separation) > least;
     }
 
     void operate(const CandidatePair& pair) {
         if (taken_[at(pair.a)] != 0 || taken_[at(pair.b)] != 0) return;
         ++stats_.counters.pairs;
         const bool infinite_a = data_.clusters[pair.a].infinite(), infinite_b = data_.clusters[pair.b].infinite();
-        const Resolution r =
-            resolve_inelastic(data_, data_.worker(0), pair.a, pair.b, data_.model.settings.dynamic_pair_iterations);
+        const Resolution r = resolve_inelastic(data_, data_.movers, data_.pairs, data_.worker(0), pair,
+                                               data_.model.settings.dynamic_pair_iterations);
         if (!r.found) return;
         if (stats_.trigger_a < 0) stats_.trigger_a = r.first_a, stats_.trigger_b = r.first_b;
         if (infinite_a && infinite_b) {
@@ -98,7 +100,7 @@ class Failsafe {
 
     /// The first conflict with a body of infinite mass since the last merge counts as resolved if it is; else down.
     void meet_infinite(std::int32_t cluster, std::int32_t infinite, bool resolved) {
-        auto& met = data_.clusters[cluster].resolved_against;
+        auto& met = clusters()[cluster].resolved_against;
         const bool again = std::find(met.begin(), met.end(), infinite) != met.end();
         if (resolved && !again) {
             met.push_back(infinite);
@@ -117,22 +119,22 @@ class Failsafe {
         default: {
             ++stats_.merges;
             const bool rigid = r.kind == RequestKind::merge_rigid;
-            const std::int32_t merged = data_.clusters.merge(r.a, r.b, rigid, data_.dt, data_.trajectories);
-            if (rigid) data_.clusters.evolve(merged, data_.dt, data_.trajectories);
+            const std::int32_t merged = clusters().merge(r.a, r.b, rigid, data_.dt, data_.trajectories);
+            if (rigid) data_.movers.evolve(merged);
         }
         }
     }
 
     /// One rung down. A body alone moves in the same way on the first three, so it goes to the last at once.
     void go_down(std::int32_t id) {
-        Cluster& c = data_.clusters[id];
+        Cluster& c = clusters()[id];
         ++stats_.rung_changes;
         if (c.rung < Rung::rigid && c.members.size() > 1) {
-            data_.clusters.make_rigid(id, data_.trajectories);
+            clusters().make_rigid(id, data_.trajectories);
             c.resolved_against.clear();
-            data_.clusters.evolve(id, data_.dt, data_.trajectories);
+            data_.movers.evolve(id);
         } else {
-            data_.clusters.hold(id, data_.trajectories);
+            clusters().hold(id, trajectories());
         }
     }
 
@@ -148,10 +150,9 @@ class Failsafe {
         if (share > 0)
             shorten(body, share);
         else
-            data_.trajectories.hold(at(body));
+            trajectories().hold(at(body));
         const Motion& motion = data_.clusters.motion()[at(body)];
-        data_.clusters.set_script(body,
-                                  share > 0 ? Motion{share * motion.velocity, share * motion.momentum} : Motion{});
+        clusters().set_script(body, share > 0 ? Motion{share * motion.velocity, share * motion.momentum} : Motion{});
         if (again)
             known->share = 0;
         else
@@ -164,8 +165,11 @@ class Failsafe {
         const Vec3 turn = share * data_.trajectories.turn(at(body));
         const Quat rotation = turn == Vec3{} ? start.rotation : normalized(rotation_from_vector(turn) * start.rotation);
         const Vec3 com = start.com + share * (end.com - start.com);
-        data_.trajectories.set_end(at(body), make_pose(data_.model.shape_of(at(body)), com, rotation), turn);
+        trajectories().set_end(at(body), make_pose(data_.model.shape_of(at(body)), com, rotation), turn);
     }
+
+    Clusters& clusters() { return data_.movers.clusters; }
+    Trajectories& trajectories() { return data_.movers.trajectories; }
 
     StepData& data_;
     FailsafeStats stats_;

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
+#include "pair/cluster_query.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -46,21 +49,22 @@ bool turns_stay(const Impulsive& a, const Impulsive& b, double dt) {
     return stays(a) && stays(b);
 }
 
-double inelastic_target(const StepData& data, const SweptContact& contact, const PairLengths& lengths, int iteration,
+double inelastic_target(double dt, const SweptContact& contact, const PairLengths& lengths, int iteration,
                         int iterations) {
     const double vn = dot(contact.point.normal, contact.point.relative_velocity);
-    const double exact = (lengths.rest - contact.start_gap) / data.dt;
+    const double exact = (lengths.rest - contact.start_gap) / dt;
     if (exact > vn && iteration < iterations / 2) return exact;
     if (vn < 0 && exact <= vn && iteration < iterations / 4) return 0.5 * vn;
-    return std::max({exact, 0.0, vn + kPushSeparations * lengths.separation / data.dt});
+    return std::max({exact, 0.0, vn + kPushSeparations * lengths.separation / dt});
 }
 
 } // namespace
 
-Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, int iterations) {
+Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pairs, Worker& worker,
+                             const CandidatePair& clusters, int iterations) {
     Resolution out;
     for (int i = 0;; ++i) {
-        const ClusterHit hit = query_clusters(data, worker, a, b);
+        const ClusterHit hit = query_clusters(view, pairs, worker, clusters.a, clusters.b);
         if (!hit.hit.hit) {
             out.resolved = true;
             return out;
@@ -68,30 +72,29 @@ Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t 
         if (!out.found) out.first_a = hit.a, out.first_b = hit.b, out.toi = hit.hit.toi;
         out.found = true;
         if (i == iterations) return out;
-        const std::int32_t ca = data.clusters.of(static_cast<std::size_t>(hit.a));
-        const std::int32_t cb = data.clusters.of(static_cast<std::size_t>(hit.b));
-        const Impulsive body_a = data.clusters.impulsive(ca), body_b = data.clusters.impulsive(cb);
-        if (hit.hit.by_turn && turns_stay(body_a, body_b, data.dt)) return out;
-        SweptContact contact = swept_contact(data, hit);
-        const PairLengths lengths = pair_lengths(data.model, data.state, hit.a, hit.b);
-        const double target = inelastic_target(data, contact, lengths, i, iterations);
-        const auto impulse = displacing_impulse(body_a, body_b, data.dt, target, contact.point);
+        const std::int32_t a = view.clusters.of(at(hit.a)), b = view.clusters.of(at(hit.b));
+        const Impulsive body_a = view.clusters.impulsive(a), body_b = view.clusters.impulsive(b);
+        if (hit.hit.by_turn && turns_stay(body_a, body_b, view.dt)) return out;
+        SweptContact contact = swept_contact(view, hit);
+        const PairLengths lengths = pair_lengths(view.model, view.state, hit.a, hit.b);
+        const double target = inelastic_target(view.dt, contact, lengths, i, iterations);
+        const auto impulse = displacing_impulse(body_a, body_b, view.dt, target, contact.point);
         if (!impulse) return out;
-        push(data, worker, ca, cb, contact.point, *impulse);
+        push(movers, worker, a, b, contact.point, *impulse);
     }
 }
 
-const std::vector<CandidatePair>& freeze_clusters(StepData& data, std::vector<CandidatePair>& list) {
-    list.clear();
-    for (const ListedPair& p : freeze(data, false)) {
-        const std::int32_t a = data.clusters.of(static_cast<std::size_t>(p.pair.a));
-        const std::int32_t b = data.clusters.of(static_cast<std::size_t>(p.pair.b));
-        list.push_back({std::min(a, b), std::max(a, b)});
+FrozenList freeze_clusters(StepData& data, std::vector<CandidatePair>& clusters) {
+    const FrozenList frozen = freeze(data, ListReach::separation);
+    clusters.clear();
+    for (const ListedPair& p : frozen.pairs) {
+        const std::int32_t a = data.clusters.of(at(p.pair.a)), b = data.clusters.of(at(p.pair.b));
+        clusters.push_back({std::min(a, b), std::max(a, b)});
     }
-    if (!std::is_sorted(list.begin(), list.end()))
-        std::sort(list.begin(), list.end()); // sorted where no clusters were merged
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-    return list;
+    if (!std::is_sorted(clusters.begin(), clusters.end()))
+        std::sort(clusters.begin(), clusters.end()); // sorted where no clusters were merged
+    clusters.erase(std::unique(clusters.begin(), clusters.end()), clusters.end());
+    return frozen;
 }
 
 } // namespace flotilla

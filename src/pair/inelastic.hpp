@@ -3,6 +3,7 @@
 // (4.2).
 #pragma once
 
+#include "pair/examine.hpp"
 #include "pair/step_data.hpp"
 
 namespace flotilla {
@@ -16,9 +17,11 @@ struct Resolution {
 
 /// Handles hits in consecutive order, at most `iterations` of them, each with the impulse that brings the bodies to
 /// their rest distance at the end of the step: v'_n = (d_rest - d)/dt.
-Resolution resolve_inelastic(const StepData& data, Worker& worker, std::int32_t a, std::int32_t b, int iterations);
+Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pairs, Worker& worker,
+                             const CandidatePair& clusters, int iterations);
 
-/// Pairs of clusters in which some pair of bodies has no current proof, sorted by (lower id, higher id).
-const std::vector<CandidatePair>& freeze_clusters(StepData& data, std::vector<CandidatePair>& list);
+/// Freezes the pairs of bodies that are not proved apart, and fills `clusters` with the pairs of clusters that they are
+/// of, sorted by (lower id, higher id).
+FrozenList freeze_clusters(StepData& data, std::vector<CandidatePair>& clusters);
 
 } // namespace flotilla

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The run of a frozen sweep (README.md): the operations of a list in its order, side by side where they have no movable
-// cluster in common.
+// cluster in common. run_sweep() is the loop over the list; what else is here makes it fast.
 //
 // Why the bits are those of the plain loop. The list is fixed before the sweep. An operation (A, B) reads x^n, the
 // settings, the model, the end states and velocities of the members of A and B and the records of their pairs; it
@@ -11,7 +11,9 @@
 // before it is written.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <span>
 
@@ -20,8 +22,25 @@
 namespace flotilla {
 
 /// The cluster as a thing that tasks share: negative where it has infinite mass, which no operation changes.
-[[nodiscard]] inline std::int32_t shared_cluster(const StepData& data, std::int32_t cluster) {
-    return data.clusters[cluster].infinite() ? -1 : cluster;
+[[nodiscard]] inline std::int32_t shared_cluster(const Clusters& clusters, std::int32_t cluster) {
+    return clusters[cluster].infinite() ? -1 : cluster;
+}
+
+/// Where bounds left few pairs of the list open, most of those have nothing to resolve either. Calls close(record,
+/// worker) for them, side by side, which does what the operation would do at once if that applies no impulse and says
+/// whether it did so. An operation before their turn may still move one of the bodies: then the pair is open again, and
+/// its turn comes as ever.
+template <class Close>
+void close_early(StepData& data, FrozenList& list, Close&& close) {
+    constexpr std::size_t kFew = 8, kGrain = 64; // one pair in so many is open; pairs of a task
+    if (list.num_open == 0 || list.num_open * kFew > list.pairs.size()) return;
+    std::atomic<std::size_t> closed = 0;
+    data.team.for_each("examine", list.pairs.size(), kGrain, [&](std::size_t i, int thread) {
+        PairRecord& record = *list.pairs[i].record;
+        if (!apart(data.trajectories, record) && close(record, data.worker(thread)))
+            closed.fetch_add(1, std::memory_order_relaxed);
+    });
+    list.num_open -= closed;
 }
 
 /// A list run once or several times over, the first time in order or, `backwards`, from its end, then in turn the other
@@ -37,101 +56,81 @@ struct SweepPlan {
     }
 };
 
-/// The order of a frozen list: by colours, and in a colour as listed. No two pairs of a colour share a movable cluster,
-/// so that as many operations wait for one another as there are colours, some tens; in the order of the list itself
-/// chains of waiting operations go through the whole pile. Greedy, in list order: a pure function of the list. Valid
-/// until the next call.
+/// The order of a list whose `things` are in the buffers: by colours, and in a colour as listed. No two pairs of a
+/// colour share a movable cluster, so that as many operations wait for one another as there are colours, some tens; in
+/// the order of the list itself chains of waiting operations go through the whole pile. Greedy, in list order: a pure
+/// function of the list. Valid until the next call.
+[[nodiscard]] std::span<const std::int32_t> order_by_color(std::size_t num_clusters, SweepBuffers& buffers);
+
+/// Fills the order of tasks of a plan made by order_by_color, whose pairs are flagged as `open` in the buffers or not.
+/// An operation is left out where its pair is closed and no operation before it may change that: where none of those
+/// shares a movable cluster with it.
+void order_tasks(const SweepPlan& plan, std::size_t num_clusters, SweepBuffers& buffers);
+
+/// The order of a frozen list of so many pairs, pair_of(i) being the clusters of the i-th.
 template <class PairOf>
-[[nodiscard]] std::span<const std::int32_t> order_by_color(StepData& data, std::size_t size, PairOf&& pair_of) {
-    constexpr int kColors = 64; // the last takes all that find none free: a chain again
-    ListBuffers& l = data.lists;
+[[nodiscard]] std::span<const std::int32_t> sweep_order(StepData& data, std::size_t size, PairOf&& pair_of) {
     constexpr std::size_t kGrain = 512;
-    l.things.resize(size);
+    SweepBuffers& buffers = data.lists.sweep;
+    buffers.things.resize(size);
     data.team.for_each("movable clusters", size, kGrain, [&](std::size_t i, int) {
         const CandidatePair p = pair_of(i);
-        l.things[i] = {shared_cluster(data, p.a), shared_cluster(data, p.b)};
+        buffers.things[i] = {shared_cluster(data.clusters, p.a), shared_cluster(data.clusters, p.b)};
     });
-    l.used_colors.assign(data.model.size(), 0);
-    l.color.resize(size);
-    std::array<std::int32_t, kColors + 1> begin{};
-    for (std::size_t i = 0; i < size; ++i) {
-        const auto [a, b] = l.things[i];
-        std::uint64_t none = 0;
-        std::uint64_t& used_a = a >= 0 ? l.used_colors[static_cast<std::size_t>(a)] : none;
-        std::uint64_t& used_b = b >= 0 ? l.used_colors[static_cast<std::size_t>(b)] : none;
-        const int color = std::min(std::countr_one(used_a | used_b), kColors - 1);
-        used_a |= std::uint64_t{1} << color;
-        used_b |= std::uint64_t{1} << color;
-        l.color[i] = static_cast<std::uint8_t>(color);
-        ++begin[static_cast<std::size_t>(color) + 1];
-    }
-    for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
-    l.places.resize(size);
-    for (std::size_t i = 0; i < size; ++i)
-        l.places[static_cast<std::size_t>(begin[l.color[i]]++)] = static_cast<std::int32_t>(i);
-    return l.places;
+    return order_by_color(data.model.size(), buffers);
 }
 
 /// Operations between asking for the memory of one and running it.
 constexpr std::size_t kFetchAhead = 8;
 
-/// Fills the order of tasks of a plan made by order_by_color. An operation is left out where its pair is current and no
-/// operation before it may change that: where none of those shares a movable cluster with it.
-template <class Current, class Fetch>
-void order_tasks(StepData& data, const SweepPlan& plan, Current&& current, Fetch&& fetch) {
-    constexpr std::size_t kGrain = 256;
-    ListBuffers& l = data.lists;
-    l.flags.resize(plan.size());
-    data.team.for_each("stale pairs", plan.size(), kGrain, [&](std::size_t i, int) {
-        if (i + kFetchAhead < plan.size()) fetch(i + kFetchAhead);
-        l.flags[i] = current(i) ? 0 : 1;
-    });
-    l.touched.assign(data.model.size(), 0);
-    l.tasks.clear();
-    l.order.start(data.model.size());
-    for (int round = 0; round < plan.rounds; ++round)
+/// The sweep as the paper has it: the plain loop. Calls operate(i, round, worker) for the pairs of the list in order,
+/// round after round, except where closed(i) holds: the operation has nothing to do. A round that finds all pairs
+/// closed leaves them so, and with it all later rounds do nothing.
+template <class Closed, class Fetch, class Operate>
+void run_plain(Worker& worker, const SweepPlan& plan, Closed&& closed, Fetch&& fetch, Operate&& operate) {
+    for (int round = 0; round < plan.rounds; ++round) {
+        bool any = false;
         for (std::size_t i = 0; i < plan.size(); ++i) {
             const std::size_t k = plan.place(round, i);
-            const auto [a, b] = l.things[k];
-            const auto touched = [&](std::int32_t c) { return c >= 0 && l.touched[static_cast<std::size_t>(c)] != 0; };
-            if (l.flags[k] == 0 && !touched(a) && !touched(b)) continue;
-            if (a >= 0) l.touched[static_cast<std::size_t>(a)] = 1;
-            if (b >= 0) l.touched[static_cast<std::size_t>(b)] = 1;
-            l.tasks.push_back({static_cast<std::int32_t>(k), round});
-            l.order.add(a, b);
+            if (i + kFetchAhead < plan.size()) fetch(plan.place(round, i + kFetchAhead));
+            if (closed(k)) continue;
+            operate(k, round, worker);
+            any = true;
         }
+        if (!any) return;
+    }
 }
 
-/// Calls operate(i, round, worker) for the pairs of the list in order, round after round, except where current(i)
-/// holds: a certificate that an operation leaves alone. The list must not change meanwhile. fetch(i) asks for the
-/// memory that they begin with.
-///
-/// Rounds are one run: nothing waits for the end of a round but what shares a cluster with it. A round in which all
-/// pairs are current leaves all of them so, and with it all later rounds do nothing, as if they had not been run.
-template <class Current, class Fetch, class Operate>
-void run_in_order(StepData& data, const char* name, const SweepPlan& plan, Current&& current, Fetch&& fetch,
+/// The same as a graph of tasks. Rounds are one run: nothing waits for the end of a round but what shares a cluster
+/// with it.
+template <class Closed, class Fetch, class Operate>
+void run_as_tasks(StepData& data, const char* name, const SweepPlan& plan, Closed&& closed, Fetch&& fetch,
                   Operate&& operate) {
-    if (data.team.alone() && data.team.recorder() == nullptr) {
-        for (int round = 0; round < plan.rounds; ++round) {
-            bool any = false;
-            for (std::size_t i = 0; i < plan.size(); ++i) {
-                const std::size_t k = plan.place(round, i);
-                if (i + kFetchAhead < plan.size()) fetch(plan.place(round, i + kFetchAhead));
-                if (current(k)) continue;
-                operate(k, round, data.worker(0));
-                any = true;
-            }
-            if (!any) return;
-        }
-        return;
-    }
-    ListBuffers& l = data.lists;
-    order_tasks(data, plan, current, fetch);
-    data.team.run(name, l.order, [&](std::size_t task, int thread) {
-        if (task + kFetchAhead < l.tasks.size()) fetch(static_cast<std::size_t>(l.tasks[task + kFetchAhead].place));
-        const auto i = static_cast<std::size_t>(l.tasks[task].place);
-        if (!current(i)) operate(i, l.tasks[task].round, data.worker(thread));
+    constexpr std::size_t kGrain = 256;
+    SweepBuffers& buffers = data.lists.sweep;
+    buffers.open.resize(plan.size());
+    data.team.for_each("stale pairs", plan.size(), kGrain, [&](std::size_t i, int) {
+        if (i + kFetchAhead < plan.size()) fetch(i + kFetchAhead);
+        buffers.open[i] = closed(i) ? 0 : 1;
     });
+    order_tasks(plan, data.model.size(), buffers);
+    const std::vector<SweepBuffers::SweepTask>& tasks = buffers.tasks;
+    data.team.run(name, buffers.order, [&](std::size_t task, int thread) {
+        if (task + kFetchAhead < tasks.size()) fetch(static_cast<std::size_t>(tasks[task + kFetchAhead].place));
+        const auto i = static_cast<std::size_t>(tasks[task].place);
+        if (!closed(i)) operate(i, tasks[task].round, data.worker(thread));
+    });
+}
+
+/// Runs a sweep. The list must not change meanwhile; fetch(i) asks for the memory that closed(i) and operate(i, ...)
+/// begin with.
+template <class Closed, class Fetch, class Operate>
+void run_sweep(StepData& data, const char* name, const SweepPlan& plan, Closed&& closed, Fetch&& fetch,
+               Operate&& operate) {
+    if (data.team.alone() && data.team.recorder() == nullptr)
+        run_plain(data.worker(0), plan, closed, fetch, operate);
+    else
+        run_as_tasks(data, name, plan, closed, fetch, operate);
 }
 
 } // namespace flotilla

@@ -24,16 +24,18 @@ std::uint64_t mixed(std::int32_t a, std::int32_t b) {
 
 void fetch_record(const PairRecord& record) {
     fetch_to_write(&record);
-    fetch_to_write(&record.missed_a);
+    fetch_to_write(&record.cache.doubt);
 }
 
 void PairTable::start_step(Team& team, std::int64_t step) {
     const auto unused = [&](const PairRecord& r) { return r.a >= 0 && r.step != step_; };
     const auto start = [&](std::size_t i) {
         PairRecord& r = records_[i];
-        r.active = r.processed = r.assumed = false;
-        r.start_distance = std::exchange(r.end_distance, -1.0);
-        if (r.start_distance < 0) r.slack = -1; // the last step did not search
+        r.active = false;
+        r.processed = {};
+        PairCache& known = r.cache;
+        known.start_distance = std::exchange(known.end_distance, -1.0);
+        if (known.start_distance < 0) known.slack = -1; // the last step did not search
         return unused(r);
     };
     const auto kept = [&](std::size_t i) { return unused(records_[i]); };
@@ -70,11 +72,15 @@ std::size_t PairTable::slot(std::int32_t a, std::int32_t b) const {
     return i;
 }
 
-PairRecord* PairTable::find(std::int32_t a, std::int32_t b) const {
+PairRecord* PairTable::find(std::int32_t a, std::int32_t b) {
     return slots_.empty() ? nullptr : slots_[slot(a, b)].record;
 }
 
-void PairTable::find(std::span<const CandidatePair> pairs, std::span<PairRecord*> out) const {
+const PairRecord* PairTable::find(std::int32_t a, std::int32_t b) const {
+    return slots_.empty() ? nullptr : slots_[slot(a, b)].record;
+}
+
+void PairTable::find(std::span<const CandidatePair> pairs, std::span<PairRecord*> out) {
     if (slots_.empty()) return std::fill(out.begin(), out.end(), nullptr);
     for (const CandidatePair& p : pairs) __builtin_prefetch(&slots_[mixed(p.a, p.b) & (slots_.size() - 1)]);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -127,7 +133,7 @@ void PairTable::index(std::size_t slots) {
 std::size_t PairTable::memory() const {
     std::size_t bytes = slots_.size() * sizeof(Slot) + records_.size() * sizeof(PairRecord);
     for (std::size_t i = 0; i < records_.size(); ++i)
-        if (records_[i].candidates != nullptr) bytes += sizeof(PairCandidates) + records_[i].candidates->list.memory();
+        if (const auto& kept = records_[i].cache.candidates) bytes += sizeof(PairCandidates) + kept->list.memory();
     return bytes;
 }
 

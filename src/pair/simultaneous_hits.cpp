@@ -7,6 +7,7 @@
 
 #include "base/index.hpp"
 #include "geometry/closest.hpp"
+#include "geometry/rounding.hpp"
 
 namespace flotilla {
 namespace {
@@ -71,7 +72,7 @@ struct Heights {
         slope = transpose(p0.rotation + t * (p1.rotation - p0.rotation)) * plane.normal;
         start = dot(plane.normal, p0.origin + t * (p1.origin - p0.origin)) - plane.offset;
         const double origin = max_component(max(abs(p0.origin), abs(p1.origin)));
-        error = 0x1p-40 * (body.max_abs() + origin + std::abs(plane.offset));
+        error = place_rounding(body.max_abs() + origin + std::abs(plane.offset));
     }
     [[nodiscard]] double at_least(const Vec3& local) const { return (dot(slope, local) + start) - error; }
 };
@@ -94,14 +95,14 @@ void find_feet(const BodyMotion& body, double t, const Plane& plane, double reac
 
 } // namespace
 
-void find_simultaneous_hits(const StepData& data, Worker& worker, const ClusterHit& hit, const ContactPoint& first,
-                            double reach, std::vector<ContactPoint>& out) {
+void find_simultaneous_hits(const StepView& view, std::vector<Vec3>& feet, const ClusterHit& hit,
+                            const ContactPoint& first, double reach, std::vector<ContactPoint>& out) {
     const double t = hit.hit.toi;
-    const BodyMotion a = data.trajectories.motion(at(hit.a)), b = data.trajectories.motion(at(hit.b));
+    const BodyMotion a = view.trajectories.motion(at(hit.a)), b = view.trajectories.motion(at(hit.b));
     const Vec3 com_a = a.pose(t).com, com_b = b.pose(t).com, point_a = com_a + first.arm_a, point = com_b + first.arm_b;
     const double gap = length(point - point_a);
-    const Impulsive body_a = data.clusters.impulsive(data.clusters.of(at(hit.a)));
-    const Impulsive body_b = data.clusters.impulsive(data.clusters.of(at(hit.b)));
+    const Impulsive body_a = view.clusters.impulsive(view.clusters.of(at(hit.a)));
+    const Impulsive body_b = view.clusters.impulsive(view.clusters.of(at(hit.b)));
     const std::size_t before = out.size();
     const auto known = [&](const Vec3& x) {
         return std::any_of(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
@@ -109,8 +110,8 @@ void find_simultaneous_hits(const StepData& data, Worker& worker, const ClusterH
     };
     const auto add_feet = [&](const BodyMotion& body, const BodyMotion& other, const Plane& plane) {
         const double room = gap + reach;
-        find_feet(body, t, plane, reach, worker.feet);
-        for (const Vec3& x : worker.feet) {
+        find_feet(body, t, plane, reach, feet);
+        for (const Vec3& x : feet) {
             ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
             p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
             if (!(dot(p.relative_velocity, p.normal) < 0) || length_sq(x - point) <= 4 * reach * reach) continue;

@@ -44,7 +44,7 @@ void Stepper::mark_asleep() {
     }
     model_.list_active();
     ++lists_.still_version;
-    lists_.frozen.pairs = nullptr; // sleeping bodies pair by other rules than awake ones
+    lists_.forget_motions(); // sleeping bodies pair by other rules than awake ones
     const auto waits = [&](const WarmImpulse& w) { return rests(w.a, w.b); };
     const auto is_due = [&](const WarmImpulse& w) { return !rests(w.a, w.b); };
     for (auto [impulses, waiting] :
@@ -67,7 +67,7 @@ void Stepper::wake_disturbed(StepData& d) {
         wake_island(at(sleeper), state_);
         woken = true;
     }
-    lists_.frozen.pairs = nullptr; // sleeping bodies are in no other list
+    lists_.forget_motions(); // sleeping bodies are in no other list
     if (!woken) return;
     mark_asleep();
     take_woken_contacts();

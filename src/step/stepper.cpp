@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "base/index.hpp"
+#include "base/stopwatch.hpp"
 #include "collision/collisions.hpp"
 #include "state/loads.hpp"
 
@@ -159,20 +160,12 @@ StepData Stepper::data() {
     const Settings& s = model_.settings;
     const double approach =
         s.approach_threshold >= 0 ? s.approach_threshold : 0.5 * length(model_.gravity) * s.time_step;
-    return {model_,
-            state_,
-            trajectories_,
-            clusters_,
-            pairs_,
-            broadphase_,
-            team_,
-            workers_,
-            lists_,
-            s.time_step,
-            sin_cos(s.proximity_angle * std::numbers::pi / 180).cos,
-            approach,
-            options_.keep_candidates,
-            options_.savings};
+    const double angle_cos = sin_cos(s.proximity_angle * std::numbers::pi / 180).cos;
+    const StepView view{model_,          state_,        trajectories_,
+                        clusters_,       lists_.bounds, s.time_step,
+                        angle_cos,       approach,      options_.keep_candidates,
+                        options_.savings};
+    return {view, {clusters_, trajectories_, s.time_step}, pairs_, broadphase_, lists_, team_, workers_};
 }
 
 StepReport Stepper::step(const std::function<bool(Phase)>& observer) {
@@ -236,7 +229,7 @@ void Stepper::advance(StepReport& report) {
             const PhaseWatch watch(report, Phase::collisions, team_);
             start_clusters(state_.motion);
             wake_disturbed(d);
-            const StageCounters c = handle_collisions(d, {contacts_.contacts, contacts_.rest}, hits_);
+            const StageCounters c = handle_collisions(d, {contacts_.contacts, contacts_.rest}, collisions_);
             add_counters(c, report);
             report.collisions = c.impulses;
             if (c.limit) report.warnings |= kCollisionLimit;

@@ -9,7 +9,7 @@
 
 #include "base/hasher.hpp"
 #include "broadphase/kept_pairs.hpp"
-#include "collision/accumulated.hpp"
+#include "collision/collisions.hpp"
 #include "dynamic_contact/dynamic_contact.hpp"
 #include "failsafe/failsafe.hpp"
 #include "islands/sleeping.hpp"
@@ -221,7 +221,7 @@ class Stepper {
         std::vector<Motion> collided, half, next;
     };
     StepBuffers buffers_;
-    HitLists hits_; ///< of stage 1, where collisions are accumulated
+    CollisionScratch collisions_;
     StaticStageScratch static_;
     std::int64_t contact_visits_ = 0;
     EnergyAccount energy_;

@@ -70,7 +70,7 @@ class Profile(unittest.TestCase):
         sources = ""
         for folder, _, names in os.walk(os.path.join(ROOT, "src")):
             for name in names:
-                if name.endswith(".hpp"):
+                if name.endswith((".hpp", ".cpp")):
                     with open(os.path.join(folder, name), encoding="utf-8") as file:
                         sources += file.read()
         for name, _ in profile.STAGES:

@@ -117,8 +117,8 @@ std::pair<double, bool> near_plate(SceneDescription s, double gap, double veloci
     add_body(s, add_shape(s, make_plate(4, 4)), BodyType::fixed, {}, 0, 1);
     StageWorld world(s);
     StepData data = world.data();
-    HitLists lists;
-    handle_collisions(data, {}, lists);
+    CollisionScratch scratch;
+    handle_collisions(data, {}, scratch);
     const PairRecord* record = world.pairs().find(0, 1);
     return {world.velocity(0).z, record != nullptr && record->processed};
 }

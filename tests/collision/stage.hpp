@@ -13,8 +13,8 @@ namespace flotilla::test {
 
 inline StageCounters collide(StageWorld& world) {
     StepData data = world.data();
-    HitLists lists;
-    return handle_collisions(data, {}, lists);
+    CollisionScratch scratch;
+    return handle_collisions(data, {}, scratch);
 }
 
 /// Tests of each way.

@@ -113,7 +113,7 @@ TEST_P(CollisionStage, HasTheBitsOfThePlainLoopOnAnyNumberOfThreads) {
         EXPECT_EQ(world.ends(), serial.ends()) << threads;
         EXPECT_EQ(counters.impulses, wanted.impulses) << threads;
         EXPECT_EQ(counters.sweeps, wanted.sweeps) << threads;
-        EXPECT_EQ(counters.left, wanted.left) << threads;
+        EXPECT_EQ(counters.settled, wanted.settled) << threads;
     }
 }
 

@@ -35,7 +35,8 @@ std::vector<Key> all_pairs(std::int32_t num_bodies) {
 struct World {
     explicit World(std::int32_t num) : model(spheres(num)) {}
     PairRecord& get(const Key& key) { return table.get(model, state, key.first, key.second); }
-    [[nodiscard]] PairRecord* find(const Key& key) const { return table.find(key.first, key.second); }
+    [[nodiscard]] PairRecord* find(const Key& key) { return table.find(key.first, key.second); }
+    [[nodiscard]] const PairRecord* find(const Key& key) const { return table.find(key.first, key.second); }
 
     Model model;
     State state;
@@ -49,7 +50,8 @@ class Reference {
         std::int64_t step = 0;
         bool active = false, processed = false;
         double start_distance = -1, end_distance = -1;
-        std::uint64_t proved = 0;
+        Verdict verdict = Verdict::open;
+        std::uint64_t version = 0; ///< of both bodies
         const PairRecord* place = nullptr;
     };
 
@@ -86,15 +88,15 @@ void expect_same(const World& world, const Reference& reference, const std::vect
         ASSERT_EQ(r, wanted->place) << "a record stays where it is";
         ASSERT_EQ(Key(r->a, r->b), key);
         ASSERT_EQ(r->active, wanted->active);
-        ASSERT_EQ(r->processed, wanted->processed);
-        ASSERT_EQ(r->start_distance, wanted->start_distance);
-        ASSERT_EQ(r->end_distance, wanted->end_distance);
-        ASSERT_EQ(r->proved_a, wanted->proved);
+        ASSERT_EQ(bool{r->processed}, wanted->processed);
+        ASSERT_EQ(r->cache.start_distance, wanted->start_distance);
+        ASSERT_EQ(r->cache.end_distance, wanted->end_distance);
+        ASSERT_EQ(r->verdict.at(wanted->version, wanted->version), wanted->verdict);
     }
 }
 
 /// Records of many pairs at once are those of one after the other.
-void expect_found_together(const World& world, const std::vector<Key>& keys) {
+void expect_found_together(World& world, const std::vector<Key>& keys) {
     std::vector<CandidatePair> pairs;
     for (const Key& key : keys) pairs.push_back({key.first, key.second});
     std::vector<PairRecord*> found(pairs.size(), nullptr);
@@ -111,14 +113,19 @@ void touch(World& world, Reference& reference, const Key& key, std::mt19937_64& 
         found = &world.get(key);
     Reference::Record& wanted = reference.use(key);
     if (wanted.place == nullptr) {
-        EXPECT_EQ(found->proved_a, 0u) << "a record of a pair seen first knows nothing of the one before in its place";
-        EXPECT_EQ(found->start_distance, -1);
+        EXPECT_EQ(found->verdict.at(0, 0), Verdict::open)
+            << "a record of a pair seen first knows nothing of the one before in its place";
+        EXPECT_EQ(found->cache.start_distance, -1);
         wanted.place = found;
     }
     if (rng() % 2 == 0) found->active = wanted.active = true;
-    if (rng() % 2 == 0) found->processed = wanted.processed = true;
-    if (rng() % 2 == 0) found->end_distance = wanted.end_distance = static_cast<double>(rng() % 100);
-    if (rng() % 2 == 0) found->proved_a = wanted.proved = rng();
+    if (rng() % 2 == 0) found->processed.set(), wanted.processed = true;
+    if (rng() % 2 == 0) found->cache.end_distance = wanted.end_distance = static_cast<double>(rng() % 100);
+    if (rng() % 2 == 0) {
+        wanted.version = rng();
+        wanted.verdict = rng() % 2 == 0 ? Verdict::settled : Verdict::apart;
+        found->verdict.commit(wanted.verdict, wanted.version, wanted.version);
+    }
 }
 
 TEST(PairTable, DoesAsAMapAndAPlainLoop) {
@@ -199,14 +206,14 @@ TEST(PairTable, AForgottenPairIsMadeAnewFromTheStateOfTheDay) {
     World world(3);
     const PairLengths before = world.get({0, 2}).lengths;
     EXPECT_GT(before.rest, 0);
-    world.get({0, 2}).candidates = std::make_unique<PairCandidates>();
+    world.get({0, 2}).cache.candidates = std::make_unique<PairCandidates>();
     world.state.rest_distances = {{0, 2, before.rest / 4}};
     EXPECT_EQ(world.get({0, 2}).lengths.rest, before.rest) << "the record of the first use";
     world.table.start_step(team, 1);
     world.table.start_step(team, 2);
     const PairRecord& again = world.get({0, 2});
     EXPECT_EQ(again.lengths.rest, before.rest / 4);
-    EXPECT_EQ(again.candidates, nullptr);
+    EXPECT_EQ(again.cache.candidates, nullptr);
     EXPECT_EQ(again.step, 2);
 }
 

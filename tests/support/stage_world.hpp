@@ -41,21 +41,13 @@ class StageWorld {
         const Settings& s = model_.settings;
         const double approach =
             s.approach_threshold >= 0 ? s.approach_threshold : 0.5 * length(model_.gravity) * s.time_step;
-        return {model_,
-                state_,
-                trajectories_,
-                clusters_,
-                pairs_,
-                broadphase_,
-                team_,
-                workers_,
-                lists_,
-                s.time_step,
-                sin_cos(s.proximity_angle * scenario::kPi / 180).cos,
-                approach};
+        const double angle_cos = sin_cos(s.proximity_angle * scenario::kPi / 180).cos;
+        const StepView view{model_, state_, trajectories_, clusters_, lists_.bounds, s.time_step, angle_cos, approach};
+        return {view, {clusters_, trajectories_, s.time_step}, pairs_, broadphase_, lists_, team_, workers_};
     }
 
     [[nodiscard]] const Model& model() const { return model_; }
+    [[nodiscard]] const State& state() const { return state_; }
     [[nodiscard]] const Trajectories& trajectories() const { return trajectories_; }
     [[nodiscard]] Clusters& clusters() { return clusters_; }
     [[nodiscard]] PairTable& pairs() { return pairs_; }

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "pair/impulses.hpp"
+
+#include <cmath>
+
+#include "base/index.hpp"
+#include "base/stopwatch.hpp"
+
+namespace flotilla {
+
+double pair_friction(const Model& model, std::int32_t a, std::int32_t b) {
+    return std::sqrt(model.bodies[at(a)].friction * model.bodies[at(b)].friction);
+}
+
+double pair_restitution(const Model& model, std::int32_t a, std::int32_t b) {
+    return std::max(model.bodies[at(a)].restitution, model.bodies[at(b)].restitution);
+}
+
+void apply_impulse(Clusters& clusters, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
+                   const Vec3& impulse) {
+    ++worker.counters.impulses;
+    if (worker.pushed.empty() || worker.pushed.back() != CandidatePair{a, b}) worker.pushed.push_back({a, b});
+    if (clusters[a].infinite()) clusters.add_work(b, dot(impulse, clusters.velocity_at(a, point.arm_a)));
+    if (clusters[b].infinite()) clusters.add_work(a, -dot(impulse, clusters.velocity_at(b, point.arm_b)));
+    clusters.apply(a, point.arm_a, -impulse);
+    clusters.apply(b, point.arm_b, impulse);
+}
+
+void push(Movers& movers, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
+          const Vec3& impulse) {
+    const Stopwatch watch(worker.counters.response_ms);
+    apply_impulse(movers.clusters, worker, a, b, point, impulse);
+    movers.evolve(a);
+    movers.evolve(b);
+}
+
+} // namespace flotilla

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// Impulses on clusters, and the end states that follow from them.
+#pragma once
+
+#include "pair/worker.hpp"
+#include "response/cluster.hpp"
+
+namespace flotilla {
+
+/// What an operation of a sweep writes, of its own two clusters: their velocities, and the end states that follow.
+struct Movers {
+    Clusters& clusters;
+    Trajectories& trajectories;
+    double dt; ///< s
+
+    void evolve(std::int32_t cluster) { clusters.evolve(cluster, dt, trajectories); }
+};
+
+/// Pair friction is the geometric mean, pair restitution the maximum (src/state/README.md).
+[[nodiscard]] double pair_friction(const Model& model, std::int32_t a, std::int32_t b);
+[[nodiscard]] double pair_restitution(const Model& model, std::int32_t a, std::int32_t b);
+
+/// Applies an impulse to two clusters.
+void apply_impulse(Clusters& clusters, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
+                   const Vec3& impulse);
+/// The same, and re-evolves them.
+void push(Movers& movers, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
+          const Vec3& impulse);
+
+} // namespace flotilla

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// What one thread has to itself in a step, and what the stages count.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "ccd/pair_query.hpp"
+#include "pair/pair_table.hpp"
+#include "proximity/contact_points.hpp"
+#include "response/pair_manifold.hpp"
+
+namespace flotilla {
+
+struct StageCounters {
+    std::int64_t sweeps = 0;
+    std::int64_t pairs = 0; ///< operations run
+    std::int64_t impulses = 0;
+    std::int64_t settled = 0;                 ///< pairs that hit and have no impulse: stage 5's
+    double detection_ms = 0, response_ms = 0; ///< of all threads together
+    bool limit = false;                       ///< ended by its iteration limit
+};
+
+/// A hit that a round over the pairs found (collision/accumulated.hpp).
+struct FoundHit {
+    PairRecord* record = nullptr;
+    ContactPoint point{};
+};
+
+/// What one thread has to itself.
+struct alignas(64) Worker {
+    CcdScratch ccd;
+    ProximityScratch proximity;
+    std::vector<ProximityPoint> points;
+    std::vector<FeaturePair> features;
+    PairManifold manifold; ///< of the operation under way
+    std::vector<PairManifold::Change> changes;
+    std::vector<ContactPoint> hits; ///< at one time
+    std::vector<Vec3> feet;
+    std::vector<FoundHit> found;
+    StageCounters counters;
+    std::vector<std::int64_t> work;    ///< operations run, by round of a sweep
+    std::vector<std::size_t> hitting;  ///< of these, those that applied an impulse
+    std::vector<CandidatePair> pushed; ///< clusters that had an impulse in the step; equal ones may come again
+};
+using Workers = std::vector<std::unique_ptr<Worker>>; ///< by thread
+
+/// Adds what all workers counted to `counters` and sets theirs to zero.
+void collect(Workers& workers, StageCounters& counters);
+
+} // namespace flotilla
