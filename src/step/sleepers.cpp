@@ -72,7 +72,7 @@ void Stepper::wake_disturbed(StepData& d) {
     mark_asleep();
     take_woken_contacts();
     place_still();
-    start_clusters(state_.motion);
+    start_trajectories(state_.motion);
 }
 
 /// Lets islands fall asleep at the end of a step.

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "base/assert.hpp"
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
 #include "collision/collisions.hpp"
@@ -124,6 +125,7 @@ void Stepper::prepare() {
     StepData d = data();
     if (state_.step > 0) find_sleeping_contacts(d);
     find_contacts(d, state_.step, search_, contacts_);
+    contacts_step_ = state_.step;
     if (!note_rest_distances()) return;
     pairs_.clear(); // of other lengths
     find_contacts(d, state_.step, search_, contacts_);
@@ -213,87 +215,117 @@ void Stepper::observe(Phase phase) const {
     if (!goes_on) throw CancelledStep{phase, nullptr};
 }
 
-/// One inner step.
+/// One inner step: section 2 of the paper.
 void Stepper::advance(StepReport& report) {
-    const double dt = model_.settings.time_step;
     auto& [end, collided, half, next] = buffers_;
     FailsafeStats failsafe;
     {
         const RecordedSpan recorded("step", team_);
-        pairs_.start_step(team_, report.step);
-        place_still();
-        for (const std::int32_t i : model_.active) first_version_[at(i)] = trajectories_.version(at(i));
-        StepData d = data();
-        for (const auto& worker : workers_) worker->pushed.clear();
-        { // 1) collisions: v^n becomes v^
-            const PhaseWatch watch(report, Phase::collisions, team_);
-            start_clusters(state_.motion);
-            wake_disturbed(d);
-            const StageCounters c = handle_collisions(d, {contacts_.contacts, contacts_.rest}, collisions_);
-            add_counters(c, report);
-            report.collisions = c.impulses;
-            if (c.limit) report.warnings |= kCollisionLimit;
-            copy_active<Motion>(model_, clusters_.motion(), collided);
-            open_account();
-        }
+        StepData d = begin_step(report.step);
+        collisions(d, collided, report); // 1) v^n becomes v^
         observe(Phase::collisions);
-        { // 2) v^{n+1/2} = v^ + dt/2 a
-            const PhaseWatch watch(report, Phase::half_velocity, team_);
-            copy_active<Motion>(model_, collided, half);
-            accelerate(model_, 0.5 * dt, half);
-        }
-        { // 3) static contact on v^{n+1/2}, contacts at x^n
-            const PhaseWatch watch(report, Phase::half_static_contact, team_);
-            static_contact(d, half, state_.pose, false, report);
-            if (mark_level(half)) {
-                copy_active<Motion>(model_, collided, half);
-                accelerate(model_, 0.5 * dt, half);
-                static_contact(d, half, state_.pose, false, report);
-                level_.clear();
-            }
-        }
+        half_velocities(collided, half, report);        // 2) v^{n+1/2} = v^ + dt/2 a
+        half_static_contact(d, collided, half, report); // 3) on v^{n+1/2}; its contacts are those of the last stage 7
         observe(Phase::half_static_contact);
-        // 4) x^{n+1} from x^n and v^{n+1/2}, equations 3 and 4; 5) which dynamic contact and the failsafe keep free of
-        // intersections
-        failsafe = move_bodies(d, half, report);
-        if (!failsafe.delayed_scripts.empty() && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
-            throw BlockedScripts(failsafe.delayed_scripts);
+        failsafe = move_bodies(d, half, report); // 4) x^{n+1} from x^n and v^{n+1/2}; 5) free of intersections
         observe(Phase::failsafe);
-        {
-            const PhaseWatch watch(report, Phase::certificate, team_);
-            certify(d);
-            for (const std::int32_t i : model_.active) end[at(i)] = trajectories_.end_pose(at(i));
-        }
-        { // 6) v^{n+1} = v^ + dt a
-            const PhaseWatch watch(report, Phase::velocity, team_);
-            copy_active<Motion>(model_, collided, next);
-            accelerate(model_, dt, next);
-            if (has_scripts_)
-                for (const std::int32_t i : model_.active)
-                    if (!model_.bodies[at(i)].movable()) next[at(i)] = clusters_.motion()[at(i)];
-            turn_momenta(collided, next);
-            held_velocities(collided, next, end, report);
-            drop_line_spin(end, next);
-        }
-        { // 7) static contact on v^{n+1}, contacts at x^{n+1}
-            const PhaseWatch watch(report, Phase::static_contact, team_);
-            {
-                const PhaseWatch detection(report, Phase::static_detection, team_);
-                note_strays(report.step);
-                contacts_.list_pairs(start_pairs_);
-                find_contacts(d, report.step, search_, contacts_);
-                contacts_.mark_processed(start_pairs_);
-                set_counters(contacts_.counters, report);
-            }
-            static_contact(d, next, end, true, report);
-            settle_energy(next, end, report);
-            report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
-        }
+        certify_end(d, end, report);
+        new_velocities(collided, end, next, report); // 6) v^{n+1} = v^ + dt a
+        final_static_contact(d, end, next, report);  // 7) on v^{n+1}, contacts at x^{n+1}
         observe(Phase::static_contact);
     }
     team_.dismiss();
     commit(next, end, failsafe);
     report.min_distance = contacts_.min_distance;
+}
+
+StepData Stepper::begin_step(std::int64_t step) {
+    pairs_.start_step(team_, step);
+    place_still();
+    for (const std::int32_t i : model_.active) first_version_[at(i)] = trajectories_.version(at(i));
+    for (const auto& worker : workers_) worker->pushed.clear();
+    return data();
+}
+
+/// No search finds them: they are those that stage 7 of the step before found at its x^{n+1}, without those that were
+/// ahead or fell asleep (commit). At the start, and after edits, prepare() and refresh_changed() search for them.
+ContactSet& Stepper::contacts_at_start() {
+    FLOTILLA_ASSERT(contacts_step_ == state_.step);
+    return contacts_;
+}
+
+/// Stage 1.
+void Stepper::collisions(StepData& d, std::span<Motion> collided, StepReport& report) {
+    const PhaseWatch watch(report, Phase::collisions, team_);
+    start_trajectories(state_.motion); // x^n -> x(v^n)
+    wake_disturbed(d);
+    const ContactSet& known = contacts_at_start();
+    const StageCounters c = handle_collisions(d, {known.contacts, known.rest}, collisions_);
+    add_counters(c, report);
+    report.collisions = c.impulses;
+    if (c.limit) report.warnings |= kCollisionLimit;
+    copy_active<Motion>(model_, clusters_.motion(), collided);
+    open_account();
+}
+
+/// Stage 2.
+void Stepper::half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report) {
+    const PhaseWatch watch(report, Phase::half_velocity, team_);
+    copy_active<Motion>(model_, collided, half);
+    accelerate(model_, 0.5 * model_.settings.time_step, half);
+}
+
+/// Stage 3. Where islands cannot afford to be raised to their rest distance, once more without that.
+void Stepper::half_static_contact(StepData& d, std::span<const Motion> collided, std::span<Motion> half,
+                                  StepReport& report) {
+    const PhaseWatch watch(report, Phase::half_static_contact, team_);
+    static_contact(d, contacts_at_start(), half, state_.pose, false, report);
+    if (!mark_level(half)) return;
+    copy_active<Motion>(model_, collided, half);
+    accelerate(model_, 0.5 * model_.settings.time_step, half);
+    static_contact(d, contacts_at_start(), half, state_.pose, false, report);
+    level_.clear();
+}
+
+/// The end of stage 5: what is certified is committed.
+void Stepper::certify_end(StepData& d, std::span<Pose> end, StepReport& report) {
+    const PhaseWatch watch(report, Phase::certificate, team_);
+    certify(d);
+    for (const std::int32_t i : model_.active) end[at(i)] = trajectories_.end_pose(at(i));
+}
+
+/// Stage 6.
+void Stepper::new_velocities(std::span<const Motion> collided, std::span<const Pose> end, std::span<Motion> next,
+                             StepReport& report) {
+    const PhaseWatch watch(report, Phase::velocity, team_);
+    copy_active<Motion>(model_, collided, next);
+    accelerate(model_, model_.settings.time_step, next);
+    if (has_scripts_)
+        for (const std::int32_t i : model_.active)
+            if (!model_.bodies[at(i)].movable()) next[at(i)] = clusters_.motion()[at(i)];
+    turn_momenta(collided, next);
+    held_velocities(collided, next, end, report);
+    drop_line_spin(end, next);
+}
+
+/// Stage 7.
+void Stepper::final_static_contact(StepData& d, std::span<const Pose> end, std::span<Motion> next, StepReport& report) {
+    const PhaseWatch watch(report, Phase::static_contact, team_);
+    find_contacts_at_end(d, report);
+    static_contact(d, contacts_, next, end, true, report);
+    settle_energy(next, end, report);
+    report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
+}
+
+/// They are what stage 3 of the next step starts with.
+void Stepper::find_contacts_at_end(StepData& d, StepReport& report) {
+    const PhaseWatch detection(report, Phase::static_detection, team_);
+    note_strays(report.step);
+    contacts_.list_pairs(start_pairs_);
+    find_contacts(d, report.step, search_, contacts_);
+    contacts_step_ = report.step;
+    contacts_.mark_processed(start_pairs_);
+    set_counters(contacts_.counters, report);
 }
 
 /// What the stages read of bodies that stand still: once for as long as the same ones do. The stages themselves see
@@ -322,7 +354,7 @@ void Stepper::place_still() {
     }
 }
 
-void Stepper::start_clusters(std::span<const Motion> motion) {
+void Stepper::start_trajectories(std::span<const Motion> motion) {
     const std::vector<std::int32_t>& active = model_.active;
     team_.for_each("start clusters", active.size(), kBodyGrain,
                    [&](std::size_t k, int) { clusters_.start(at(active[k]), trajectories_, motion[at(active[k])]); });
@@ -333,18 +365,18 @@ void Stepper::start_clusters(std::span<const Motion> motion) {
     });
 }
 
-void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
-                             StepReport& report) {
+void Stepper::static_contact(StepData& d, ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
+                             bool final_stage, StepReport& report) {
     const PhaseWatch watch(report, Phase::static_response, team_);
     if (looks_ahead_) copy_active<Motion>(model_, motion, before_solve_);
-    StaticStageStats stats = solve_contacts_at(motion, poses, final_stage, report);
+    StaticStageStats stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
     report.iterations += stats.solve.iterations;
     const StepEnd at = final_stage ? StepEnd::end : StepEnd::start;
     const int rounds = !looks_ahead_ ? 0 : final_stage ? 1 : kLooksAhead;
-    for (int k = 0; k < rounds && add_contacts_ahead(d, at, static_.bodies, ahead_, contacts_); ++k) {
+    for (int k = 0; k < rounds && add_contacts_ahead(d, at, static_.bodies, ahead_, contacts); ++k) {
         if (!final_stage) join_contacts();
         copy_active<Motion>(model_, before_solve_, motion);
-        stats = solve_contacts_at(motion, poses, final_stage, report);
+        stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
         report.iterations += stats.solve.iterations;
     }
     if (!final_stage) { // what an earlier solve reported that mark_level() discarded is forgotten
@@ -357,8 +389,8 @@ void Stepper::static_contact(StepData& d, std::span<Motion> motion, std::span<co
     if (stats.solve.let_off_islands > 0) report.warnings |= kStaticLetOff;
 }
 
-StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
-                                            const StepReport& report) {
+StaticStageStats Stepper::solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
+                                            std::span<const Pose> poses, bool final_stage, const StepReport& report) {
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1
     // ended by its limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up
     // would accelerate for ever.
@@ -366,7 +398,7 @@ StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<
     // Stage 3 carries half a step's gravity, stage 7 a whole one's: impulses taken over from the other stage are scaled
     // by that.
     const StaticStageStats stats = solve_static_contact(
-        model_, contacts_, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
+        model_, contacts, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
         final_stage ? state_.warm_half : state_.warm_final,
         {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, lists_.still_version, state_.motion,
          state_.pose, level_, &team_, options_.tuning, options_.savings.normal_rows},
@@ -375,27 +407,35 @@ StaticStageStats Stepper::solve_contacts_at(std::span<Motion> motion, std::span<
     return stats;
 }
 
+/// Stages 4 and 5. What could not go as far as its half velocity says is tried again with half of it.
 FailsafeStats Stepper::move_bodies(StepData& d, std::span<Motion> half, StepReport& report) {
     slowed_.assign(model_.size(), 0);
     for (int halvings = 0;; ++halvings) {
-        {
-            const PhaseWatch watch(report, Phase::position, team_);
-            start_clusters(half);
-        }
-        DynamicContactStats dynamic;
-        {
-            const PhaseWatch watch(report, Phase::dynamic_contact, team_);
-            dynamic = handle_dynamic_contact(d);
-            add_counters(dynamic.counters, report);
-        }
+        candidate_end_states(half, report);                             // 4
+        const DynamicContactStats dynamic = dynamic_contact(d, report); // 5: dynamic contact
         const PhaseWatch watch(report, Phase::failsafe, team_);
-        FailsafeStats failsafe = run_failsafe(d);
+        FailsafeStats failsafe = run_failsafe(d); // 5: the failsafe
         add_counters(failsafe.counters, report);
         if (halvings < kMostHalvings && slow_down(half)) continue;
         hold_overdrawn(d, failsafe);
         record_failsafe(dynamic, failsafe, report);
+        if (!failsafe.delayed_scripts.empty() && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
+            throw BlockedScripts(failsafe.delayed_scripts);
         return failsafe;
     }
+}
+
+/// Stage 4, equations 3 and 4.
+void Stepper::candidate_end_states(std::span<const Motion> half, StepReport& report) {
+    const PhaseWatch watch(report, Phase::position, team_);
+    start_trajectories(half);
+}
+
+DynamicContactStats Stepper::dynamic_contact(StepData& d, StepReport& report) {
+    const PhaseWatch watch(report, Phase::dynamic_contact, team_);
+    const DynamicContactStats stats = handle_dynamic_contact(d);
+    add_counters(stats.counters, report);
+    return stats;
 }
 
 void Stepper::record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report) {

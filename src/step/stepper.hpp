@@ -156,12 +156,27 @@ class Stepper {
         return !model_.bodies[static_cast<std::size_t>(a)].movable() &&
                !model_.bodies[static_cast<std::size_t>(b)].movable();
     }
-    void start_clusters(std::span<const Motion> motion);
-    void static_contact(StepData& d, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
-                        StepReport& report);
-    StaticStageStats solve_contacts_at(std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
-                                       const StepReport& report);
+    StepData begin_step(std::int64_t step);
+    /// Every body on its own, with the given motion, and evolved to its candidate end state: stage 1 begins so with
+    /// v^n, stage 4 is this with v^{n+1/2}.
+    void start_trajectories(std::span<const Motion> motion);
+    void collisions(StepData& d, std::span<Motion> collided, StepReport& report);
+    void half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
+    ContactSet& contacts_at_start();
+    void half_static_contact(StepData& d, std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
     FailsafeStats move_bodies(StepData& d, std::span<Motion> half, StepReport& report);
+    void candidate_end_states(std::span<const Motion> half, StepReport& report);
+    DynamicContactStats dynamic_contact(StepData& d, StepReport& report);
+    void certify_end(StepData& d, std::span<Pose> end, StepReport& report);
+    void new_velocities(std::span<const Motion> collided, std::span<const Pose> end, std::span<Motion> next,
+                        StepReport& report);
+    void final_static_contact(StepData& d, std::span<const Pose> end, std::span<Motion> next, StepReport& report);
+    void find_contacts_at_end(StepData& d, StepReport& report);
+    /// Stages 3 and 7 (`final_stage`).
+    void static_contact(StepData& d, ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
+                        bool final_stage, StepReport& report);
+    StaticStageStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
+                                       std::span<const Pose> poses, bool final_stage, const StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;
     [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
@@ -234,6 +249,7 @@ class Stepper {
     /// velocity that stages 3 and 5 do not let it follow, in every step.
     std::vector<CandidatePair> start_pairs_;
     ContactSet contacts_;
+    std::int64_t contacts_step_ = -1;        ///< the step at whose end they are contacts
     std::vector<Contact> sleeping_contacts_; ///< found when their bodies fell asleep; not searched for again
     bool looks_ahead_ = false;               ///< may_look_ahead()
     LookAheadScratch ahead_;
