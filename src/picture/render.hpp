@@ -14,8 +14,8 @@
 #include <flotilla/picture.hpp>
 #include <flotilla/types.hpp>
 
-#include "io/image.hpp"
 #include "mesh/triangle_mesh.hpp"
+#include "picture/image.hpp"
 
 namespace flotilla {
 

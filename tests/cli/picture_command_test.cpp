@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "io/run_folder.hpp"
+#include "run_folder/run_folder.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {
