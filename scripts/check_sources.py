@@ -70,6 +70,7 @@ PUBLIC_HEADERS = {
     "html_report": "run",
     "run": "run",
     "run_folder": "run",
+    "step_picture": "run",
     "trace": "run",
     "verify": "run",
     "sweep": "sweep",
