@@ -21,17 +21,15 @@ build_consumer() {
 
 # A program that links the core alone runs, and neither it nor the core's library needs what only the rest does.
 build_core_consumer() {
-    local needs_nothing='libhdf5|libpng|libz[.]|libsz' file
+    local not_needed='libhdf5|libpng|libz[.]|libsz' file
     "$cmake" -S "$here/core_consumer" -B "$work/core_consumer" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
         -DCMAKE_EXE_LINKER_FLAGS="$link_flags" "$@"
     "$cmake" --build "$work/core_consumer"
     "$work/core_consumer/core_consumer"
     "$work/core_consumer/whole_core"
-    for file in "$work/core_consumer/core_consumer" "$work/core_consumer/whole_core"; do
-        ldd "$file" >"$work/libraries"
-        grep -q libtbb "$work/libraries" || { echo "what ldd says of $file is not understood"; return 1; }
-        ! grep -E "$needs_nothing" "$work/libraries" || { echo "$file needs these"; return 1; }
-    done
+    for file in "$work/core_consumer/core_consumer" "$work/core_consumer/whole_core"; do ldd "$file"; done >"$work/libraries"
+    grep -q libtbb "$work/libraries" || { echo "what ldd says is not understood"; return 1; }
+    ! grep -E "$not_needed" "$work/libraries" || { echo "programs with the core alone need these"; return 1; }
     file=$(find "$work" -name 'libflotilla_core.a' -o -name 'libflotilla_core.so' | head -1)
     nm -C "$([[ $file == *.so ]] && echo -D || echo -u)" "$file" >"$work/symbols"
     grep -q 'tbb::' "$work/symbols" || { echo "what nm says of $file is not understood"; return 1; }
