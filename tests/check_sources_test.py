@@ -84,7 +84,7 @@ class CheckSources(unittest.TestCase):
     def test_a_prefix_permits_only_headers_that_start_with_it(self):
         self.expect_accepted("src/proximity/planted.cpp", '#include "ccd/feature_candidates.hpp"')
         self.expect_refused("src/proximity/planted.cpp", '#include "ccd/earliest_hit.hpp"')
-        self.expect_refused("src/io/planted.cpp", '#include "collision/collision.hpp"')
+        self.expect_refused("src/run_folder/planted.cpp", '#include "step/stepper.hpp"')
 
     def test_the_audit_shares_no_collision_detection(self):
         self.expect_accepted("src/audit/planted.cpp", '#include "geometry/exact/triangle.hpp"')
@@ -97,6 +97,16 @@ class CheckSources(unittest.TestCase):
     def test_a_module_may_not_use_public_headers_above_it(self):
         self.expect_accepted("src/geometry/planted.cpp", "#include <flotilla/types.hpp>")
         self.expect_refused("src/geometry/planted.cpp", "#include <flotilla/scene.hpp>")
+
+    def test_the_core_knows_no_files_of_runs(self):
+        for library in ("hdf5.h", "png.h", "zlib.h"):
+            self.expect_refused("src/io/planted.cpp", f"#include <{library}>")
+        self.expect_accepted("src/io/planted.cpp", "#include <flotilla/scene_file.hpp>")
+        self.expect_accepted("src/run_folder/planted.cpp", "#include <hdf5.h>\n#include <zlib.h>")
+        self.expect_accepted("src/picture/planted.cpp", "#include <png.h>")
+        self.expect_refused("src/api/planted.cpp", '#include "run_folder/run_folder.hpp"')
+        self.expect_refused("src/api/planted2.cpp", "#include <flotilla/run.hpp>")
+        self.expect_refused("include/flotilla/world.hpp", "#include <flotilla/export.hpp>")
 
     def test_threads_live_in_one_module(self):
         self.expect_accepted("src/parallel/planted.cpp", "#include <thread>")

@@ -17,9 +17,9 @@
 #include <flotilla/error.hpp>
 #include <flotilla/scene_file.hpp>
 
-#include "io/poses_csv.hpp"
-#include "io/run_folder.hpp"
 #include "physics/problems/problems.hpp"
+#include "run_folder/poses_csv.hpp"
+#include "run_folder/run_folder.hpp"
 #include "scene/scene.hpp"
 
 namespace {

@@ -34,7 +34,7 @@ target_compile_options(flotilla_header_check PRIVATE
   $<TARGET_PROPERTY:flotilla,COMPILE_OPTIONS> -O0 -Wno-unused-function)
 target_compile_definitions(flotilla_header_check PRIVATE $<TARGET_PROPERTY:flotilla,COMPILE_DEFINITIONS>)
 target_include_directories(flotilla_header_check PRIVATE
-  $<TARGET_PROPERTY:flotilla,INCLUDE_DIRECTORIES> "${PROJECT_SOURCE_DIR}/include")
+  $<TARGET_PROPERTY:flotilla,INCLUDE_DIRECTORIES> $<TARGET_PROPERTY:flotilla_core,INCLUDE_DIRECTORIES> "${PROJECT_SOURCE_DIR}/include")
 target_compile_features(flotilla_header_check PRIVATE cxx_std_20)
 if(FLOTILLA_PYTHON)
   target_link_libraries(flotilla_header_check PRIVATE pybind11::headers Python::Module)

@@ -10,7 +10,7 @@
 #include "base/floating_point.hpp"
 #include "base/text.hpp"
 #include "base/vec3.hpp"
-#include "io/run_folder.hpp"
+#include "io/frame_size.hpp"
 #include "state/build_model.hpp"
 #include "state/loads.hpp"
 #include "static_contact/contact_packets.hpp"

@@ -209,6 +209,9 @@ std::uint64_t World::Impl::state_hash() const {
 }
 
 Team& WorldAccess::team(World& world) { return world.impl_->stepper->team(); }
+const TriangleMesh& WorldAccess::mesh(const World& world, std::size_t place) {
+    return world.impl_->stepper->model().shape_of(place).mesh;
+}
 
 World::World(const SceneDescription& scene, const std::string& source, const WorldOptions& options)
     : impl_(in_own_environment([&] { return std::make_unique<Impl>(CheckedStart(scene, source), options); })) {}

@@ -4,6 +4,7 @@
 
 #include <flotilla/world.hpp>
 
+#include "mesh/triangle_mesh.hpp"
 #include "parallel/team.hpp"
 
 namespace flotilla {
@@ -11,6 +12,8 @@ namespace flotilla {
 struct WorldAccess {
     /// The threads that run its steps.
     [[nodiscard]] static Team& team(World& world);
+    /// Of the body at a place, in the mesh's own coordinates; valid until the next edit.
+    [[nodiscard]] static const TriangleMesh& mesh(const World& world, std::size_t place);
 };
 
 } // namespace flotilla

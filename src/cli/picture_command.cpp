@@ -13,6 +13,7 @@
 
 #include <flotilla/error.hpp>
 #include <flotilla/picture.hpp>
+#include <flotilla/step_picture.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/value_checks.hpp"
@@ -22,7 +23,7 @@ namespace {
 
 struct PictureArguments {
     std::string source, output;
-    std::optional<std::int64_t> frame;
+    std::optional<std::int64_t> frame, step;
     PictureOptions options;
 };
 
@@ -33,10 +34,23 @@ bool names_png(const std::filesystem::path& file) {
     return extension == ".png";
 }
 
+void print(const std::string& output, const StepPictureReport& r) {
+    std::cerr << output << ": step " << r.step << ", t = " << r.time << " s, " << r.bodies << " bodies\n"
+              << r.contacts << " contact points, largest impulse " << r.largest_impulse
+              << " N s; pairs: " << r.loaded_pairs << " with an impulse (red), " << r.touching_pairs
+              << " with contacts alone (orange), " << r.sleeping_pairs << " asleep (violet), " << r.near_pairs
+              << " with boxes that meet (blue)\n";
+}
+
 int run_picture(const PictureArguments& arguments) {
     if (!names_png(arguments.output))
         throw InputError("picture: --output " + arguments.output +
                          ": pictures are PNG; give a name that ends with .png");
+    if (arguments.step) {
+        print(arguments.output,
+              write_step_picture(arguments.source, *arguments.step, arguments.output, arguments.options));
+        return kOk;
+    }
     const PictureReport r = write_picture(arguments.source, arguments.output, arguments.options, arguments.frame);
     std::cerr << arguments.output << ": frame " << r.frame << " of " << r.frames << ", t = " << r.time << " s, "
               << r.bodies << " bodies\n";
@@ -51,9 +65,18 @@ void register_picture(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("picture", "Render a frame of a run, or a scene, to a PNG file");
     command->add_option("SOURCE", arguments->source, "Run folder or scene file")->required();
     command->add_option("--output", arguments->output, "PNG file to write")->required()->check(kNotEmpty);
-    command->add_option("--frame", arguments->frame, "Frame, from 0 (default: the last)");
-    command->add_option("--camera-frame", options.camera_frame,
-                        "Frame that the camera is fitted to, for films (default: the one shown)");
+    auto* const frame = command->add_option("--frame", arguments->frame, "Frame, from 0 (default: the last)");
+    auto* const camera_frame =
+        command->add_option("--camera-frame", options.camera_frame,
+                            "Frame that the camera is fitted to, for films (default: the one shown)");
+    command
+        ->add_option(
+            "--step", arguments->step,
+            "Contacts and pairs of bodies after this step, which is made again: of a scene file from its start, "
+            "of a run folder from its last checkpoint where that is not later")
+        ->check(kCount)
+        ->excludes(frame)
+        ->excludes(camera_frame);
     const auto add = [command](const char* name, auto& value, const char* text) {
         command->add_option(name, value, text)->capture_default_str();
     };

@@ -8,8 +8,8 @@
 
 #include "base/index.hpp"
 #include "base/rotation.hpp"
-#include "io/body_colour.hpp"
-#include "io/drawn_mesh.hpp"
+#include "run_folder/body_colour.hpp"
+#include "run_folder/drawn_mesh.hpp"
 
 namespace flotilla::picture {
 namespace {

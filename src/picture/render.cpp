@@ -9,6 +9,7 @@
 
 #include "base/rotation.hpp"
 #include "picture/camera.hpp"
+#include "picture/draw_overlay.hpp"
 #include "picture/light.hpp"
 #include "picture/model.hpp"
 #include "picture/shade.hpp"
@@ -79,6 +80,39 @@ void check_bodies(Problems& problems, std::span<const PictureBody> bodies) {
     }
 }
 
+void check(std::span<const PictureBody> bodies, std::span<const PictureBody> seen, const PictureOptions& options) {
+    Problems problems;
+    check_options(problems, options);
+    check_bodies(problems, bodies);
+    if (seen.data() != bodies.data()) check_bodies(problems, seen);
+    problems.raise();
+}
+
+/// The camera that fits `seen`, as `model` sees it.
+picture::Camera fitted_to(std::span<const PictureBody> seen, picture::Model& model, const PictureOptions& options) {
+    const picture::Model other = picture::build_model(seen);
+    picture::Camera camera = picture::make_camera(other, options);
+    const Vec3 eye{camera.eye.x, camera.eye.y, camera.eye.z};
+    const Vec3 offset = (other.origin - model.origin) / model.scale;
+    // The colour of what does not move depends on what the picture is about, too.
+    for (std::size_t i = 0; i < std::min(model.bodies.size(), seen.size()); ++i)
+        model.bodies[i].colour = other.bodies[i].colour;
+    camera.eye = picture::to_float((other.scale / model.scale) * eye + offset);
+    return camera;
+}
+
+Image draw(picture::Model& model, const picture::Camera& camera, const PictureOptions& options,
+           const Overlay* overlay = nullptr) {
+    picture::cut_open(model, camera.eye);
+    const picture::VisibleLayer opaque = find_visible(model, camera, picture::Surfaces::opaque);
+    const picture::VisibleLayer glass = find_visible(model, camera, picture::Surfaces::glass);
+    const picture::Surface surface = find_surface(model, camera, opaque, options.supersampling);
+    const std::vector<picture::Irradiance> light = light_surfels(model, camera, surface.surfels, options);
+    Image image = compose(model, camera, opaque, glass, surface, light, options);
+    if (overlay != nullptr) draw_overlay(image, model, camera, opaque, options.supersampling, *overlay);
+    return image;
+}
+
 } // namespace
 
 Image render(std::span<const PictureBody> bodies, const PictureOptions& options) {
@@ -86,32 +120,16 @@ Image render(std::span<const PictureBody> bodies, const PictureOptions& options)
 }
 
 Image render(std::span<const PictureBody> bodies, std::span<const PictureBody> seen, const PictureOptions& options) {
-    Problems problems;
-    check_options(problems, options);
-    check_bodies(problems, bodies);
-    if (seen.data() != bodies.data()) check_bodies(problems, seen);
-    problems.raise();
-
+    check(bodies, seen, options);
     picture::Model model = picture::build_model(bodies);
-    picture::Camera camera;
-    if (seen.data() == bodies.data()) {
-        camera = picture::make_camera(model, options);
-    } else {
-        const picture::Model other = picture::build_model(seen);
-        camera = picture::make_camera(other, options);
-        const Vec3 eye{camera.eye.x, camera.eye.y, camera.eye.z};
-        const Vec3 offset = (other.origin - model.origin) / model.scale;
-        // The colour of what does not move depends on what the picture is about, too.
-        for (std::size_t i = 0; i < std::min(bodies.size(), seen.size()); ++i)
-            model.bodies[i].colour = other.bodies[i].colour;
-        camera.eye = picture::to_float((other.scale / model.scale) * eye + offset);
-    }
-    picture::cut_open(model, camera.eye);
-    const picture::VisibleLayer opaque = find_visible(model, camera, picture::Surfaces::opaque);
-    const picture::VisibleLayer glass = find_visible(model, camera, picture::Surfaces::glass);
-    const picture::Surface surface = find_surface(model, camera, opaque, options.supersampling);
-    const std::vector<picture::Irradiance> light = light_surfels(model, camera, surface.surfels, options);
-    return compose(model, camera, opaque, glass, surface, light, options);
+    const bool same = seen.data() == bodies.data();
+    return draw(model, same ? picture::make_camera(model, options) : fitted_to(seen, model, options), options);
+}
+
+Image render(std::span<const PictureBody> bodies, const PictureOptions& options, const Overlay& overlay) {
+    check(bodies, bodies, options);
+    picture::Model model = picture::build_model(bodies);
+    return draw(model, picture::make_camera(model, options), options, &overlay);
 }
 
 } // namespace flotilla

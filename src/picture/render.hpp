@@ -14,8 +14,9 @@
 #include <flotilla/picture.hpp>
 #include <flotilla/types.hpp>
 
-#include "io/image.hpp"
 #include "mesh/triangle_mesh.hpp"
+#include "picture/image.hpp"
+#include "picture/overlay.hpp"
 
 namespace flotilla {
 
@@ -33,5 +34,7 @@ struct PictureBody {
 /// The same, seen by the camera that fits `seen`. The frames of the options mean nothing here.
 [[nodiscard]] Image render(std::span<const PictureBody> bodies, std::span<const PictureBody> seen,
                            const PictureOptions& options);
+/// The first, with an overlay over it.
+[[nodiscard]] Image render(std::span<const PictureBody> bodies, const PictureOptions& options, const Overlay& overlay);
 
 } // namespace flotilla

@@ -11,13 +11,13 @@
 #include <flotilla/error.hpp>
 
 #include "io/base64.hpp"
-#include "io/drawn_mesh.hpp"
-#include "io/file_stream.hpp"
-#include "io/run_files.hpp"
 #include "report/page.hpp"
 #include "report/pose_track.hpp"
 #include "report/step_columns.hpp"
 #include "report/tables.hpp"
+#include "run_folder/drawn_mesh.hpp"
+#include "run_folder/file_stream.hpp"
+#include "run_folder/run_files.hpp"
 
 namespace flotilla::report {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/run_folder.hpp"
+#include "run_folder/run_folder.hpp"
 
 namespace flotilla::report {
 

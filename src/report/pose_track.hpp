@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "io/run_folder.hpp"
+#include "run_folder/run_folder.hpp"
 
 namespace flotilla::report {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "io/number.hpp"
-#include "io/step_csv.hpp"
+#include "run_folder/step_csv.hpp"
 
 namespace flotilla::report {
 namespace {

@@ -14,11 +14,11 @@
 
 #include "base/rotation.hpp"
 #include "base/vec3.hpp"
-#include "io/checkpoint.hpp"
 #include "io/file.hpp"
-#include "io/run_files.hpp"
-#include "io/run_folder.hpp"
 #include "report/step_columns.hpp"
+#include "run_folder/checkpoint.hpp"
+#include "run_folder/run_files.hpp"
+#include "run_folder/run_folder.hpp"
 
 namespace flotilla {
 

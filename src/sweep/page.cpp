@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "io/file.hpp"
-#include "io/run_files.hpp"
 #include "report/page.hpp"
+#include "run_folder/run_files.hpp"
 #include "sweep/judge.hpp"
 #include "sweep/plot.hpp"
 

@@ -11,7 +11,7 @@
 
 #include "io/file.hpp"
 #include "io/number.hpp"
-#include "io/run_files.hpp"
+#include "run_folder/run_files.hpp"
 
 namespace flotilla::sweep {
 namespace {

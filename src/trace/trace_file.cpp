@@ -12,10 +12,10 @@
 #include <flotilla/build_info.hpp>
 #include <flotilla/error.hpp>
 
-#include "io/file_stream.hpp"
 #include "io/json_document.hpp"
 #include "io/number.hpp"
-#include "io/run_files.hpp"
+#include "run_folder/file_stream.hpp"
+#include "run_folder/run_files.hpp"
 
 namespace flotilla::io {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <flotilla/compare.hpp>
 
-#include "io/run_folder.hpp"
-#include "io/sample_run.hpp"
+#include "run_folder/run_folder.hpp"
+#include "run_folder/sample_run.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {

@@ -9,7 +9,7 @@
 #include <flotilla/edit_file.hpp>
 #include <flotilla/scene_file.hpp>
 
-#include "api/edited_runs.hpp"
+#include "run/edited_runs.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {

@@ -198,7 +198,7 @@ Options::Rows Options::picture_rows() {
               {"--width", {picture + "--height 40", small, png}},
               {"--height", {picture + "--width 60", small, png}},
               {"--supersampling", {small, "picture " + at("run") + " --width 60 --height 40 --supersampling 2", png}}};
-    for (const char* option : {"--frame 0", "--camera-frame 0", "--azimuth 0", "--elevation 10", "--zoom 2",
+    for (const char* option : {"--frame 0", "--step 2", "--camera-frame 0", "--azimuth 0", "--elevation 10", "--zoom 2",
                                "--field-of-view 60", "--outlines 0"}) {
         const std::string text = option;
         rows[text.substr(0, text.find(' '))] = {small, small + option, png};

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "io/run_folder.hpp"
+#include "run_folder/run_folder.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {
@@ -128,6 +128,19 @@ TEST(PictureCommand, OneCameraForAllFramesOfAFilm) {
     const CommandOutput none = run_flotilla("picture " + run + " --output " + out + " --camera-frame 3");
     EXPECT_EQ(none.exit_code, 2);
     EXPECT_NE(none.err.find("there is no frame 3"), std::string::npos) << none.err;
+}
+
+TEST(PictureCommand, ShowsContactsAndPairsOfAStep) {
+    const TemporaryFolder folder;
+    const std::string out = (folder.path() / "picture.png").string();
+    const std::string scene = folder.write("stack.json", run_flotilla("scene stack --bodies 3").out);
+    const CommandOutput r = run_flotilla("picture " + scene + " --step 4 --output " + out + kSmall);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE(r.err.find("step 4, t = "), std::string::npos) << r.err;
+    EXPECT_NE(r.err.find("pairs: 2 with an impulse (red)"), std::string::npos) << r.err;
+    EXPECT_EQ(png_size(bytes_of(out)), (std::array{64, 48}));
+    for (const char* bad : {" --step -1", " --step x", " --step 4 --frame 1", " --step 4 --camera-frame 1"})
+        EXPECT_EQ(run_flotilla("picture " + scene + bad + " --output " + out + kSmall).exit_code, 2) << bad;
 }
 
 } // namespace

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "io/file.hpp"
-#include "io/run_files.hpp"
-#include "io/sample_run.hpp"
+#include "run_folder/run_files.hpp"
+#include "run_folder/sample_run.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {

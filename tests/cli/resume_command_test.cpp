@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "cli/killed_runs.hpp"
-#include "io/damage.hpp"
+#include "run_folder/damage.hpp"
 #include "support/small_disk.hpp"
 
 namespace flotilla::test {

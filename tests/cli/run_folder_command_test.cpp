@@ -9,10 +9,10 @@
 
 #include <flotilla/run_folder.hpp>
 
-#include "io/file_stream.hpp"
-#include "io/run_folder.hpp"
-#include "io/sample_run.hpp"
-#include "io/step_csv.hpp"
+#include "run_folder/file_stream.hpp"
+#include "run_folder/run_folder.hpp"
+#include "run_folder/sample_run.hpp"
+#include "run_folder/step_csv.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/file.hpp"
-#include "io/run_files.hpp"
+#include "run_folder/run_files.hpp"
 #include "support/command.hpp"
 
 namespace flotilla::test {

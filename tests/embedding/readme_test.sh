@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Pastes what the README shows: its C++ program is built against the installed package and run, its scene is simulated and proved.
+# src/BUILDING.md's lines for CMake build it too.
 # Its rows of other engines are those of the measured page. The scene of src/io/README.md is valid, and a run takes its edits.
 # usage: readme_test.sh CMAKE COMPILER BUILD_DIR [LINK_FLAGS]
 set -euo pipefail
@@ -23,20 +24,30 @@ awk -F' *[|] *' '
                                   if (measured[$2] != $3 " " $4 " " $5) { print "not as measured: " $0; wrong = 1 } }
     END { exit wrong || rows < 5 }' "$root/bench/results/engines.md" "$root/README.md"
 
-mkdir "$work/program"
-blocks cpp "int main" >"$work/program/main.cpp"
-{
-    echo 'cmake_minimum_required(VERSION 3.25)'
-    echo 'project(program LANGUAGES CXX)'
-    echo 'add_executable(program main.cpp)'
-    blocks cmake target_link_libraries
-} >"$work/program/CMakeLists.txt"
-"$cmake" --install "$build" --prefix "$work/installed" >/dev/null
-"$cmake" -S "$work/program" -B "$work/program/build" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
-    -DCMAKE_EXE_LINKER_FLAGS="$link_flags" -DCMAKE_PREFIX_PATH="$work/installed"
-"$cmake" --build "$work/program/build"
-"$work/program/build/program" | tee "$work/says"
-grep -q 'the mug lies at' "$work/says"
+blocks sh 'cmake --install' src/BUILDING.md | sed "s|^cmake|\"$cmake\"|; s|build/release|\"$build\"|; s|DIR|\"$work/installed\"|" >"$work/install"
+[[ -s $work/install ]] || { echo "src/BUILDING.md does not install"; exit 1; }
+bash -euo pipefail "$work/install" >/dev/null
+
+# build NAME: the README's program, with what standard input says in CMake's language.
+build() {
+    mkdir "$work/$1"
+    blocks cpp "int main" >"$work/$1/main.cpp"
+    {
+        echo 'cmake_minimum_required(VERSION 3.25)'
+        echo 'project(program LANGUAGES CXX)'
+        echo 'add_executable(program main.cpp)'
+        cat
+    } >"$work/$1/CMakeLists.txt"
+    grep -q 'target_link_libraries' "$work/$1/CMakeLists.txt"
+    "$cmake" -S "$work/$1" -B "$work/$1/build" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
+        -DCMAKE_EXE_LINKER_FLAGS="$link_flags" -DCMAKE_PREFIX_PATH="$work/installed"
+    "$cmake" --build "$work/$1/build"
+    "$work/$1/build/program" | tee "$work/says"
+    grep -q 'the mug lies at' "$work/says"
+}
+blocks cmake target_link_libraries | build program
+blocks cmake 'or add_subdirectory' src/BUILDING.md | build everything
+blocks cmake 'COMPONENTS core' src/BUILDING.md | build core # as the README says, it needs no more
 
 # Each block as it stands, in an empty folder; the first line of the one with the library's scene says where the command is.
 cd "$work"

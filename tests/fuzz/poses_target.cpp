@@ -6,8 +6,8 @@
 #include <flotilla/verify.hpp>
 
 #include "fuzz/checks.hpp"
-#include "io/poses_csv.hpp"
-#include "io/run_folder.hpp"
+#include "run_folder/poses_csv.hpp"
+#include "run_folder/run_folder.hpp"
 
 namespace {
 

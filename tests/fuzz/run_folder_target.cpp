@@ -15,9 +15,9 @@
 
 #include "fuzz/checks.hpp"
 #include "fuzz/input.hpp"
-#include "io/checkpoint.hpp"
-#include "io/run_files.hpp"
-#include "io/sample_run.hpp"
+#include "run_folder/checkpoint.hpp"
+#include "run_folder/run_files.hpp"
+#include "run_folder/sample_run.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 
 #include <flotilla/edit_file.hpp>
 
-#include "api/edited_runs.hpp"
+#include "run/edited_runs.hpp"
 
 namespace flotilla::test {
 namespace {

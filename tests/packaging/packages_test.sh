@@ -19,10 +19,10 @@ use() {
     for file in LICENSE NOTICE.txt CITATION.cff; do [[ -s $1/share/doc/flotilla/$file ]] || { echo "no $file"; return 1; }; done
 }
 
-# link PREFIX: a program built by what pkg-config says.
+# link PREFIX NAME: a program built by what pkg-config says of flotilla or flotilla-core.
 link() {
     local flags
-    flags=$(PKG_CONFIG_PATH=$(dirname "$(find "$1" -name flotilla.pc)") pkg-config --cflags --libs flotilla)
+    flags=$(PKG_CONFIG_PATH=$(dirname "$(find "$1" -name "$2.pc")") pkg-config --cflags --libs "$2")
     cat >"$work/main.cpp" <<'CODE'
 #include <flotilla/scene_library.hpp>
 #include <flotilla/world.hpp>
@@ -34,6 +34,7 @@ CODE
     # shellcheck disable=SC2086 # words
     "$compiler" -std=c++20 "$work/main.cpp" $flags -o "$work/main"
     "$work/main"
+    [[ $2 == flotilla ]] || ! ldd "$work/main" | grep -E 'hdf5|libpng|libz[.]' || { echo "the core alone needs these"; return 1; }
 }
 
 "$cpack" --config "$build/CPackConfig.cmake" -G "DEB;TGZ" -B "$work/packages" >"$work/log" || { cat "$work/log"; exit 1; }
@@ -52,8 +53,10 @@ mkdir "$work/tgz"
 tar -xf "$tgz" -C "$work/tgz" --strip-components=1
 use "$work/tgz"
 if command -v pkg-config >/dev/null; then
-    link "$work/deb/usr"
-    link "$work/tgz"
+    for name in flotilla flotilla-core; do
+        link "$work/deb/usr" $name
+        link "$work/tgz" $name
+    done
 else
     echo "pkg-config is not installed: its file was not tried"
 fi

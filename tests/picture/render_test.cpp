@@ -235,6 +235,62 @@ TEST(Picture, RefusesBadPosesMeshesAndOptions) {
     }
 }
 
+constexpr OverlayColour kGreen{0, 200, 0};
+
+int green(const Pixel& p) { return p[1] - std::max(p[0], p[2]); }
+
+TEST(Overlay, MarksAreWhereTheCameraSeesTheirPlaces) {
+    const TriangleMesh mesh = square(1);
+    const PictureBody body{.mesh = &mesh, .position = {5, 6, 7}, .rotation = {}, .fixed = false, .colour = 0};
+    const Image plain = render({&body, 1}, small());
+    Overlay overlay;
+    EXPECT_EQ(render({&body, 1}, small(), overlay).rgb, plain.rgb) << "an empty one";
+
+    overlay.dots.push_back({{5, 6, 7}, 4, kGreen});
+    const Image dot = render({&body, 1}, small(), overlay);
+    EXPECT_EQ(middle(dot), (Pixel{0, 200, 0}));
+    EXPECT_EQ(pixel(dot, 48 - 7, 32), pixel(plain, 48 - 7, 32));
+
+    overlay.dots.clear();
+    overlay.lines.push_back({{4.2, 6, 7}, {5.8, 6, 7}, 2, kGreen}); // along x, which is to the right here
+    const Image line = render({&body, 1}, small(), overlay);
+    for (const int x : {-12, 0, 12}) EXPECT_GT(green(pixel(line, 48 + x, 32)), 150) << x;
+    EXPECT_EQ(pixel(line, 48, 32 - 4), pixel(plain, 48, 32 - 4));
+
+    overlay.lines.clear();
+    overlay.arrows.push_back({{5, 6, 7}, {1, 0, 0}, 0.5F, 2, kGreen});
+    const Image arrow = render({&body, 1}, small(), overlay);
+    EXPECT_GT(green(pixel(arrow, 48 + 5, 32)), 150);
+    EXPECT_EQ(pixel(arrow, 48 - 5, 32), pixel(plain, 48 - 5, 32)) << "it points to the right";
+}
+
+TEST(Overlay, WhatASurfaceHidesIsFainter) {
+    const TriangleMesh mesh = square(1);
+    const PictureBody body{.mesh = &mesh, .position = {}, .rotation = {}, .fixed = false, .colour = colours().red};
+    const auto with_dot = [&](double z) {
+        Overlay overlay;
+        overlay.dots.push_back({{0, 0, z}, 4, kGreen});
+        return green(middle(render({&body, 1}, small(), overlay)));
+    };
+    const int plain = green(middle(render({&body, 1}, small())));
+    EXPECT_EQ(with_dot(0.1), 200);
+    EXPECT_EQ(with_dot(0), 200) << "on the surface";
+    EXPECT_LT(with_dot(-0.1), 120);
+    EXPECT_GT(with_dot(-0.1), plain + 40);
+    EXPECT_EQ(with_dot(1e4), plain) << "behind the camera";
+}
+
+TEST(Overlay, FadesThePictureBelowAndNeedsNoBodies) {
+    const TriangleMesh mesh = square(1);
+    const PictureBody body{.mesh = &mesh, .position = {}, .rotation = {}, .fixed = false, .colour = colours().red};
+    Overlay overlay;
+    overlay.fade = 0.5F;
+    const Pixel plain = middle(render({&body, 1}, small())), faded = middle(render({&body, 1}, small(), overlay));
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(faded[k], (plain[k] + 255) / 2.0, 1);
+    overlay.dots.push_back({{0, 0, 0}, 4, kGreen});
+    EXPECT_EQ(render({}, small(), overlay).rgb.size(), 96U * 64U * 3U);
+}
+
 TEST(WritePng, IsReadBackByLibpng) {
     const TriangleMesh mesh = square(1);
     const PictureBody body{.mesh = &mesh, .position = {}, .rotation = {}, .fixed = false, .colour = 3};

@@ -8,11 +8,11 @@
 
 #include <flotilla/error.hpp>
 
-#include "io/damage.hpp"
 #include "io/file.hpp"
-#include "io/run_files.hpp"
-#include "io/sample_run.hpp"
 #include "report/report_page.hpp"
+#include "run_folder/damage.hpp"
+#include "run_folder/run_files.hpp"
+#include "run_folder/sample_run.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace flotilla {

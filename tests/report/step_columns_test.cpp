@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "io/step_csv.hpp"
+#include "run_folder/step_csv.hpp"
 
 namespace flotilla {
 namespace {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "run_folder/file_stream.hpp"
+
+#include <array>
+#include <cerrno>
+#include <streambuf>
+#include <system_error>
+#include <vector>
+
+#include <zlib.h>
+
+#include <flotilla/error.hpp>
+
+namespace flotilla::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, std::string_view action, const std::string& reason) {
+    throw IoError(path.string() + ": cannot " + std::string(action) + ": " + reason);
+}
+
+} // namespace
+
+struct OutputStream::Deflate {
+    explicit Deflate(const fs::path& path) {
+        constexpr int kGzip = 15 + 16; // the largest window, gzip header
+        if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzip, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+            fail(path, "compress", "out of memory");
+    }
+    ~Deflate() { deflateEnd(&stream); }
+    Deflate(const Deflate&) = delete;
+    Deflate& operator=(const Deflate&) = delete;
+
+    z_stream stream{};
+    std::vector<char> out = std::vector<char>(kBuffer);
+};
+
+OutputStream::OutputStream(const fs::path& path)
+    : path_(path), temporary_(path.string() + std::string(kTemporarySuffix)) {
+    std::error_code ignored;
+    fs::remove(temporary_, ignored); // of an interrupted run
+    file_.emplace(temporary_);
+    if (path.extension() == ".gz") deflate_ = std::make_unique<Deflate>(path);
+    buffer_.reserve(2 * kBuffer);
+}
+
+OutputStream::~OutputStream() {
+    std::error_code ignored;
+    if (file_) fs::remove(temporary_, ignored);
+}
+
+void OutputStream::flush(bool last) {
+    if (!deflate_) {
+        file_->append(buffer_);
+    } else {
+        z_stream& z = deflate_->stream;
+        z.next_in = reinterpret_cast<Bytef*>(buffer_.data());
+        z.avail_in = static_cast<uInt>(buffer_.size());
+        do {
+            z.next_out = reinterpret_cast<Bytef*>(deflate_->out.data());
+            z.avail_out = static_cast<uInt>(deflate_->out.size());
+            deflate(&z, last ? Z_FINISH : Z_NO_FLUSH);
+            file_->append({deflate_->out.data(), deflate_->out.size() - z.avail_out});
+        } while (z.avail_out == 0);
+    }
+    buffer_.clear();
+}
+
+void OutputStream::close() {
+    flush(true);
+    file_->sync();
+    file_.reset();
+    replace_file(temporary_, path_);
+}
+
+class InputStream::Buffer : public std::streambuf {
+  public:
+    explicit Buffer(const fs::path& path) : path_(path), file_(gzopen(path.c_str(), "rb")) {
+        if (file_ == nullptr) fail(path, "open", std::error_code(errno, std::generic_category()).message());
+        gzbuffer(file_, 1u << 17);
+    }
+    ~Buffer() override { gzclose(file_); }
+
+  protected:
+    int_type underflow() override {
+        const int n = gzread(file_, data_.data(), static_cast<unsigned>(data_.size()));
+        int error = Z_OK;
+        const char* message = gzerror(file_, &error);
+        // A file that ends too early is reported with its last bytes.
+        if (n < 0 || (error != Z_OK && error != Z_STREAM_END))
+            fail(path_, "read",
+                 error == Z_ERRNO ? std::error_code(errno, std::generic_category()).message() : std::string(message));
+        if (n == 0) return traits_type::eof();
+        setg(data_.data(), data_.data(), data_.data() + n);
+        return traits_type::to_int_type(data_[0]);
+    }
+
+  private:
+    fs::path path_;
+    gzFile file_;
+    std::array<char, 1u << 18> data_{};
+};
+
+InputStream::InputStream(const fs::path& path) : buffer_(std::make_unique<Buffer>(path)), stream_(buffer_.get()) {}
+InputStream::~InputStream() = default;
+
+} // namespace flotilla::io
