@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 
 #include "base/random.hpp"
@@ -95,6 +96,10 @@ void add_kinds(std::vector<Extreme>& out) {
                        k.settings.collision_iterations = k.settings.dynamic_iterations = 1;
                    }});
     out.push_back({"mesh", "20,480 triangles", [](Knobs& k) { k.deep = true; }});
+}
+
+GravityOfStep turning(const Vec3& turn) {
+    return [=](const Vec3& gravity, int step) { return rotate(rotation_from_vector((step - 1) * turn), gravity); };
 }
 
 TriangleMesh soup(double size) {
@@ -246,6 +251,18 @@ std::vector<Extreme> all_extremes() {
     return out;
 }
 
+std::vector<Extreme> changing_gravity() {
+    std::vector<Extreme> out;
+    const auto gravity = [&](const char* name, GravityOfStep of_step) {
+        out.push_back({"changing gravity", name, [=](Knobs& k) { k.gravity_of_step = of_step; }});
+    };
+    gravity("turns by 0.1", turning({0.06, 0.08, 0}));
+    gravity("turns by 2", turning({1.2, 1, -1.3}));
+    gravity("reverses", [](const Vec3& g, int step) { return step % 2 == 0 ? -g : g; });
+    gravity("comes and goes", [](const Vec3& g, int step) { return step % 2 == 0 ? Vec3{} : 100 * g; });
+    return out;
+}
+
 std::string Cell::name() const {
     if (own_scene) return extremes[0].axis + ", " + extremes[0].value;
     std::string out = situation == Situation::pile ? "pile" : "clash";
@@ -253,23 +270,28 @@ std::string Cell::name() const {
     return out;
 }
 
-SceneDescription Cell::scene() const {
-    if (own_scene) return own_scene();
+SceneDescription Cell::scene() const { return own_scene ? own_scene() : Builder(knobs(), situation).build(); }
+
+GravityOfStep Cell::gravity_of_step() const { return own_scene ? GravityOfStep{} : knobs().gravity_of_step; }
+
+Knobs Cell::knobs() const {
     Knobs knobs;
     knobs.settings.sleeping = false;
     for (const Extreme& e : extremes) e.set(knobs);
-    return Builder(knobs, situation).build();
+    return knobs;
 }
 
 std::vector<Cell> all_cells() {
-    const std::vector<Extreme> extremes = all_extremes();
     std::vector<Cell> cells;
-    for (const Situation situation : {Situation::pile, Situation::clash})
+    for (const Situation situation : {Situation::pile, Situation::clash}) {
+        std::vector<Extreme> extremes = all_extremes();
+        if (situation == Situation::pile) std::ranges::move(changing_gravity(), std::back_inserter(extremes));
         for (std::size_t i = 0; i < extremes.size(); ++i) {
             cells.push_back({situation, {extremes[i]}, {}});
             for (std::size_t j = i + 1; j < extremes.size(); ++j)
                 if (extremes[j].axis != extremes[i].axis) cells.push_back({situation, {extremes[i], extremes[j]}, {}});
         }
+    }
     return cells;
 }
 

@@ -40,11 +40,20 @@ class Account {
             alone_ = alone_ && b.type == BodyType::dynamic;
         }
         gravity_ = model.gravity;
+        most_gravity_ = length(gravity_);
         for (std::size_t i = 0; i < model.bodies.size(); ++i) {
             if (!model.bodies[i].dynamic()) continue;
             mass_ += model.bodies[i].mass;
-            most_lift_ += model.bodies[i].mass * length(gravity_) * body_lengths(model, i).rest;
+            at_rest_distance_ += model.bodies[i].mass * body_lengths(model, i).rest;
         }
+    }
+
+    /// Before a step in which gravity is another: what bodies own where they are changes with it, and is no rise.
+    void change_gravity(const Vec3& gravity, const State& state, const Model& model) {
+        for (std::size_t i = 0; i < model.bodies.size(); ++i)
+            if (model.bodies[i].dynamic()) before_ -= model.bodies[i].mass * dot(gravity - gravity_, state.pose[i].com);
+        gravity_ = gravity;
+        most_gravity_ = std::max(most_gravity_, length(gravity));
     }
 
     void add(const StepReport& r, const State& state, const Model& model) {
@@ -57,10 +66,11 @@ class Account {
         largest_kinetic_ = std::max(largest_kinetic_, r.kinetic_energy);
         largest_moving_ = std::max(largest_moving_, moving);
         // Places are rounded, and so is the potential energy that goes by them.
-        const double rounding = 64 * kRoundOff * mass_ * length(gravity_) * farthest;
+        const double rounding = 64 * kRoundOff * mass_ * most_gravity_ * farthest;
         const double owned = r.energy - r.lift;
         if (steps_ > 0 && !scripted_) {
-            const double scale = std::max({largest_kinetic_, most_lift_, 1e-300});
+            const double most_lift = most_gravity_ * at_rest_distance_;
+            const double scale = std::max({largest_kinetic_, most_lift, 1e-300});
             joules = owned - before_ - rounding;
             rise = std::max(rise, joules / scale);
         }
@@ -78,7 +88,8 @@ class Account {
 
   private:
     bool scripted_ = false, alone_ = true, events_ = false;
-    double mass_ = 0, most_lift_ = 0, before_ = 0, largest_kinetic_ = 0, largest_moving_ = 0;
+    double mass_ = 0, at_rest_distance_ = 0, most_gravity_ = 0; ///< kg, sum of masses times rest distances, m/s^2
+    double before_ = 0, largest_kinetic_ = 0, largest_moving_ = 0;
     Vec3 gravity_, momentum_;
     int steps_ = 0;
 };
@@ -93,6 +104,11 @@ Outcome broken(Outcome out, const std::string& what, int step) {
 class Repeats {
   public:
     explicit Repeats(const Model& model, const State& start) : timed_(model, start), three_(model, start, kThree) {}
+
+    void set_gravity(const Vec3& gravity) {
+        timed_.set_gravity(gravity);
+        three_.set_gravity(gravity);
+    }
 
     /// Empty where both end the step with this hash.
     std::string step(std::uint64_t hash, Outcome& out) {
@@ -125,6 +141,12 @@ Outcome run(const SceneDescription& description, const CheckOptions& options) {
     bool held = false;
     const double began = processor_seconds();
     for (int n = 1; n <= options.steps && processor_seconds() - began < options.seconds; ++n) {
+        if (options.gravity) {
+            const Vec3 gravity = options.gravity(model.gravity, n);
+            account.change_gravity(gravity, audited.stepper().state(), model);
+            audited.set_gravity(gravity);
+            if (repeats) repeats->set_gravity(gravity);
+        }
         StepReport report;
         try {
             report = audited.step();
@@ -161,6 +183,8 @@ Outcome run_scene(const SceneDescription& scene, const CheckOptions& options) {
     }
 }
 
-Outcome run_cell(const Cell& cell, int steps) { return run_scene(cell.scene(), {.steps = steps}); }
+Outcome run_cell(const Cell& cell, int steps) {
+    return run_scene(cell.scene(), {.steps = steps, .gravity = cell.gravity_of_step()});
+}
 
 } // namespace flotilla::extremes

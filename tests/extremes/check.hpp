@@ -29,8 +29,9 @@ struct Outcome {
 
 struct CheckOptions {
     int steps = 10;
-    bool repeated = true;  ///< run again and on three threads as well, where the hash of every state must be the same
-    double seconds = 1e30; ///< of processor time, after which no further step begins
+    bool repeated = true;    ///< run again and on three threads as well, where the hash of every state must be the same
+    double seconds = 1e30;   ///< of processor time, after which no further step begins
+    GravityOfStep gravity{}; ///< set before every step; empty: it stays
 };
 /// Steps of any scene. What the scene's own reader refuses, and what intersects at the start, is refused.
 [[nodiscard]] Outcome run_scene(const SceneDescription& scene, const CheckOptions& options);

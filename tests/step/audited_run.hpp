@@ -25,6 +25,8 @@ class AuditedRun {
         last_ = place(stepper_.state().pose);
     }
 
+    void set_gravity(const Vec3& gravity) { stepper_.set_gravity(gravity); }
+
     /// Steps and adds what the audit finds to `findings`.
     StepReport step() {
         const StepReport report = stepper_.step();
