@@ -7,12 +7,9 @@
 
 #include "base/index.hpp"
 #include "ccd/separation.hpp"
-#include "geometry/rounding.hpp"
 
 namespace flotilla {
 namespace {
-
-constexpr double kGapRounding = 0x1p-46, kLengthRoom = 1 - kLengthRounding;
 
 Vec3 direction_of(const float (&d)[3]) { return {d[0], d[1], d[2]}; }
 

@@ -18,8 +18,12 @@
 #include <vector>
 
 #include "ccd/feature_listing.hpp"
+#include "geometry/rounding.hpp"
 
 namespace flotilla {
+
+inline constexpr double kGapRounding = 0x1p-46; ///< of the largest coordinate
+inline constexpr double kLengthRoom = 1 - kLengthRounding;
 
 /// Buffers of what a list selects; one per thread, reused. They grow and never shrink.
 struct FeatureBuffer {

@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "ccd/leaf_features.hpp"
+#include "ccd/separation.hpp"
+#include "ccd/triangles_apart.hpp"
 #include "geometry/ccd_cubic.hpp"
 #include "geometry/ccd_hits.hpp"
 
@@ -49,6 +51,7 @@ class EarliestHit {
 
     void traverse() {
         float entry = 0;
+        TrianglesApart apart(a_, b_, kClear * double{node_reach_.distance()});
         const auto meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
             return coarse_overlap(p, q, node_reach_, node_reach_, entry, static_cast<float>(best_.toi) + kNodeTimeSlack,
                                   kNodeTimeSlack);
@@ -62,7 +65,11 @@ class EarliestHit {
             },
             [&](double entry_time) { return !(entry_time > best_.toi + double{kNodeTimeSlack}); },
             [&](std::int32_t i, std::int32_t j, double) {
-                for_each_leaf_feature_pair(a_, b_, i, j, meet, [&](const FeaturePair& f) { add(f); });
+                for (const std::int32_t p : a_.shape->bvh.leaf_triangles(i))
+                    for (const std::int32_t q : b_.shape->bvh.leaf_triangles(j)) {
+                        if (options_.method == CcdMethod::conservative && apart(p, q)) continue;
+                        for_each_feature_pair(a_, b_, p, q, meet, [&](const FeaturePair& f) { add(f); });
+                    }
             });
         for (auto& waiting : scratch_.waiting_) flush(waiting);
     }

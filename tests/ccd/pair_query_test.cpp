@@ -132,6 +132,35 @@ TEST(EarliestHit, IsTheLeastOfAllFeaturePairs) {
     EXPECT_GE(misses, 30);
 }
 
+/// A sphere in a box that turns, as on a segment of its path: normals of the box's triangles keep nearly all of the
+/// sphere's apart from them, whose boxes meet.
+TEST(EarliestHit, LeavesOutTrianglesThatADirectionKeepsApart) {
+    int hits = 0, misses = 0;
+    std::int64_t queries = 0, features = 0;
+    for (std::int64_t n = 0; n < 24; ++n) {
+        Random random(500 + n);
+        Pair pair(random);
+        pair.model.shapes[0] = make_shape(make_box(1, 1, 1));
+        pair.model.shapes[1] = make_shape(make_sphere(0.47, 2));
+        std::array<Pose, 2> start, end;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const Vec3 place = n % 3 == 0 ? Vec3{-2e4, 1e4, 1e4} : Vec3{};
+            start[i] = make_pose(pair.model.shapes[i], place + random.vec(0.01), random.rotation());
+            end[i] = near(pair.model.shapes[i], start[i], random, 0.04);
+        }
+        pair.move(start, end);
+        CcdScratch scratch;
+        const PairHit hit = earliest_hit(pair.motion(0), pair.motion(1), {kSeparation}, {}, scratch);
+        expect_same(hit, hit_of_all_features(pair.motion(0), pair.motion(1)));
+        ++(hit.hit ? hits : misses);
+        queries += scratch.counters.feature_queries;
+        features += 2 * 12 * 162 + 2 * 8 * 320 + 18 * 480;
+    }
+    EXPECT_GE(hits, 5);
+    EXPECT_GE(misses, 5);
+    EXPECT_LT(20 * queries, features);
+}
+
 /// The queries of feature pairs, by their corners, are the same on every instruction set, and those of the copied
 /// corners.
 void expect_same_queries(const BodyMotion& a, const BodyMotion& b, FeatureKind kind,
