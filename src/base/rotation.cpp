@@ -39,7 +39,10 @@ double cos_series(double x2) {
 } // namespace
 
 SinCos sin_cos(double x) {
-    if (std::abs(x) > kLargestDirect) x = std::fmod(x, kTwoPi);
+    if (!(std::abs(x) <= kLargestDirect)) {
+        x = std::fmod(x, kTwoPi);
+        if (std::isnan(x)) return {x, x}; // has no quadrant
+    }
     const double k = std::floor(x * kTwoOverPi + 0.5);
     const double r = ((x - k * kHalfPi1) - k * kHalfPi2) - k * kHalfPi3;
     const double r2 = r * r;

@@ -2,6 +2,7 @@
 #include "base/rotation.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -30,6 +31,14 @@ TEST(SinCos, IsExactAtZeroAndStaysOnTheUnitCircle) {
     for (double x = -1e9; x < 1e9; x += 1.234567e6) {
         const auto [s, c] = sin_cos(x);
         EXPECT_NEAR(s * s + c * c, 1.0, 5e-16);
+    }
+}
+
+TEST(SinCos, OfWhatIsNoAngleIsNoNumber) {
+    for (const double x : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                           -std::numeric_limits<double>::infinity()}) {
+        EXPECT_TRUE(std::isnan(sin_cos(x).sin)) << x;
+        EXPECT_TRUE(std::isnan(sin_cos(x).cos)) << x;
     }
 }
 
