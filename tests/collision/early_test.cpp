@@ -100,8 +100,8 @@ TEST_P(EarlyCollisions, WhatWasExpectedIsVoidWhereABodyMovesBeforeTheTurn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Ccd, EarlyCollisions, testing::Values(CcdMethod::conservative, CcdMethod::cubic),
-                         [](const testing::TestParamInfo<CcdMethod>& info) {
-                             return info.param == CcdMethod::conservative ? "conservative" : "cubic";
+                         [](const testing::TestParamInfo<CcdMethod>& method) {
+                             return method.param == CcdMethod::conservative ? "conservative" : "cubic";
                          });
 
 } // namespace
