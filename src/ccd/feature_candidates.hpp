@@ -1,34 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Feature pairs of two bodies: a vertex of one and a face of the other, or an edge of each.
+// Feature pairs of two bodies that move: their corners, closest points and boxes.
 #pragma once
 
 #include "geometry/ccd.hpp"
+#include "state/feature_pair.hpp"
 #include "state/trajectories.hpp"
 
 namespace flotilla {
-
-enum class FeatureKind : std::uint8_t { vertex_face, face_vertex, edge_edge }; ///< of body a, of body b
-
-struct FeaturePair {
-    FeatureKind kind = FeatureKind::vertex_face;
-    std::int32_t a = 0, b = 0; ///< vertex, triangle or edge number in each body's mesh
-
-    friend bool operator==(const FeaturePair&, const FeaturePair&) = default;
-};
-
-/// Distinct for distinct feature pairs of two bodies; orders them.
-[[nodiscard]] constexpr std::uint64_t feature_key(const FeaturePair& f) {
-    return (static_cast<std::uint64_t>(f.kind) << 62) |
-           (static_cast<std::uint64_t>(static_cast<std::uint32_t>(f.a)) << 31) |
-           static_cast<std::uint64_t>(static_cast<std::uint32_t>(f.b));
-}
-
-/// Whose key it is.
-[[nodiscard]] constexpr FeaturePair features_of(std::uint64_t key) {
-    constexpr std::uint64_t kIndex = (std::uint64_t{1} << 31) - 1;
-    return {static_cast<FeatureKind>(key >> 62), static_cast<std::int32_t>((key >> 31) & kIndex),
-            static_cast<std::int32_t>(key & kIndex)};
-}
 
 [[nodiscard]] constexpr CcdKind ccd_kind(FeatureKind kind) {
     return kind == FeatureKind::edge_edge ? CcdKind::edge_edge : CcdKind::vertex_face;

@@ -9,8 +9,10 @@
 
 #include "base/byte_stream.hpp"
 #include "base/hasher.hpp"
+#include "base/index.hpp"
 #include "base/vec3.hpp"
 #include "scene/description_checks.hpp"
+#include "state/feature_pair.hpp"
 
 namespace flotilla {
 namespace {
@@ -90,9 +92,12 @@ bool sound_pairs(const std::vector<T>& list, std::size_t bodies) {
            });
 }
 
-bool sound_impulses(const std::vector<WarmImpulse>& list, std::size_t bodies) {
-    return sound_pairs(list, bodies) &&
-           std::all_of(list.begin(), list.end(), [](const WarmImpulse& w) { return within_reach(w.impulse); });
+/// Contacts are searched for at the features that these were found at.
+bool sound_impulses(const std::vector<WarmImpulse>& list, const Model& model) {
+    const auto shape_of = [&](std::int32_t body) -> const RigidShape& { return model.shape_of(at(body)); };
+    return sound_pairs(list, model.size()) && std::all_of(list.begin(), list.end(), [&](const WarmImpulse& w) {
+               return within_reach(w.impulse) && is_feature_key(w.feature_key, shape_of(w.a), shape_of(w.b));
+           });
 }
 
 bool sound_sleep(const Sleep& sleep, const Body& body, std::size_t bodies) {
@@ -116,8 +121,9 @@ bool sound(const State& s, const Model& model) {
         if (!(std::abs(s.script_delay[i]) <= kMost) || !(std::abs(s.lift[i]) <= kMost)) return false;
         if (!s.searched.empty() && !sound(s.searched[i].pose)) return false;
     }
-    return sound_pairs(s.rest_distances, n) && sound_impulses(s.warm_half, n) && sound_impulses(s.warm_final, n) &&
-           sound_impulses(s.waiting_half, n) && sound_impulses(s.waiting_final, n) &&
+    return sound_pairs(s.rest_distances, n) && sound_impulses(s.warm_half, model) &&
+           sound_impulses(s.warm_final, model) && sound_impulses(s.waiting_half, model) &&
+           sound_impulses(s.waiting_final, model) &&
            std::all_of(s.rest_distances.begin(), s.rest_distances.end(),
                        [](const RestDistance& r) { return r.distance >= 0 && std::isfinite(r.distance); });
 }

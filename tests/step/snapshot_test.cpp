@@ -7,6 +7,7 @@
 
 #include "scene/scene.hpp"
 #include "state/build_model.hpp"
+#include "state/feature_pair.hpp"
 #include "state/snapshot.hpp"
 #include "step/scenario.hpp"
 #include "step/thread_scenes.hpp"
@@ -123,6 +124,19 @@ TEST(SnapshotOf, WhatIsNoStateOfTheSceneIsRefusedThoughItsHashFits) {
     EXPECT_EQ(message([](State& s) { s.rest_distances = {{0, 2, 0.1}}; }), content);
     EXPECT_EQ(message([](State& s) { s.warm_half = {{1, 0, 3, {}}}; }), content);
     EXPECT_EQ(message([](State& s) { s.waiting_final = {{0, 1, 3, {0, 0, std::nan("")}}}; }), content);
+    // Impulses at features: boxes have 8 vertices, 12 triangles and 18 edges.
+    const auto of_features = [&](const FeaturePair& f) {
+        return message([&](State& s) { s.warm_final = {{0, 1, feature_key(f), {}}}; });
+    };
+    EXPECT_EQ(of_features({FeatureKind::vertex_face, 7, 11}), "none");
+    EXPECT_EQ(of_features({FeatureKind::vertex_face, 8, 11}), content);
+    EXPECT_EQ(of_features({FeatureKind::vertex_face, 7, 12}), content);
+    EXPECT_EQ(of_features({FeatureKind::face_vertex, 11, 7}), "none");
+    EXPECT_EQ(of_features({FeatureKind::face_vertex, 12, 7}), content);
+    EXPECT_EQ(of_features({FeatureKind::face_vertex, 11, 8}), content);
+    EXPECT_EQ(of_features({FeatureKind::edge_edge, 17, 17}), "none");
+    EXPECT_EQ(of_features({FeatureKind::edge_edge, 17, 18}), content);
+    EXPECT_EQ(message([](State& s) { s.waiting_half = {{0, 1, std::uint64_t{3} << 62, {}}}; }), content);
 }
 
 TEST(SnapshotOf, AnotherSceneOrDamageIsRefused) {
