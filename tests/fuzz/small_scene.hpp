@@ -10,7 +10,7 @@ namespace flotilla::fuzz {
 void cut_limits(Settings& settings);
 
 /// Two boxes "low" and "high", one on the other and both on a "floor", with a "lid" that comes down on them; the
-/// shapes are "box" and "plate".
+/// shapes are "box" and "plate". Contacts are solved by sweeps alone.
 [[nodiscard]] SceneDescription small_pile();
 
 } // namespace flotilla::fuzz
