@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Feature pairs of two bodies, a vertex of one and a face of the other or an edge of each, and the keys by which a state
-// names them.
+// Feature pairs of two bodies, a vertex of one and a face of the other or an edge of each, and the keys by which a
+// state names them.
 #pragma once
 
 #include <cstddef>
