@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/index.hpp"
 #include "base/rotation.hpp"
 #include "mesh/primitives.hpp"
 #include "scene/library.hpp"
@@ -29,11 +30,11 @@ TriangleMesh hull_of(std::vector<Vec3> points) {
     TriangleMesh mesh;
     const int n = static_cast<int>(points.size());
     const auto outside = [&](int a, int b, int c) { // points on the side that (a, b, c) faces
-        const Vec3& p = points[static_cast<std::size_t>(a)];
-        const Vec3 normal = cross(points[static_cast<std::size_t>(b)] - p, points[static_cast<std::size_t>(c)] - p);
+        const Vec3& p = points[at(a)];
+        const Vec3 normal = cross(points[at(b)] - p, points[at(c)] - p);
         int count = 0;
         for (int i = 0; i < n; ++i)
-            if (i != a && i != b && i != c && dot(normal, points[static_cast<std::size_t>(i)] - p) > 0) ++count;
+            if (i != a && i != b && i != c && dot(normal, points[at(i)] - p) > 0) ++count;
         return count;
     };
     for (int a = 0; a < n; ++a)
@@ -51,10 +52,10 @@ TriangleMesh hull_of(std::vector<Vec3> points) {
 
 SceneDescription rocks(int bodies, std::uint64_t seed) {
     constexpr double kRadius = 1.5, kSpacing = 4, kPlough = 4, kPloughHeight = 6, kDegreesPerSecond = 6;
-    constexpr int kSlices = 120, kPloughSegments = 32, kPerLayer = 3; // layers that the default has
-    const int rocks = bodies - 6;                                     // floor, four walls, plough
-    // Three layers as many stones wide as the bed needs for them; more layers of 21 x 21 from there on.
-    const int row = std::min(21, static_cast<int>(std::ceil(std::sqrt(rocks / static_cast<double>(kPerLayer)))));
+    constexpr int kSlices = 120, kPloughSegments = 32;
+    constexpr int kLayers = 3, kMostInARow = 21; // a bed of more rocks than these has more layers
+    const int rocks = bodies - 6;                // floor, four walls, plough
+    const int row = std::min(kMostInARow, static_cast<int>(std::ceil(std::sqrt(rocks / double{kLayers}))));
     const double half = 0.5 * kSpacing * row, gap = 0.01;
     const double height = kPloughHeight + kSpacing * (rocks / (row * row) + 2); // of the walls
     const double circle = half * 35 / 42;                                       // radius of the plough's way
@@ -74,7 +75,7 @@ SceneDescription rocks(int bodies, std::uint64_t seed) {
         const Vec3 place{kSpacing * (column - 0.5 * (row - 1)), kSpacing * (line - 0.5 * (row - 1)),
                          kPloughHeight + kSpacing * (layer + 0.5)};
         scene.bodies.push_back(body_of("rock" + std::to_string(i), 0, BodyType::dynamic, place));
-        scene.bodies.back().rotation = random_rotation(seed, static_cast<std::size_t>(i));
+        scene.bodies.back().rotation = random_rotation(seed, at(i));
     }
     scene.bodies.push_back(body_of("floor", 1, BodyType::fixed, {}));
     for (int k = 0; k < 4; ++k) { // upright, not quite touching the floor or each other
