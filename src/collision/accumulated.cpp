@@ -44,8 +44,10 @@ class Accumulation {
             look();
             if (lists_.found.empty()) break;
             keep();
-            progress_.add(num_pairs(lists_.found, bodies_of_found), num_pairs(lists_.hits, bodies_of_hit));
+            take_largest_push(data_.workers); // of other stages
             solve();
+            progress_.add(num_pairs(lists_.found, bodies_of_found), num_pairs(lists_.hits, bodies_of_hit),
+                          take_largest_push(data_.workers));
             if (!move()) break;
         }
         return counters_;

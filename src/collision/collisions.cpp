@@ -118,12 +118,14 @@ class SequentialCollisions {
     }
 
     /// Goes `rounds` times over the pairs of a list that are open, or until none is; odd sweeps go backwards. Returns
-    /// the number of sweeps that found any, and in scratch_.hitting how many pairs hit in each of them.
+    /// the number of sweeps that found any, and in scratch_.hitting and hardest how many pairs hit in each, and how
+    /// hard.
     std::size_t resolve(std::span<const ListedPair> list, int rounds) {
         const auto count = at(rounds);
         for (const auto& worker : data_.workers) {
             worker->work.assign(count, 0);
             worker->hitting.assign(count, 0);
+            worker->hardest.assign(count, 0);
         }
         const auto pair_of = [&](std::size_t i) { return list[i].pair; };
         const SweepPlan plan{sweep_order(data_, list.size(), pair_of), counters_.sweeps % 2 != 0, rounds};
@@ -132,8 +134,11 @@ class SequentialCollisions {
             [&](std::size_t i) { return verdict(data_.trajectories, *list[i].record) != Verdict::open; },
             [&](std::size_t i) { fetch_record(*list[i].record); },
             [&](std::size_t i, int round, Worker& worker) {
-                if (collide(data_, data_.movers, worker, list[i])) ++worker.hitting[at(round)];
-                ++worker.work[at(round)];
+                const std::size_t r = at(round);
+                take_largest_push(worker); // of operations before
+                if (collide(data_, data_.movers, worker, list[i])) ++worker.hitting[r];
+                worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));
+                ++worker.work[r];
             });
         collect(data_.workers, counters_);
         count_hitting(count);
@@ -143,11 +148,16 @@ class SequentialCollisions {
 
     void count_hitting(std::size_t rounds) {
         scratch_.hitting.clear();
+        scratch_.hardest.clear();
         for (std::size_t r = 0; r < rounds; ++r) {
             const auto worked = [&](const auto& worker) { return worker->work[r] > 0; };
             if (std::none_of(data_.workers.begin(), data_.workers.end(), worked)) continue;
             std::size_t& hitting = scratch_.hitting.emplace_back(0);
-            for (const auto& worker : data_.workers) hitting += worker->hitting[r];
+            double& hardest = scratch_.hardest.emplace_back(0);
+            for (const auto& worker : data_.workers) {
+                hitting += worker->hitting[r];
+                hardest = std::max(hardest, worker->hardest[r]);
+            }
         }
     }
 
@@ -165,7 +175,8 @@ class SequentialCollisions {
     }
 
     void note_progress() {
-        for (const std::size_t pairs : scratch_.hitting) progress_.add(pairs, scratch_.active.size());
+        for (std::size_t r = 0; r < scratch_.hitting.size(); ++r)
+            progress_.add(scratch_.hitting[r], scratch_.active.size(), scratch_.hardest[r]);
     }
 
     StepData& data_;

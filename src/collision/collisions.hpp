@@ -15,6 +15,7 @@ namespace flotilla {
 struct CollisionScratch {
     std::vector<ListedPair> active;   ///< sequential: pairs with an impulse in this step, sorted
     std::vector<std::size_t> hitting; ///< sequential: how many pairs hit, by sweep
+    std::vector<double> hardest;      ///< sequential: N s, the largest impulse, by sweep
     HitLists hits;                    ///< accumulated
 };
 

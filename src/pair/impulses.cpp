@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pair/impulses.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/index.hpp"
@@ -19,6 +20,7 @@ double pair_restitution(const Model& model, std::int32_t a, std::int32_t b) {
 void apply_impulse(Clusters& clusters, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
                    const Vec3& impulse) {
     ++worker.counters.impulses;
+    worker.largest_push = std::max(worker.largest_push, length(impulse));
     if (worker.pushed.empty() || worker.pushed.back() != CandidatePair{a, b}) worker.pushed.push_back({a, b});
     if (clusters[a].infinite()) clusters.add_work(b, dot(impulse, clusters.velocity_at(a, point.arm_a)));
     if (clusters[b].infinite()) clusters.add_work(a, -dot(impulse, clusters.velocity_at(b, point.arm_b)));

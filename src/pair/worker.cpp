@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "pair/worker.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace flotilla {
+
+double take_largest_push(Worker& worker) { return std::exchange(worker.largest_push, 0.0); }
+
+double take_largest_push(Workers& workers) {
+    double largest = 0;
+    for (const auto& worker : workers) largest = std::max(largest, take_largest_push(*worker));
+    return largest;
+}
 
 void collect(Workers& workers, StageCounters& counters) {
     for (const auto& worker : workers) {

@@ -41,9 +41,16 @@ struct alignas(64) Worker {
     StageCounters counters;
     std::vector<std::int64_t> work;    ///< operations run, by round of a sweep
     std::vector<std::size_t> hitting;  ///< of these, those that applied an impulse
+    std::vector<double> hardest;       ///< N s, the largest impulse of these
+    double largest_push = 0;           ///< N s, since it was last taken
     std::vector<CandidatePair> pushed; ///< clusters that had an impulse in the step; equal ones may come again
 };
 using Workers = std::vector<std::unique_ptr<Worker>>; ///< by thread
+
+/// N s, the largest impulse that these applied since it was last taken. A maximum: that of several threads does not
+/// depend on who applied which.
+double take_largest_push(Worker& worker);
+double take_largest_push(Workers& workers);
 
 /// Adds what all workers counted to `counters` and sets theirs to zero.
 void collect(Workers& workers, StageCounters& counters);
