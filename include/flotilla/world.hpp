@@ -133,7 +133,7 @@ class World {
     /// threw. Costs a copy of the state in every step. Empty: none.
     void set_observer(std::function<bool(Phase)> observer);
     /// Takes one line for what is worth a look: warnings of a step that the step before did not have, and edits that
-    /// were refused. Empty: nobody.
+    /// were refused. What it throws comes out of the call, whose work is done: the World goes on. Empty: nobody.
     void set_log(std::function<void(const std::string&)> log);
     /// Keeps the edits from now on, in order, with the step after which each was made.
     void record_edits(bool record);

@@ -277,6 +277,7 @@ void World::Impl::say_warnings(const StepReport& report) {
          {kStaticLetOff, "a contact solve of a resting jam ended up to ten times above its tolerance"}}};
     const std::uint32_t fresh = report.warnings & ~last_warnings;
     last_warnings = report.warnings;
+    if (!log) return; // nothing may fail any more: the step is done
     for (const auto& [bit, text] : kTexts)
         if ((fresh & bit) != 0) say("step " + std::to_string(report.step) + ": " + std::string(text));
 }

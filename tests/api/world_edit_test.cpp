@@ -388,5 +388,25 @@ TEST(WorldEdit, RefusalsAndWarningsAreLogged) {
     EXPECT_THAT(lines[0], HasSubstr("refused: body \"b\" would intersect"));
 }
 
+TEST(WorldEdit, ALogThatThrowsAfterAStepLeavesAWorldThatGoesOn) {
+    SceneDescription scene = make_scene("boats-in-bowl", 16, 2);
+    scene.settings.dynamic_pair_iterations = 1;
+    scene.settings.collision_iterations = 1; // ends before it is quiet: a warning
+    World world(scene), quiet(scene);
+    int thrown = 0;
+    world.set_log([](const std::string& line) { throw std::runtime_error(line); });
+    for (int i = 0; i < 30; ++i) {
+        const std::uint64_t expected = quiet.step().state_hash;
+        try {
+            (void)world.step();
+        } catch (const std::runtime_error& e) {
+            EXPECT_THAT(e.what(), HasSubstr("step " + std::to_string(i + 1) + ": "));
+            ++thrown;
+        }
+        EXPECT_EQ(world.state_hash(), expected);
+    }
+    EXPECT_GT(thrown, 0);
+}
+
 } // namespace
 } // namespace flotilla::test
