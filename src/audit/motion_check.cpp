@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Between two frames: every pair of triangles whose moving boxes meet goes through the bisection of audit/sweep.
 //
+// Moving balls: each body of a turning motion stays within the ball about its centre of mass, which moves on a straight
+// line. While the balls of a pair are apart, or the box of one ball is apart from those of the other's triangles,
+// nothing else has to be looked at, however often the bodies turn.
+//
 // Moving boxes: over an interval, box faces interpolated between their values at both ends hold all points whose paths
 // are straight, and those of curved paths once inflated by their deviation. Along an axis, the gap of two moving boxes
 // is linear in time, so the times at which all gaps are closed form one interval, found by two divisions per axis.
@@ -80,11 +84,31 @@ class PieceCheck {
           rounding_(0x1p-47 * std::max(a.path.max_abs(), b.path.max_abs())) {} // 64 u M
 
     /// False where a passage was found.
-    bool run() { return descend(0, 0); }
+    bool run() { return balls_clear() || descend(0, 0); }
+    /// Whether the ball of one body stays clear of the other, however it turns.
+    [[nodiscard]] bool balls_clear() const { return ball_clears(a_, b_) || ball_clears(b_, a_); }
     [[nodiscard]] const Passage& passage() const { return passage_; }
     [[nodiscard]] std::int64_t tested() const { return tested_; }
 
   private:
+    /// Where one chord is a poor guide the ball is the tighter bound.
+    [[nodiscard]] bool ball_clears(const Side& ball, const Side& other) const {
+        const double radius = 1.0001 * ball.path.radius();
+        if (radius == 0 || ball.path.deviation(length_) < radius) return false;
+        const auto box = [&](double t) {
+            const Vec3 c = ball.path.center(t);
+            return Bounds{{c.x - radius, c.y - radius, c.z - radius}, {c.x + radius, c.y + radius, c.z + radius}};
+        };
+        return clears(box(begin_), box(begin_ + length_), other, inflation_ - ball.path.deviation(length_), 0);
+    }
+    [[nodiscard]] bool clears(const Bounds& from, const Bounds& to, const Side& other, double inflation,
+                              std::int32_t i) const {
+        if (!meeting(from, to, other.boxes0[at(i)], other.boxes1[at(i)], inflation, rounding_)) return true;
+        const BoxTree::Node& node = other.node(i);
+        return !node.is_leaf() && clears(from, to, other, inflation, i + 1) &&
+               clears(from, to, other, inflation, node.right);
+    }
+
     bool descend(std::int32_t i, std::int32_t j) {
         if (!meeting(a_.boxes0[at(i)], a_.boxes1[at(i)], b_.boxes0[at(j)], b_.boxes1[at(j)], inflation_, rounding_))
             return true;
@@ -187,23 +211,48 @@ class PairCheck {
     }
 
     PairResult run_turning(int n) {
+        if (balls_apart(0, 1)) return result_;
         Border a0, a1, b0, b1;
-        a1.set(shape_a_, path_a_, 0);
-        b1.set(shape_b_, path_b_, 0);
-        for (int k = 0; k < n; ++k) {
+        const auto side_a = [&] { return Side{shape_a_, path_a_, a0.boxes, a1.boxes, a0.vertices, a1.vertices}; };
+        const auto side_b = [&] { return Side{shape_b_, path_b_, b0.boxes, b1.boxes, b0.vertices, b1.vertices}; };
+        int placed = -1; // the border that a1 and b1 are at
+        const auto place = [&](int border) {
+            if (placed == border) return;
+            const double t = static_cast<double>(border) / n;
+            a1.set(shape_a_, path_a_, t);
+            b1.set(shape_b_, path_b_, t);
+            placed = border;
+        };
+        const auto span = [&](int from, int to) {
+            place(from);
             std::swap(a0, a1);
             std::swap(b0, b1);
+            place(to);
+        };
+        span(0, n);
+        if (n > 1 && PieceCheck(side_a(), side_b(), 0, 1).balls_clear()) return result_;
+        for (int k = 0; k < n; ++k) {
             const double begin = static_cast<double>(k) / n, end = static_cast<double>(k + 1) / n;
-            a1.set(shape_a_, path_a_, end);
-            b1.set(shape_b_, path_b_, end);
-            const Side a{shape_a_, path_a_, a0.boxes, a1.boxes, a0.vertices, a1.vertices};
-            const Side b{shape_b_, path_b_, b0.boxes, b1.boxes, b0.vertices, b1.vertices};
-            if (!run_piece(a, b, begin, end)) break;
+            if (balls_apart(begin, end)) continue;
+            span(k, k + 1);
+            if (!run_piece(side_a(), side_b(), begin, end)) break;
         }
         return result_;
     }
 
   private:
+    /// Whether the balls about the centres of mass stay apart during a part of the step.
+    [[nodiscard]] bool balls_apart(double begin, double end) const {
+        const auto between = [&](double t) { return path_b_.center(t) - path_a_.center(t); };
+        const Vec3 from = between(begin), along = between(end) - from;
+        const double square = length_sq(along);
+        const double nearest = square > 0 ? std::clamp(-dot(from, along) / square, 0.0, 1.0) : 0;
+        // Rounding: of the centres and of what is made of them, a few u M.
+        const double error = (path_a_.position_error() + path_b_.position_error()) +
+                             0x1p-47 * std::max(path_a_.max_abs(), path_b_.max_abs());
+        return length(from + nearest * along) > 1.0001 * ((path_a_.radius() + path_b_.radius()) + error);
+    }
+
     bool run_piece(const Side& a, const Side& b, double begin, double end) {
         PieceCheck check(a, b, begin, end);
         const bool apart = check.run();

@@ -130,10 +130,10 @@ BodyPath::BodyPath(std::span<const Vec3> x0, std::span<const Vec3> x1)
 BodyPath::BodyPath(std::span<const Vec3> x0, std::span<const Vec3> x1, const Vec3& c0, const Vec3& c1, const Vec3& turn,
                    double radius)
     : BodyPath(x0, x1) {
-    if (turn == Vec3{}) return; // no turn: the segments are the motion, but for rounding at t = 1
     c0_ = c0, c1_ = c1, turn_ = turn;
-    angle_ = length(turn);
     radius_ = radius;
+    if (turn == Vec3{}) return; // the segments are the motion, but for rounding at t = 1
+    angle_ = length(turn);
     max_abs_ = std::max(max_component(abs(c0)), max_component(abs(c1))) + radius;
     const Mat3 r = matrix(rotation_from_vector(turn));
     for (std::size_t i = 0; i < x0.size(); ++i)

@@ -68,6 +68,9 @@ class BodyPath {
     [[nodiscard]] double mismatch() const { return mismatch_; }
     [[nodiscard]] double max_abs() const { return max_abs_; }
     [[nodiscard]] double angle() const { return angle_; } ///< rad
+    /// m; the ball about the centre of mass holds the body however it turns. Zero where no centre is known.
+    [[nodiscard]] double radius() const { return radius_; }
+    [[nodiscard]] Vec3 center(double t) const { return c0_ + t * (c1_ - c0_); }
 
   private:
     [[nodiscard]] Vec3 vertex(std::size_t i, double t, const Mat3& rotation, const MovingOrigin& origin) const;

@@ -221,6 +221,21 @@ TEST(AuditMotion, ProvesASmallBodyThatTurnsBeyondCounting) {
     }
 }
 
+// Their balls do not meet, or that of one and the other's triangles: proved without following a million turns.
+TEST(AuditMotion, ProvesLongBodiesThatTurnBeyondCountingByTheirBalls) {
+    const Scene scene = scene_of({box(1, 1e-6, 1e-6), box(1, 1e-6, 1e-6), box(40, 40, 1e-3)});
+    const auto rising = [&](double height, const Vec3& turn) {
+        std::vector<Pose> from{pose({0, 0, 2}), pose({0, 1.5, 3.9}), pose({0, 0, 0.9})}, to = from;
+        to[0].rotation = rotation_from_vector(turn);
+        to[2].position.z = height;
+        return motion(scene, from, to, Motion::rigid, {turn, {}, {}});
+    };
+    const auto report = rising(0.95, {2e7, -1e7, 3e6});
+    EXPECT_TRUE(report.passages.empty());
+    EXPECT_EQ(report.triangle_pairs, 0);
+    EXPECT_FALSE(rising(2.1, {20, -10, 3}).passages.empty());
+}
+
 TEST(AuditMotion, ReportsATurnThatDoesNotLeadToTheNextFrame) {
     const Scene scene = scene_of({plate(), plate()});
     const std::vector<Pose> from{pose({}), pose({0, 0, 5})}, to{pose({}, {0, 0, 0.5}), pose({0, 0, 5})};
