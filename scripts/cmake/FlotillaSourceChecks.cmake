@@ -16,6 +16,8 @@ flotilla_add_check(Sources.PagesPointToWhatIsThere LABELS fast
   COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/scripts/check_links.py" "${PROJECT_SOURCE_DIR}")
 flotilla_add_check(Sources.PlantedDeadReferencesAreFound LABELS fast
   COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/check_links_test.py")
+flotilla_add_check(Sources.TheHouseIsMeasuredRight LABELS fast
+  COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/house_test.py")
 flotilla_add_check(Sources.PlantedHeaderViolationsAreFound LABELS fast
   COMMAND "${PROJECT_SOURCE_DIR}/tests/header_check_test.sh" "${CMAKE_COMMAND}" "${CMAKE_CXX_COMPILER}")
 flotilla_add_check(Sources.AreFormatted LABELS fast
