@@ -33,14 +33,26 @@ class Bisection {
           position_error_(path_a.position_error() + path_b.position_error()) {}
 
     SweepResult run(double begin, double end) {
-        if (exact::triangles_intersect(path_a_.corners(a_, begin), path_b_.corners(b_, begin)))
-            (void)fail(SweepVerdict::crossing, at(begin));
+        const Corners a = path_a_.corners(a_, begin), b = path_b_.corners(b_, begin);
+        const Snapshot s = at(begin);
+        if (!finite(a, b))
+            (void)fail(SweepVerdict::unproved, s);
+        else if (exact::triangles_intersect(a, b))
+            (void)fail(SweepVerdict::crossing, s);
         else
-            (void)prove(at(begin), at(end), 0, 0);
+            (void)prove(s, at(end), 0, 0);
         return result_;
     }
 
   private:
+    /// A recorded turn or place may be beyond reach: then there is nothing to prove it with.
+    static bool finite(const Corners& a, const Corners& b) {
+        const auto all = [](const Corners& c) {
+            return std::all_of(c.begin(), c.end(), [](const Vec3& x) { return is_finite(x); });
+        };
+        return all(a) && all(b);
+    }
+
     [[nodiscard]] Snapshot at(double t) const {
         return {t, path_a_.corners(a_, t, origin_), path_b_.corners(b_, t, origin_)};
     }
@@ -51,6 +63,7 @@ class Bisection {
         if (separates(hint_, s, e, slack)) return true;
         const Snapshot middle = at(0.5 * s.time + 0.5 * e.time);
         if (find_direction(s, e, middle, slack)) return true;
+        if (!finite(middle.a, middle.b)) return fail(SweepVerdict::unproved, middle);
         if (exact::triangles_intersect(middle.a, middle.b)) return fail(SweepVerdict::crossing, middle);
         apart = features_apart(apart, s, middle, e, slack);
         if (apart == kAllFeaturePairs || turning_direction(s, e, slack)) return true;

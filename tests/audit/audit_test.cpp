@@ -236,6 +236,13 @@ TEST(AuditMotion, ProvesLongBodiesThatTurnBeyondCountingByTheirBalls) {
     EXPECT_FALSE(rising(2.1, {20, -10, 3}).passages.empty());
 }
 
+TEST(AuditMotion, NeverProvesWhatIsBeyondNumbers) {
+    const Scene scene = scene_of({plate(), plate()});
+    const std::vector<Pose> from{pose({}), pose({0, 0, 0.5})};
+    for (const double turn : {1e154, 1e200, 1e308})
+        EXPECT_FALSE(motion(scene, from, from, Motion::rigid, {{turn, 0, 0}, {}}).passages.empty()) << turn;
+}
+
 TEST(AuditMotion, ReportsATurnThatDoesNotLeadToTheNextFrame) {
     const Scene scene = scene_of({plate(), plate()});
     const std::vector<Pose> from{pose({}), pose({0, 0, 5})}, to{pose({}, {0, 0, 0.5}), pose({0, 0, 5})};
