@@ -2,6 +2,7 @@
 #include "ccd/pair_query.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "ccd/leaf_features.hpp"
 #include "ccd/separation.hpp"
@@ -36,6 +37,24 @@ class EarliestHit {
         return best_;
     }
 
+    PairHit run_among(std::span<const FeaturePair> among) {
+        ++scratch_.counters.pair_queries;
+        float entry = 0;
+        for (const FeaturePair& f : among)
+            if (meet(f, entry)) add(f);
+        for (auto& waiting : scratch_.waiting_) flush(waiting);
+        return best_;
+    }
+
+    /// All hits, not the earliest alone, unless that takes too many feature queries.
+    bool collect(std::vector<FeaturePair>& hits, std::int64_t most) {
+        hits_ = &hits;
+        hits.clear();
+        last_query_ = scratch_.counters.feature_queries + most;
+        traverse();
+        return scratch_.counters.feature_queries <= last_query_;
+    }
+
   private:
     void scan(const CoveringList& list) {
         scratch_.counters.box_tests += static_cast<std::int64_t>(list.list->size());
@@ -63,7 +82,10 @@ class EarliestHit {
                 entry_time = entry;
                 return live;
             },
-            [&](double entry_time) { return !(entry_time > best_.toi + double{kNodeTimeSlack}); },
+            [&](double entry_time) {
+                return !(entry_time > best_.toi + double{kNodeTimeSlack}) &&
+                       scratch_.counters.feature_queries <= last_query_;
+            },
             [&](std::int32_t i, std::int32_t j, double) {
                 for (const std::int32_t p : a_.shape->bvh.leaf_triangles(i))
                     for (const std::int32_t q : b_.shape->bvh.leaf_triangles(j)) {
@@ -113,6 +135,11 @@ class EarliestHit {
             features = scratch_.asked_;
         }
         ask(features);
+        if (hits_ != nullptr) {
+            for (std::size_t i = 0; i < features.size(); ++i)
+                if (scratch_.results_[i].hit) hits_->push_back(features[i]);
+            return;
+        }
         for (std::size_t i = 0; i < features.size(); ++i)
             if (scratch_.results_[i].hit && meet(features[i], entry)) offer(features[i], scratch_.results_[i], entry);
     }
@@ -148,16 +175,35 @@ class EarliestHit {
     CcdScratch& scratch_;
     Isa isa_ = best_isa();
     PairHit best_;
+    std::vector<FeaturePair>* hits_ = nullptr; ///< where hits are collected
+    std::int64_t last_query_ = std::numeric_limits<std::int64_t>::max();
 };
+
+namespace {
+
+/// The direction at the time of impact, from the closest points themselves where they are distinct: the certifying
+/// direction of an early stop may be a poor normal.
+PairHit with_normal(const BodyMotion& a, const BodyMotion& b, PairHit best) {
+    if (!best.hit) return best;
+    if (const Vec3 n = closest_direction(a, b, best.features, best.toi); n != Vec3{}) best.normal = n;
+    return best;
+}
+
+} // namespace
 
 PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const CoveringList& list,
                      CcdScratch& scratch) {
-    PairHit best = EarliestHit(a, b, options, scratch).run(list);
-    if (!best.hit) return best;
-    // The direction at the time of impact, from the closest points themselves where they are distinct: the certifying
-    // direction of an early stop may be a poor normal.
-    if (const Vec3 n = closest_direction(a, b, best.features, best.toi); n != Vec3{}) best.normal = n;
-    return best;
+    return with_normal(a, b, EarliestHit(a, b, options, scratch).run(list));
+}
+
+PairHit earliest_hit_among(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
+                           std::span<const FeaturePair> among, CcdScratch& scratch) {
+    return with_normal(a, b, EarliestHit(a, b, options, scratch).run_among(among));
+}
+
+bool find_near_features(const BodyMotion& a, const BodyMotion& b, double separation, std::int64_t most,
+                        CcdScratch& scratch, std::vector<FeaturePair>& near) {
+    return EarliestHit(a, b, {separation, CcdStart::strict, CcdMethod::conservative}, scratch).collect(near, most);
 }
 
 } // namespace flotilla

@@ -5,6 +5,7 @@
 // baseline the paper's cubic, whose "no hit" proves nothing.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <flotilla/settings.hpp>
@@ -54,7 +55,8 @@ class CcdScratch {
     std::vector<CcdResult> results_;  ///< of those
     FeatureBuffer features_;
     friend class SegmentedPath;
-    std::array<std::array<PlacedBody, 2>, 2> placed_; ///< by body, even and odd ends of segments
+    std::array<std::array<PlacedBody, 4>, 2> placed_; ///< by body, ends of segments and of blocks of them, even and odd
+    std::vector<FeaturePair> near_;                   ///< of a block
 };
 
 /// What is asked of a pair.
@@ -70,5 +72,12 @@ struct HitOptions {
 /// were tried. `list`, where given, must cover the motions and have been built to reach swept_reach(separation).
 [[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
                                    const CoveringList& list, CcdScratch& scratch);
+/// The same answer from `among`, which must have all feature pairs that hit.
+[[nodiscard]] PairHit earliest_hit_among(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
+                                         std::span<const FeaturePair> among, CcdScratch& scratch);
+/// All feature pairs that are not proved farther apart than `separation` (m) during the whole motion, by the
+/// conservative method; false where that takes more than `most` feature queries.
+[[nodiscard]] bool find_near_features(const BodyMotion& a, const BodyMotion& b, double separation, std::int64_t most,
+                                      CcdScratch& scratch, std::vector<FeaturePair>& near);
 
 } // namespace flotilla

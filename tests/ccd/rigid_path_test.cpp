@@ -195,8 +195,30 @@ TEST(RigidPath, CostsNothingWhereNothingTurns) {
 }
 
 struct Counts {
-    int hits = 0, misses = 0, many_segments = 0, near_starts = 0;
+    int hits = 0, misses = 0, many_segments = 0, near_starts = 0, shared = 0;
 };
+
+/// The earliest hit on the chords of all segments, one after the other, of bodies that do not start near.
+PairHit hit_on_chords(const Pair& pair, const PathCut& cut) {
+    CcdScratch scratch;
+    std::array<std::array<PlacedBody, 2>, 2> placed;
+    const auto end = [&](std::size_t body, int i) {
+        const BodyMotion m = pair.motion(body);
+        if (i == 0) return m.at0;
+        if (i == cut.segments) return m.at1;
+        PlacedBody& p = placed[body][static_cast<std::size_t>(i % 2)];
+        p.place(*m.shape, m.pose(static_cast<double>(i) / cut.segments));
+        return p.view();
+    };
+    for (int i = 0; i < cut.segments; ++i) {
+        const BodyMotion a{&pair.model.shapes[0], end(0, i), end(0, i + 1), {}},
+            b{&pair.model.shapes[1], end(1, i), end(1, i + 1), {}};
+        PairHit hit = earliest_hit(a, b, {kSeparation + cut.gap, CcdStart::strict}, {}, scratch);
+        hit.toi = std::min((i + hit.toi) / cut.segments, 1.0);
+        if (hit.hit) return hit;
+    }
+    return {};
+}
 
 /// The samples of a path against the answer of the query; the samples up to the hit, or all of them.
 void check_samples(Pair& pair, Counts& counts) {
@@ -212,6 +234,13 @@ void check_samples(Pair& pair, Counts& counts) {
     ASSERT_TRUE(provable || hit.hit) << "no certificate without room for the arcs";
     ++(hit.hit ? counts.hits : counts.misses);
     if (cut.segments >= 8) ++counts.many_segments;
+    if (cut.segments > 8 && start >= 1.02 * reach) {
+        const PairHit expected = hit_on_chords(pair, cut);
+        ASSERT_EQ(hit.hit, expected.hit);
+        ASSERT_EQ(hit.toi, expected.toi);
+        ASSERT_TRUE(!hit.hit || hit.features == expected.features);
+        ++counts.shared;
+    }
     if (start < reach) ++counts.near_starts;
     const double certified = std::min(kSeparation, kept - cut.gap);
     const double last = hit.hit ? hit.toi : 1;
@@ -259,6 +288,7 @@ TEST(RigidPath, SamplesNeverComeNearerThanCertified) {
     EXPECT_GE(counts.hits, 60);
     EXPECT_GE(counts.misses, 40);
     EXPECT_GE(counts.many_segments, 60);
+    EXPECT_GE(counts.shared, 40);
 }
 
 TEST(RigidPath, NearStartsKeepWhatTheyMust) {
