@@ -155,7 +155,9 @@ void check_keyframes(BodyDescription& body, const std::string& path, ErrorList& 
     const Checker check(path, errors);
     if (check.broken("keyframes")) return;
     if (body.keyframes.empty()) return check.problem("keyframes", "a kinematic body needs at least one keyframe");
-    for (std::size_t i = 0; i < body.keyframes.size(); ++i) {
+    // A script may have a million keyframes; more problems than a message shows are not searched for.
+    const std::size_t most = errors.problems().size() + ErrorList::kMaxLines;
+    for (std::size_t i = 0; i < body.keyframes.size() && errors.problems().size() <= most; ++i) {
         Keyframe& frame = body.keyframes[i];
         const Checker at(path + "/keyframes/" + std::to_string(i), errors);
         at.range("time", frame.time, 0, kMaxTime, "s");

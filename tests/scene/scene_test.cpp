@@ -128,6 +128,21 @@ TEST(BuildScene, RefusesDescriptionsMadeInMemory) {
                           "scene: /bodies/1/velocity: must be finite");
 }
 
+TEST(BuildScene, StopsAtMoreProblemsOfAScriptThanAMessageShows) {
+    SceneDescription d;
+    d.shapes = {shape("s", make_plate(1, 1), MassKind::mass, 1)};
+    d.bodies = {body("a", 0), body("b", 7)};
+    d.bodies[0].type = BodyType::kinematic;
+    for (int k = 0; k < 5000; ++k) d.bodies[0].keyframes.push_back({1e10 * k, {}, {}});
+    try {
+        (void)build_scene(d);
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_EQ(error.problems().size(), 1002u);
+        EXPECT_EQ(error.problems().back().where, "/bodies/1/shape");
+    }
+}
+
 TEST(BuildScene, WarnsOfUnusedShapesAndBodiesTooFarAway) {
     SceneDescription d;
     d.shapes = {shape("s", make_box(1e-3, 1e-3, 1e-3), MassKind::mass, 1), shape("t", make_plate(1, 1))};
