@@ -16,8 +16,9 @@ struct ContactTuning {
     /// Upper bound on the momentum coefficient m: the share of the last change that is added before a sweep. Slow modes
     /// become 1 / (1 - m) times faster; beyond 0.95 fast ones ring. Row: momentum.
     double most_momentum = 0.9;
-    /// Times the lowest residual, at which momentum begins anew: it can keep a turning error alive that never heads
-    /// straight back. Thirty bodies with friction then never come nearer than 0.17 m/s to a solution. Row: rise.
+    /// Residual, in multiples of the lowest one, at which momentum begins anew: it can keep a turning error alive that
+    /// never heads straight back. Thirty bodies with friction then never come nearer than 0.17 m/s to a solution. Row:
+    /// rise.
     double most_rise = 2;
     /// Sweeps between two evaluations of the residual, of which one costs half a sweep. Row: looks.
     int look_every = 10;
@@ -51,11 +52,11 @@ struct ContactTuning {
 
     // --- what is not swept (assemble.cpp, unsolved_part.cpp) ---
 
-    /// In tolerances. A contact without impulse is inactive (parked) where its gap is wider by this than what the
-    /// bodies would cross in the step. It cannot be violated while the relative velocity of its points changed by less
-    /// since then. Row: parked.
+    /// A margin, in tolerances. A contact without impulse is inactive (parked) where its gap is wider by this than what
+    /// the bodies would cross in the step. It cannot be violated while the relative velocity of its points changed by
+    /// less since then. Row: parked.
     double parked_margin = 25;
-    /// Of that margin, which is compared: the rest is far more than its sums are rounded by.
+    /// The share of that margin which is compared: the rest is far more than its sums are rounded by.
     double parked_room = 0.9;
     /// A part that is swept alone is at most the island's batches divided by this; 0: none is. It then costs less than
     /// an evaluation. Row: parts.
@@ -76,7 +77,7 @@ struct ContactTuning {
 
     // --- the island's energy (solve_contacts.cpp) ---
 
-    /// Of its energies: far more than what their sums are rounded by.
+    /// A share of its energies: far more than their sums are rounded by.
     double energy_rounding = 0x1p-40;
 
     // --- where the exact solver follows (solve_contacts.cpp, exact_islands.hpp) ---
@@ -94,13 +95,13 @@ struct ContactTuning {
 
     // --- tolerances and targets (step/static_stage.cpp) ---
 
-    /// Of the rest distance, which a target's dead band takes at most. Row: band.
+    /// The share of the rest distance that a target's dead band takes at most. Row: band.
     double most_of_rest = 0.02;
-    /// Of what gravity adds in a step, and of a rest distance a step: the tolerance (`static_tolerance` in `flotilla
-    /// plan --settings` says what it costs). No row.
+    /// The tolerance, as a share of what gravity adds in a step, and of a rest distance a step (`static_tolerance` in
+    /// `flotilla plan --settings` says what it costs). No row.
     double of_gravity = 1.0 / 2048, of_rest = 1.0 / 1024;
-    /// Of what gravity adds in a step: contacts that slide by less keep their random tangents. Only the paper's
-    /// pyramids have such.
+    /// Slip, as a share of what gravity adds in a step: contacts that slide by less keep their random tangents. Only
+    /// the paper's pyramids have such.
     double most_slip = 0.1;
 };
 
