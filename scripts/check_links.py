@@ -6,7 +6,8 @@ usage: check_links.py [ROOT]
 A path in backticks is checked where it begins with a folder of the repository (`src/ccd`), of src (`parallel/team.hpp`) or
 beside the page (`results/speed.md`), or is the bare name of a source file (`team.hpp`). Endings may be left out, * stands for
 any name, and what is built or written (build/, out/) is not looked for. In pages of src, names in backticks that only code has
-(`find_hits`, `PairRecord`, `Clusters::evolve`, `kStaticLimit`) must be in some source, so that a page does not outlive what it tells. Comments of sources may name pages: src/pair/README.md#anchor.
+(`find_hits`, `PairRecord`, `Clusters::evolve`, `kStaticLimit`) must be in some source, so that a page does not outlive what it
+tells. Pages (src/pair/README.md#anchor) and sources with their endings (pair/examine.hpp) in comments of sources must be there too.
 Prints one line per dead reference, FILE:LINE: REASON. Exit code: 0 none, 1 some, 2 usage.
 """
 import fnmatch
@@ -17,6 +18,7 @@ import sys
 SKIPPED_FOLDERS = {"build", "out", "__pycache__"}
 SOURCES = (".hpp", ".cpp", ".py", ".sh", ".txt", ".cmake")
 TOP = ("src", "include", "tests", "bench", "scripts")
+COMMENT_PLACES = ("", "src", "include", "tests")
 
 FENCE = re.compile(r"^\s*(```|~~~)")
 HEADING = re.compile(r"^(#{1,6})\s+(.*?)\s*#*\s*$")
@@ -27,6 +29,8 @@ SOURCE_NAME = re.compile(r"^[\w*-]+\.(hpp|cpp|py|sh)$")
 NAME = re.compile(r"^[A-Za-z_]\w*(::~?\w+)*(\(\))?$")
 CODE_ONLY = re.compile(r"::|_|[a-z][A-Z]|^k[A-Z]")
 NAMED_IN = (".hpp", ".cpp", ".py", ".sh", ".in", ".cmake", "CMakeLists.txt", ".json", ".pyi", ".js")
+COMMENT = re.compile(r"(?:^|\s)//+<?\s.*")
+SOURCE_IN_COMMENT = re.compile(r"(?<![\w./-])((?:[\w-]+/)+[\w-]+\.(?:hpp|cpp))\b")
 PAGE_IN_COMMENT = re.compile(r"\b((?:src|bench|tests|scripts)/(?:[\w-]+/)*[\w-]+\.md(?:#[\w-]+)?)")
 
 
@@ -171,6 +175,12 @@ def check_comments(tree, path):
         for match in PAGE_IN_COMMENT.finditer(line):
             if reason := check_target(tree, "", match[1]):
                 yield number, reason
+        comment = COMMENT.search(line) if path.endswith((".hpp", ".cpp")) else None
+        for match in SOURCE_IN_COMMENT.finditer(comment[0]) if comment else ():
+            first = match[1].split("/")[0]
+            ours = first in TOP or first in tree.modules or first == "flotilla"
+            if ours and not any(os.path.normpath(os.path.join(place, match[1])) in tree.paths for place in COMMENT_PLACES):
+                yield number, f"{match[1]} is not there"
 
 
 def check_tree(root):

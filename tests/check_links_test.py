@@ -90,6 +90,14 @@ class CheckLinks(unittest.TestCase):
         self.assertEqual(check_links.check_tree(self.folder),
                          ["src/ccd/query.cpp:1: src/ccd/README.md has no heading #nowhere"])
 
+    def test_comments_name_sources_that_are_there(self):
+        self.plant("src/ccd/query.cpp", "// See ccd/hull_gap.hpp, src/ccd/hull_gap.hpp, flotilla/world.hpp, elsewhere/none.hpp.\n"
+                                        "int k; ///< (ccd/hull_gap.hpp)\n#include \"ccd/none.hpp\"\n")
+        self.assertEqual(check_links.check_tree(self.folder), [])
+        self.plant("src/ccd/query.cpp", "// See ccd/none.hpp.\nint k; ///< of flotilla/none.hpp\n")
+        self.assertEqual(check_links.check_tree(self.folder),
+                         ["src/ccd/query.cpp:1: ccd/none.hpp is not there", "src/ccd/query.cpp:2: flotilla/none.hpp is not there"])
+
     def test_prints_what_it_found(self):
         with contextlib.redirect_stdout(io.StringIO()) as output:
             self.assertEqual(check_links.main([self.folder]), 0)

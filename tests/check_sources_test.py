@@ -87,8 +87,17 @@ class CheckSources(unittest.TestCase):
         self.expect_refused("src/run_folder/planted.cpp", '#include "step/stepper.hpp"')
 
     def test_the_audit_shares_no_collision_detection(self):
-        self.expect_accepted("src/audit/planted.cpp", '#include "geometry/exact/triangle.hpp"')
-        self.expect_refused("src/audit/planted.cpp", '#include "geometry/ccd.hpp"')
+        for header in ("geometry/exact/triangle.hpp", "mesh/placement.hpp", "mesh/triangle_mesh.hpp", "base/rotation.hpp",
+                       "parallel/parallel_for.hpp"):
+            self.expect_accepted("src/audit/planted.cpp", f'#include "{header}"')
+        for header in ("geometry/ccd.hpp", "geometry/closest.hpp", "mesh/bvh.hpp", "state/trajectories.hpp",
+                       "state/candidate_pairs.hpp", "scene/scene.hpp", "parallel/team.hpp"):
+            self.expect_refused("src/audit/planted.cpp", f'#include "{header}"')
+        self.expect_refused("src/audit/planted.cpp", "#include <flotilla/scene.hpp>")
+
+    def test_the_step_does_not_use_its_proof(self):
+        self.expect_accepted("src/run/planted.cpp", '#include "audit/audit.hpp"')
+        self.expect_refused("src/step/planted.cpp", '#include "audit/audit.hpp"')
 
     def test_the_command_sees_public_headers_only(self):
         self.expect_accepted("src/cli/planted.cpp", "#include <flotilla/scene.hpp>")

@@ -11,8 +11,8 @@
 
 namespace flotilla {
 
-/// The timed parts of a step, in the order in which it runs them. `detection` and the three after it split the same
-/// time another way (the paper's figure 17), so they are not part of the sum.
+/// The timed parts of a step, in the order of the stages; the certificate runs between stages 5 and 6. `detection` and
+/// the three after it split the same time another way (the paper's figure 17), so they are not part of the sum.
 enum class Phase : std::uint8_t {
     collisions,          ///< stage 1
     half_velocity,       ///< stage 2
@@ -34,7 +34,7 @@ inline constexpr std::array<std::string_view, kNumPhases> kPhaseNames{
     "stage5_failsafe",   "stage6_velocity",  "stage7_static_contact", "certificate",     "detection",
     "response",          "static_detection", "static_response"};
 
-/// Reasons to look at a step; a set of bits. Each names the setting to raise.
+/// Reasons to look at a step; a set of bits. A setting that may be raised against it is named where there is one.
 enum StepWarning : std::uint32_t {
     /// Stage 1 ended before it was quiet: at collision_iterations, or as more sweeps gained nothing.
     kCollisionLimit = 1u << 0,
@@ -45,39 +45,43 @@ enum StepWarning : std::uint32_t {
     kStaticLimit = 1u << 2,
     /// A scripted body was held for this step, as bodies were in its way (unsatisfiable_script).
     kScriptDelayed = 1u << 3,
-    /// A body that the failsafe held lost a rebound of stage 1.
+    /// A body that the failsafe held lost a rebound of stage 1 (dynamic_iterations).
     kReboundLost = 1u << 4,
-    /// A contact solve ended above its tolerance, but only by what loaded contacts of resting jams are allowed: up to
-    /// ten times it.
+    /// A contact solve ended above its tolerance, but only by what loaded contacts of over-constrained islands at rest
+    /// (jams) are allowed, up to ten times it. Nothing is allowed where static_tolerance is given or tolerance_share is
+    /// below 1.
     kStaticLetOff = 1u << 5,
 };
 
-/// A step that is made of inner ones (Settings::substeps) reports their times and counts together, of residual,
-/// smallest distance, clusters and held bodies the worst of them, and of the rest what the last one left.
+/// The report of a step that is made of inner ones (Settings::substeps): times and counts are summed; residual,
+/// smallest distance, clusters and held bodies are the worst; the rest is the last inner step's.
 struct StepReport {
     std::int64_t step = 0; ///< 1 after the first step
     double time = 0;       ///< s, at the end of the step
     double total_ms = 0;   ///< wall time
     std::array<double, kNumPhases> phase_ms{};
 
-    std::int64_t pairs = 0;        ///< candidate body pairs examined
-    std::int64_t collisions = 0;   ///< impulses of stage 1
-    std::int64_t contacts = 0;     ///< contact points of stage 7
-    std::int64_t iterations = 0;   ///< sweeps of PGS, stages 3 and 7 together
-    double residual = 0;           ///< m/s, largest constraint violation that contact solves left, nothing let off
-    std::int64_t merges = 0;       ///< failsafe: clusters merged
-    std::int64_t rung_changes = 0; ///< failsafe: steps down the ladder free, kinematic, rigid, held
-    std::int64_t held = 0;         ///< bodies at x^n at the end
+    std::int64_t pairs = 0;      ///< candidate body pairs examined
+    std::int64_t collisions = 0; ///< impulses of stage 1
+    std::int64_t contacts = 0;   ///< contact points of stage 7
+    std::int64_t iterations = 0; ///< sweeps of PGS, stages 3 and 7 together
+    double residual = 0;         ///< m/s, largest constraint violation that contact solves left, nothing let off
+    std::int64_t merges = 0;     ///< clusters merged: by the failsafe, and pairs that dynamic contact rigidified
+    /// Steps down the failsafe's ladder free, kinematic, rigid, held; and bodies that were slowed down: whose end was
+    /// made again with half of their velocity.
+    std::int64_t rung_changes = 0;
+    std::int64_t held = 0; ///< bodies at x^n at the end
 
-    double energy = 0;                                             ///< J, kinetic and potential
-    Vec3 momentum;                                                 ///< kg m/s, dynamic bodies
-    double min_distance = std::numeric_limits<double>::infinity(); ///< m, smallest certified or measured distance
+    double energy = 0; ///< J, kinetic and potential
+    Vec3 momentum;     ///< kg m/s, linear, of all dynamic bodies together
+    /// m, smallest distance of two bodies at the end poses; infinite where none are within their proximity distance.
+    double min_distance = std::numeric_limits<double>::infinity();
     std::uint64_t state_hash = 0;
 
     Vec3 angular_momentum;             ///< kg m^2/s about the world's origin
     double kinetic_energy = 0;         ///< J
-    std::int64_t kinematic_bodies = 0; ///< bodies that ended in a kinematic cluster
-    std::int64_t rigid_bodies = 0;     ///< bodies that ended in a rigid cluster
+    std::int64_t kinematic_bodies = 0; ///< in clusters that ended on the rung ClusterState::kinematic; no scripted ones
+    std::int64_t rigid_bodies = 0;     ///< in clusters that ended on the rung ClusterState::rigid
     std::int64_t largest_cluster = 0;  ///< bodies in the largest cluster
     std::int64_t trigger_a = -1;       ///< the pair of the first failsafe event, body indices; -1: none
     std::int64_t trigger_b = -1;
@@ -88,7 +92,7 @@ struct StepReport {
     // Energy may rise by lift alone: what brings bodies to their rest distance, at most m |g| d_rest of each (G5).
     std::int64_t energy_corrections = 0; ///< islands whose velocities the last resort cut, because it rose by more
     double energy_removed = 0;           ///< J, taken from them
-    double lift = 0;                     ///< J, of all bodies, written down at the end of the step
+    double lift = 0;                     ///< J, of all bodies, booked at the end of the step
 
     // Pruning at the end poses (section 4.3.1): of the feature pairs within the proximity distance, those that are no
     // contact points, by the first rule that left them out.
@@ -104,7 +108,7 @@ struct StepReport {
 /// How a body moved in a step: by itself, or by a rung of the failsafe's ladder; or that it is asleep at the end.
 enum class ClusterState : std::uint8_t {
     free,
-    kinematic, ///< with others, keeping their relative motion
+    kinematic, ///< with others, keeping their relative motion; a rung of dynamic bodies, not BodyType::kinematic
     rigid,     ///< as one rigid body with others
     held,      ///< not at all
     asleep,    ///< not at all: it rests, and stands still until something comes near

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every setting of a run in one aggregate. Defaults are the paper's (figure 20) unless the field says otherwise; the
-// names are the keys of `settings` in a scene file and of --set.
+// Every setting of a run in one aggregate. Defaults are the paper's (figure 20) unless the field says otherwise,
+// lengths by bodies' sizes (src/DEVIATIONS.md); the names are the keys of `settings` in a scene file and of --set.
 #pragma once
 
 #include <cstdint>
@@ -80,10 +80,10 @@ struct Settings {
     /// Of the rest distance: how far the bodies of a pair may move before the features in contact are searched for
     /// anew; their points, gaps and normals are always those of the present poses. 0: in every step, as the paper does.
     double contact_reuse = 1.0 / 64;
-    bool warm_start = true;        ///< start PGS from the last impulses
+    bool warm_start = true;        ///< start PGS from the last impulses; not the paper's, which is from zero
     bool shock_propagation = true; ///< after PGS reached its limit
 
-    bool sleeping = true; ///< resting islands sleep
+    bool sleeping = true; ///< resting islands sleep; in the paper none do
     Trajectory trajectory = Trajectory::linear;
     CcdMethod ccd = CcdMethod::conservative;
     ContactSolver contact_solver = ContactSolver::exact; ///< not the paper's, which is pgs

@@ -37,8 +37,9 @@ struct Pose {
 
 struct Motion {
     Vec3 velocity; ///< of the centre of mass, m/s
-    Vec3 momentum; ///< angular, about the centre of mass, kg m^2/s; of static and kinematic bodies the angular
-                   ///< velocity, rad/s; zero about locked axes
+    /// Angular momentum about the centre of mass, kg m^2/s; of static and kinematic bodies, whose inertia is infinite,
+    /// the angular velocity, rad/s. Zero about locked axes.
+    Vec3 momentum;
 };
 
 /// Vertex indices of a triangle; of a segment, where one is there twice; of a point, where all are the same.

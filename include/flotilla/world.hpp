@@ -141,7 +141,8 @@ class World {
 
     /// The present body at a place, or with a name; InputError where there is none.
     [[nodiscard]] BodyId id(std::size_t index) const;
-    /// How many bodies a place held before, those of removed bodies; InputError where there is no such place.
+    /// How many bodies have occupied this place before the present one (BodyId::generation); InputError where there is
+    /// no such place.
     [[nodiscard]] std::uint32_t generation(std::size_t index) const;
     [[nodiscard]] BodyId find(const std::string& name) const;
     [[nodiscard]] bool contains(BodyId body) const; ///< it was not removed

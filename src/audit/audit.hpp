@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The independent proof that no two bodies intersect, at a frame and between two frames (G1 and G2).
 //
-// It shares with the solver the exact triangle predicate and the one function that places vertices, and nothing else:
-// its hierarchy, its broad phase and its sweep test are its own. Pairs of two infinite-mass bodies are left out, as in
-// G1.
+// It shares with the solver the exact triangle predicate, the one function that places vertices, and what both are
+// written in: vectors and rotations (base), TriangleMesh, a parallel loop. Its hierarchy, its broad phase and its sweep
+// test are its own. Pairs of two infinite-mass bodies are left out, as in G1.
 //
 // Between frames every vertex moves on a path (Motion): a straight segment, or the turning motion of its body. The
 // proof (audit/sweep) bisects time until a plane separates the two triangles over the whole interval.

@@ -27,9 +27,9 @@ struct AxisLocks {
     friend constexpr bool operator==(const AxisLocks&, const AxisLocks&) = default;
 };
 
-/// Of its inverse mass, what an impulse along a contact's normal must move of a body at least to act on it: below,
-/// normals are rounding apart from locked axes (a millionth of a radian), and a push of a millimetre would take the
-/// body along by a kilometre.
+/// The share of a body's inverse mass that an impulse along a contact's normal must find free at least to act on it:
+/// below, normals are rounding apart from locked axes (a millionth of a radian), and a push of a millimetre would take
+/// the body along by a kilometre.
 inline constexpr double kLeastMobility = 0x1p-40;
 
 constexpr bool is_locked(AxisMask locked, int axis) { return (locked >> axis & 1) != 0; }

@@ -27,7 +27,7 @@ inline constexpr double kNotNear = 1.02;
 inline constexpr double kClear = 2;
 static_assert(kHitReach < kFeatureReach && kFeatureReach < kNotNear && kNotNear < kNodeReach && kNodeReach < kClear);
 
-/// Of min(d0, d_rest), that the arcs of two turning bodies may take: as much is added to s (rigid_path.hpp).
+/// The share of min(d0, d_rest) that the arcs of two turning bodies may take: as much is added to s (rigid_path.hpp).
 inline constexpr double kArcShare = 0.1;
 
 /// What a query asks for on straight paths, m: s; of the cubic its tolerance, which is the separation where that is

@@ -3,13 +3,14 @@
 //
 // As long as some pair has no proof, clusters are resolved pair by pair and merged: kinematically where all hits
 // between them could be resolved, rigidly where not. Clusters never chain through a static or scripted body: against
-// one, a cluster is resolved, and goes down a rung at its second conflict with the same body. The last rung is x^n, bit
-// for bit. A scripted body that meets a held one goes back to x^n as well; its other pairs are proved again, as against
-// a static body.
+// one, a cluster is resolved, and goes down a rung at the first conflict that is not resolved, or at its second with
+// the same body since its last merge. The last rung is x^n, bit for bit. A scripted body that meets a held one (or
+// another that cannot give way) goes 0.9 of the way to what it would hit, and back to x^n the second time, or where
+// that is less than 1/64 of its way; its other pairs are proved again, as against a static body.
 //
-// Termination: every sweep that leaves a pair unproved has merged two clusters, or taken one a rung down, or put a
-// scripted body back, or used up one of the finitely many first conflicts since the last merge. Bodies that stand at
-// x^n are proved against each other by the step before.
+// Termination: every sweep that leaves a pair unproved has merged two clusters, or taken one a rung down, or shortened
+// a script's way or put it back, or used up one of the finitely many first conflicts since the last merge. Bodies that
+// stand at x^n are proved against each other by the step before.
 #pragma once
 
 #include "pair/inelastic.hpp"

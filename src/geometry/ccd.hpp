@@ -55,8 +55,8 @@ struct CcdOptions {
 [[nodiscard]] double ccd_floor(double w);
 inline constexpr double kFloorPerError = 16; ///< of ccd_error()
 
-/// Of its start distance what a motion must keep that starts closer than the separation: less than all of it, or
-/// features that slide past each other would hit by rounding.
+/// The share of its start distance that a motion must keep which starts closer than the separation: less than all of
+/// it, or features that slide past each other would hit by rounding.
 inline constexpr double kKeptShare = 0.95;
 
 /// A hit is reported within this share of the separation above it, or where that is less within what rounding needs: a

@@ -52,9 +52,8 @@ struct Bvh {
 };
 
 struct BvhOptions {
-    /// 1..: triangles per leaf at most. One gives the fewest triangle pairs, more give smaller trees. Two took the
-    ///      least time in the
-    /// impact of 100 boats.
+    /// Triangles per leaf at most, >= 1. One gives the fewest triangle pairs, more give smaller trees. Two took the
+    /// least time in the impact of 100 boats.
     int max_leaf_triangles = 2;
 };
 

@@ -15,10 +15,11 @@ constexpr double kRestingWay = 1.0 / 16;
 constexpr std::int32_t kUsesBeforeRefining = 4;
 constexpr double kSlowMargin = 0.5, kSmallestMargin = 3, kLargestMargin = 6; // proximity distances
 
-/// How far the motion may stray from the one a new list is made for, of a pair that moves by `way` against each other.
-CandidateMargins choose_margins(const PairCandidates& c, double proximity, double way) {
+/// How far the motion may stray from the one a new list is made for, of a pair whose displacements add up to
+/// `displacement`.
+CandidateMargins choose_margins(const PairCandidates& c, double proximity, double displacement) {
     const double base = proximity;
-    if (way < base) return {kSlowMargin * base, std::clamp(2 * c.last_strayed, kSlowMargin * base, base)};
+    if (displacement < base) return {kSlowMargin * base, std::clamp(2 * c.last_strayed, kSlowMargin * base, base)};
     // A fast pair starts the next step elsewhere: its list serves this step only, whose start states are fixed.
     return {0, std::clamp(2 * c.last_strayed, kSmallestMargin * base, kLargestMargin * base)};
 }
@@ -40,15 +41,15 @@ struct Making {
     const StepView& view;
     const PairRecord& pair;
     const BodyMotion &a, &b;
-    double way = way_of(a, b); ///< m
+    double displacement = displacement_of(a, b); ///< m
 
-    [[nodiscard]] bool resting() const { return way < kRestingWay * pair.lengths.proximity; }
+    [[nodiscard]] bool resting() const { return displacement < kRestingWay * pair.lengths.proximity; }
     [[nodiscard]] CandidateReach reach() const {
         const double separation = largest_query_separation(view.model.settings, pair.lengths);
         return {swept_reach(separation, a, b), pair.lengths.proximity};
     }
     [[nodiscard]] CandidateMargins margins(const PairCandidates& c) const {
-        return choose_margins(c, pair.lengths.proximity, way);
+        return choose_margins(c, pair.lengths.proximity, displacement);
     }
 };
 

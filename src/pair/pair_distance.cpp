@@ -33,12 +33,12 @@ double rounding_of(const BodyMotion& a, const BodyMotion& b) {
 /// A bound on how much the distance of the bodies changes from x^n to the end, m. In between as well where they move
 /// straight.
 double change_of_distance(const BodyMotion& a, const BodyMotion& b) {
-    return kMore * std::numbers::sqrt3 * way_of(a, b) + rounding_of(a, b);
+    return kMore * std::numbers::sqrt3 * displacement_of(a, b) + rounding_of(a, b);
 }
 
 /// The displacement bounds of both bodies together, m.
-double way_by_bounds(const StepView& view, const PairRecord& pair) {
-    return kMore * (view.bounds[at(pair.a)].way + view.bounds[at(pair.b)].way);
+double displacement_by_bounds(const StepView& view, const PairRecord& pair) {
+    return kMore * (view.bounds[at(pair.a)].displacement + view.bounds[at(pair.b)].displacement);
 }
 
 /// The bodies at the end of the step, for the slack with which the next one begins.
@@ -69,12 +69,12 @@ struct Ends {
 
 } // namespace
 
-double way_of(const BodyMotion& a, const BodyMotion& b) {
+double displacement_of(const BodyMotion& a, const BodyMotion& b) {
     return relative_displacement(*a.shape, matrix_pose(a.at0), matrix_pose(a.at1), *b.shape, matrix_pose(b.at0),
                                  matrix_pose(b.at1));
 }
 
-double way_of(const BodyMotion& body) {
+double displacement_of(const BodyMotion& body) {
     const double ends = displacement(*body.shape, matrix_pose(body.at0), matrix_pose(body.at1));
     return body.straight() ? ends : ends + kArcRoom / std::numbers::sqrt3 * body.arc_gap(1);
 }
@@ -91,7 +91,7 @@ double start_distance(const StepView& view, Worker& worker, const PairRecord& pa
 }
 
 bool stays_by_bounds(const StepView& view, const PairRecord& pair) {
-    return view.keep_candidates && way_by_bounds(view, pair) < pair.cache.slack;
+    return view.keep_candidates && displacement_by_bounds(view, pair) < pair.cache.slack;
 }
 
 bool apart_by_distance(const StepView& view, const PairRecord& pair, const BodyMotion& a, const BodyMotion& b) {
@@ -112,7 +112,8 @@ bool plane_between(const StepView& view, const PairRecord& pair, PairCache& cach
     constexpr std::int32_t kLeftOut = 8;
     if (!view.keep_candidates || !a.straight() || !b.straight()) return false;
     // Slow pairs have lists that last, and know how far they are from each other.
-    if (way_of(view.trajectories.motion(at(pair.a)), view.trajectories.motion(at(pair.b))) < pair.lengths.proximity)
+    if (displacement_of(view.trajectories.motion(at(pair.a)), view.trajectories.motion(at(pair.b))) <
+        pair.lengths.proximity)
         return false;
     PairCandidates& c = candidates_of(cache);
     if (c.no_plane > 0) {
@@ -153,7 +154,7 @@ bool near_at_end(const StepView& view, Worker& worker, const PairRecord& pair) {
 bool far_by_bounds(const StepView& view, PairRecord& pair) {
     if (!(pair.cache.start_distance > pair.lengths.proximity) || !stays_by_bounds(view, pair)) return false;
     pair.cache.end_distance = kFar;
-    pair.cache.slack -= way_by_bounds(view, pair);
+    pair.cache.slack -= displacement_by_bounds(view, pair);
     return true;
 }
 

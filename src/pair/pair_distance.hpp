@@ -11,10 +11,10 @@ namespace flotilla {
 
 /// A bound on how far the bodies' places at the end are from those at x^n, against each other and along any axis, m.
 /// Bodies that move straight are no farther in between.
-[[nodiscard]] double way_of(const BodyMotion& a, const BodyMotion& b);
+[[nodiscard]] double displacement_of(const BodyMotion& a, const BodyMotion& b);
 /// The same of one body against what stands still, with room for the arcs of one that turns on the way: what
 /// stays_by_bounds() compares with a slack.
-[[nodiscard]] double way_of(const BodyMotion& body);
+[[nodiscard]] double displacement_of(const BodyMotion& body);
 
 /// The distance of the bodies at x^n, m, from the last contact search where that searched the pair; infinite beyond the
 /// proximity distance.

@@ -33,7 +33,8 @@ struct ListKind {
 void set_bounds(const StepView& view, std::size_t body, const Box& box, const ListKind& kind, ListBuffers& lists) {
     const bool movable = view.model.bodies[body].movable();
     lists.swept[body] = {box, movable ? list_reach(view.model, body, kind.reach) : 0.0, movable};
-    lists.bounds[body] = {way_of(view.trajectories.motion(body)), kind.with_speed ? speed_of(view, body) : kUnknown};
+    lists.bounds[body] = {displacement_of(view.trajectories.motion(body)),
+                          kind.with_speed ? speed_of(view, body) : kUnknown};
 }
 
 /// Boxes and bounds of the bodies that stand still, once for as long as the same ones do.

@@ -11,8 +11,8 @@ namespace flotilla {
 
 /// Bounds on what a body does in the step: of most pairs only these and their record are read.
 struct BodyBounds {
-    double way = 0;   ///< m, displacement bound of its points along any axis, with room for arcs where it turns
-    double speed = 0; ///< m/s, of any of its points
+    double displacement = 0; ///< m, of any of its points along any axis, with room for arcs where it turns
+    double speed = 0;        ///< m/s, of any of its points
 };
 
 /// What all code of a step reads; nothing is written through it. Who writes one of these things is handed it by itself

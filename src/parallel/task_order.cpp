@@ -3,8 +3,8 @@
 
 namespace flotilla {
 
-void TaskOrder::start(std::size_t num_things) {
-    last_.assign(num_things, -1);
+void TaskOrder::start(std::size_t num_resources) {
+    last_.assign(num_resources, -1);
     successors_.clear();
     waits_.clear();
     first_.clear();
@@ -14,14 +14,16 @@ void TaskOrder::start(std::size_t num_things) {
 std::int32_t TaskOrder::add(std::int32_t a, std::int32_t b) {
     const auto task = static_cast<std::int32_t>(successors_.size());
     if (b == a) b = -1;
-    const auto before = [&](std::int32_t thing) { return thing >= 0 ? last_[static_cast<std::size_t>(thing)] : -1; };
+    const auto before = [&](std::int32_t resource) {
+        return resource >= 0 ? last_[static_cast<std::size_t>(resource)] : -1;
+    };
     const auto follow = [&](std::int32_t last) {
         successors_[static_cast<std::size_t>(last / 2)][static_cast<std::size_t>(last % 2)] = task;
     };
     const std::int32_t before_a = before(a), before_b = before(b);
     std::uint8_t waits = 0;
     if (before_a >= 0) follow(before_a), ++waits;
-    // A task that had both things before is waited for once.
+    // A task that had both resources before is waited for once.
     if (before_b >= 0 && (before_a < 0 || before_a / 2 != before_b / 2)) follow(before_b), ++waits;
     if (a >= 0) last_[static_cast<std::size_t>(a)] = 2 * task;
     if (b >= 0) last_[static_cast<std::size_t>(b)] = 2 * task + 1;

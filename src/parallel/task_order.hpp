@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Tasks in a fixed order, run so that only those wait for one another that use something in common.
 //
-// Each task uses at most two things (in a sweep: the two movable clusters of a pair). A task waits for the last earlier
-// one that uses each of its things. Running the tasks in any order that keeps to these waits gives the bits of the
-// plain loop, if a task is a pure function of data that only tasks with a common thing write (and of data that none
-// writes): by induction over the list, every task finds its things as the plain loop would leave them, because the
-// tasks that wrote them before are the same, and their order among each other is that of the list.
+// Each task uses at most two resources (in a sweep: the two movable clusters of a pair). A task waits for the last
+// earlier one that uses each of its resources. Running the tasks in any order that keeps to these waits gives the bits
+// of the plain loop, if a task is a pure function of data that only tasks with a common resource write (and of data
+// that none writes): by induction over the list, every task finds its resources as the plain loop would leave them,
+// because the tasks that wrote them before are the same, and their order among each other is that of the list.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ namespace flotilla {
 
 class TaskOrder {
   public:
-    /// Forgets all tasks. Things are numbered [0, num_things).
-    void start(std::size_t num_things);
-    /// Appends a task that uses `a` and `b`; a negative number stands for nothing. Returns its number.
+    /// Forgets all tasks. Resources are numbered [0, num_resources).
+    void start(std::size_t num_resources);
+    /// Appends a task that uses `a` and `b`; a negative number stands for none. Returns its number.
     std::int32_t add(std::int32_t a, std::int32_t b);
 
     [[nodiscard]] std::size_t size() const { return successors_.size(); }
@@ -31,7 +31,7 @@ class TaskOrder {
     [[nodiscard]] std::span<const std::int32_t> first() const { return first_; }
 
   private:
-    std::vector<std::int32_t> last_; ///< by thing: 2 task + place of the thing in the task that used it last; -1: none
+    std::vector<std::int32_t> last_; ///< by resource: 2 task + its place in the task that used it last; -1: none
     std::vector<Successors> successors_;
     std::vector<std::uint8_t> waits_;
     std::vector<std::int32_t> first_;

@@ -4,8 +4,8 @@
 // A region is as long as a step. Within it sections follow one another, with plain code of the caller between them;
 // crew.hpp says how the threads share a section out, and why nothing waits for one that has no core. That is our own
 // because a step has hundreds of sections, many of them of some microseconds: on two cores an `omp parallel` takes 0.7
-// us, a section here 0.25 us and a phase
-// 0.2 us; and an `omp barrier`, 0.27 us where both threads spin, waits for every thread, also for one without a core.
+// us, a section here 0.25 us and a phase 0.2 us; and an `omp barrier`, 0.27 us where both threads spin, waits for every
+// thread, also for one without a core.
 //
 // No bit of a result may depend on which thread does what: items write to slots of their own, and what is collected by
 // thread is only used where order does not matter (sums of integers, minima, maxima).

@@ -29,22 +29,24 @@ void bind_work(py::class_<StepReport>& type) {
     type.def_readonly("contacts", &R::contacts, "contact points of stage 7");
     type.def_readonly("iterations", &R::iterations, "sweeps of the contact solver, stages 3 and 7 together");
     type.def_readonly("residual", &R::residual, "m/s, largest constraint violation that contact solves left");
-    type.def_readonly("merges", &R::merges, "failsafe: clusters merged");
-    type.def_readonly("rung_changes", &R::rung_changes, "failsafe: steps down the ladder free, kinematic, rigid, held");
+    type.def_readonly("merges", &R::merges, "clusters merged, by the failsafe and as dynamic contact rigidified pairs");
+    type.def_readonly("rung_changes", &R::rung_changes,
+                      "steps down the failsafe's ladder free, kinematic, rigid, held; and bodies slowed down");
     type.def_readonly("held", &R::held, "bodies that stand where the step began");
 }
 
 void bind_sums(py::class_<StepReport>& type) {
     using R = StepReport;
     type.def_readonly("energy", &R::energy, "J, kinetic and potential");
-    type.def_readonly("momentum", &R::momentum, "kg m/s of dynamic bodies, shape (3)");
-    type.def_readonly("min_distance", &R::min_distance, "m, smallest certified or measured distance; inf: none known");
+    type.def_readonly("momentum", &R::momentum, "kg m/s, linear, of all dynamic bodies together, shape (3)");
+    type.def_readonly("min_distance", &R::min_distance, "m, smallest of two bodies at the end poses; inf: none near");
     type.def_readonly("state_hash", &R::state_hash,
                       "of all that can change a later bit; the same at any number of threads");
     type.def_readonly("angular_momentum", &R::angular_momentum, "kg m^2/s about the world's origin, shape (3)");
     type.def_readonly("kinetic_energy", &R::kinetic_energy, "J");
-    type.def_readonly("kinematic_bodies", &R::kinematic_bodies, "bodies that ended in a kinematic cluster");
-    type.def_readonly("rigid_bodies", &R::rigid_bodies, "bodies that ended in a rigid cluster");
+    type.def_readonly("kinematic_bodies", &R::kinematic_bodies,
+                      "bodies in kinematic clusters of the failsafe at the end");
+    type.def_readonly("rigid_bodies", &R::rigid_bodies, "bodies in rigid clusters of the failsafe at the end");
     type.def_readonly("largest_cluster", &R::largest_cluster, "bodies in the largest cluster");
     type.def_readonly("trigger_a", &R::trigger_a, "body of the pair of the first failsafe event; -1: none");
     type.def_readonly("trigger_b", &R::trigger_b, "the other body of that pair");

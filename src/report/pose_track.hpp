@@ -7,7 +7,7 @@
 // cost the others their precision. Eight words of 16 bits per body and frame:
 //   0..2  (r - origin - low) / extent * 65535     3  sqrt(speed / top_speed) * 65535
 //   4..7  x y z w of the unit quaternion * 32767, two's complement, of the sign that is nearer to the frame before; all
-//         zero where the body is not there (io/run_bodies.hpp), with the other words as in the frame before
+//         zero where the body is not there (run_folder/run_bodies.hpp), with the other words as in the frame before
 // The stream holds, frame by frame and word by word, the differences d to the frame before (modulo 2^16; the frame
 // before the first is zero) as zigzag numbers (d << 1) ^ (d >> 15), first the low bytes of all bodies, then the high
 // bytes; zlib.

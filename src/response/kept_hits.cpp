@@ -10,8 +10,10 @@
 namespace flotilla {
 namespace {
 
+/// A bound on the sweeps over the hits of an island, which end when no impulse changes: an island has more hits than a
+/// pair. Not measured.
 constexpr int kSweeps = 200;
-/// Of the fastest approach met in a round: what is left undone, as in pair_manifold.cpp.
+/// The share of the fastest approach met in a round that is left undone, as in pair_manifold.cpp.
 constexpr double kTolerance = 1e-4;
 
 /// The largest eigenvalue of a symmetric matrix in the plane across a unit vector, where it has two: from their sum and

@@ -7,8 +7,9 @@
 namespace flotilla {
 namespace {
 
+/// A bound on the sweeps over the hits of a pair, which end at kTolerance: a pair has few. Not measured.
 constexpr int kSweeps = 30;
-/// Of the fastest approach: where the sweeps stop.
+/// The share of the fastest approach at which the sweeps stop.
 constexpr double kTolerance = 1e-4;
 
 } // namespace

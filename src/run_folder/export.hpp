@@ -23,13 +23,13 @@ namespace flotilla::io {
 
 // All of the following write the frames of `range`, which is one of frames_of(); frames keep their numbers in the run.
 
-/// The contract's CSV (io/poses_csv), handed to `write` frame by frame.
+/// The contract's CSV (run_folder/poses_csv.hpp), handed to `write` frame by frame.
 void export_csv(RunReader& run, const FrameRange& range, const std::function<void(std::string_view)>& write);
 
 /// frame-<k>.obj: all bodies in world coordinates, one object each.
 void export_obj(RunReader& run, const FrameRange& range, const std::filesystem::path& folder);
 
-// What an edit removed, or will add, is in none of them, but for the CSV (io/run_bodies.hpp).
+// What an edit removed, or will add, is in none of them, but for the CSV (run_folder/run_bodies.hpp).
 
 /// For ParaView: bodies.pvd, the collection over time of frames/bodies-<k>.vtp with one point per body, at the mesh's
 /// origin; point data body, shape, type, quaternion (w x y z), velocity, angular_velocity, speed, and
@@ -38,8 +38,9 @@ void export_obj(RunReader& run, const FrameRange& range, const std::filesystem::
 void export_vtp(RunReader& run, const FrameRange& range, const std::filesystem::path& folder);
 
 /// Binary glTF 2.0: one node per body with keyframes of every frame; single precision; z becomes up through the root
-/// node. Bodies have the colours of pictures (io/body_colour.hpp): a material for each, and a mesh for each shape and
-/// colour. A body that is not there has scale 0, step by step, at the place where it comes or went (io/held_poses.hpp).
+/// node. Bodies have the colours of pictures (run_folder/body_colour.hpp): a material for each, and a mesh for each
+/// shape and colour. A body that is not there has scale 0, step by step, at the place where it comes or went
+/// (run_folder/held_poses.hpp).
 void export_glb(RunReader& run, const FrameRange& range, const std::filesystem::path& file);
 
 /// USD as text (.usda), z up, metres: /run/bodies is a UsdGeomPointInstancer with an instance per body and a prototype

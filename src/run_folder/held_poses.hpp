@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where programs that go from pose to pose find bodies that are not there (io/run_bodies.hpp): at the place where they
-// come or went. At the origin, where frames have them, they would be seen on the way to it and from it.
+// Where programs that go from pose to pose find bodies that are not there (run_folder/run_bodies.hpp): at the place
+// where they come or went. At the origin, where frames have them, they would be seen on the way to it and from it.
 #pragma once
 
 #include <optional>

@@ -6,7 +6,7 @@
 //   edits.json        what was changed between steps (flotilla/edit_file.hpp), where anything was
 //   steps.csv         one row per step
 //   frames-A-B.h5     frames A..B
-//   checkpoint-S.h5   everything needed to go on after step S (io/checkpoint)
+//   checkpoint-S.h5   everything needed to go on after step S (run_folder/checkpoint.hpp)
 // Every file but steps.csv is written beside its place, synced and renamed, so that a crash leaves whole files only.
 //
 // A segment holds, float64: position [frames][bodies][3] of the mesh's origin (m), rotation [..][4] as w x y z,
@@ -14,12 +14,12 @@
 // checksum [frames] over all of a frame's values, so that one flipped bit costs one frame and is never taken for data.
 // Runs of the solver also have what the step that ended at the frame did with each body, [frames][bodies]: contacts,
 // uint16, contact points of the body; cluster, uint8, 0 free, 1 kinematic, 2 rigid, 3 held by the failsafe, 4 asleep,
-// 255 not there (io/run_bodies.hpp); cost, uint16, how often the step set the body's end state (the counts end at
-// 65535); and activity_checksum [frames] over these. A segment has all four or none. The path of a body between two
+// 255 not there (run_folder/run_bodies.hpp); cost, uint16, how often the step set the body's end state (the counts end
+// at 65535); and activity_checksum [frames] over these. A segment has all four or none. The path of a body between two
 // frames one step apart is its centre of mass on a straight line and the orientation R(t w) q. w is the shortest arc
 // between the two stored rotations, except for the rows of path_index [rows][2] (frame in the segment, body): their w
 // is in path_rotation [rows][3] (rad). Only bodies that turn by nearly half a turn in one step have a row. Where a step
-// is made of inner ones this is the path in the last of them, and what came before is in io/frame_way.hpp.
+// is made of inner ones this is the path in the last of them, and what came before is in run_folder/frame_way.hpp.
 #pragma once
 
 #include <cstdint>

@@ -26,8 +26,8 @@ struct InitialOverlaps {
 /// bound of continuous collision detection, below which no motion could be certified.
 [[nodiscard]] InitialOverlaps find_initial_overlaps(const Scene& scene);
 
-/// m, that no gap of two triangles within these boxes is below: that is certified against, times the same factor
-/// everywhere.
+/// m: the least gap of two triangles within these boxes that a motion can be certified from (`ccd_floor` of their joint
+/// extent).
 [[nodiscard]] double least_certified_distance(const Box& a, const Box& b);
 /// Whether two triangles intersect, touch, or are nearer than that.
 [[nodiscard]] bool triangles_overlap(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);

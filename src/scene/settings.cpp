@@ -105,7 +105,7 @@ const std::vector<SettingRow>& table() {
          "stage 1: pair by pair, each as those before left it, or all hits met so far in the step solved together "
          "before "
          "pairs are looked at again",
-         "accumulated: a fraction of the looks; a blow goes through touching bodies at once, and each hit rebounds "
+         "accumulated: a fraction of the rounds; a blow goes through touching bodies at once, and each hit rebounds "
          "once "
          "a step"},
         {"collision_iterations",
@@ -114,7 +114,7 @@ const std::vector<SettingRow>& table() {
          0,
          kMaxSweeps,
          {},
-         "limit of sweeps of Algorithm 1, or of looks at all pairs where collisions are accumulated",
+         "limit of sweeps of Algorithm 1, or of rounds over all pairs where collisions are accumulated",
          "sweeps end by themselves when quiet, or when they gain nothing; a limit below about 30 leaves work to the "
          "failsafe, which freezes piles"},
         {"collision_pair_iterations",
@@ -434,7 +434,7 @@ constexpr std::array kPresets{
            }},
     Preset{"preview",
            [](Settings& s) {
-               // The first look's hits carry most of an impact, the second's what those made of it; one more costs as
+               // The first round's hits carry most of an impact, the second's what those made of it; one more costs as
                // much as stage 5 saves. With one pair after the other the failsafe would take over below 30 sweeps.
                s.collisions = Collisions::accumulated;
                s.collision_iterations = 2;

@@ -22,8 +22,8 @@ namespace flotilla {
 /// (rad). `motion`: at the start pose, before they acted.
 ///
 /// A force is worth force . way, to rounding. A torque is worth torque . turn, and what the scheme adds to that where a
-/// body turns freely about changing axes, O(dt^3), which is no energy from nowhere but how far the mean of angular
-/// velocities is from the turn.
+/// body turns freely about changing axes: an O(dt^3) discretisation term, not spurious energy: the mean angular
+/// velocity times dt differs from the turn.
 [[nodiscard]] double work_of_loads(const Model& model, std::size_t body, const Quat& rotation, const Motion& motion,
                                    const Vec3& way, const Vec3& turn);
 

@@ -17,7 +17,7 @@
 
 namespace flotilla {
 
-/// Constants of a body. Movable bodies have finite mass; static and scripted ones have none.
+/// Constants of a body. Movable bodies have finite mass; static and scripted ones infinite mass (inverse_mass 0).
 struct Body {
     std::int32_t shape = 0;
     BodyType type = BodyType::dynamic;

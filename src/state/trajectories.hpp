@@ -19,8 +19,8 @@ struct BodyPlacement {
 };
 
 /// One body as the pair queries see it, from t = 0 to t = 1. Every vertex moves on a straight line from x0 to x1
-/// (paper, section
-/// 3.1) or, where there is a turn, with its body: the centre of mass on a straight line, the orientation R(t turn) q0.
+/// (paper, section 3.1) or, where there is a turn, with its body: the centre of mass on a straight line, the
+/// orientation R(t turn) q0.
 struct BodyMotion {
     const RigidShape* shape = nullptr;
     BodyPlacement at0, at1;

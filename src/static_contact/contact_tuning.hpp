@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Every number of static contact that changes results and that neither the paper nor a setting gives: what it is a
-// share or a multiple of, why it is as it is, and under which name bench/results/ablation.md has what happens without
-// it. Names are of one glossary (README.md): a look is an evaluation of the residual, parked contacts are inactive, a
-// jam is an over-constrained island.
+// The numbers of static contact that change results and that neither the paper nor a setting gives, but for those of
+// the exact solver: what it is a share or a multiple of, why it is as it is, and under which name
+// bench/results/ablation.md has what happens without it. Names are of one glossary (README.md): a look is an evaluation
+// of the residual, parked contacts are inactive, a jam is an over-constrained island.
 //
 // Nobody sets them but bench/scenarios/ablation. What the exact solver goes by is beside it (exact_islands.hpp,
-// interior_point.hpp).
+// exact_islands.cpp, interior_point.cpp); src/CONSTANTS.md lists that too.
 #pragma once
 
 namespace flotilla {
@@ -13,12 +13,12 @@ namespace flotilla {
 struct ContactTuning {
     // --- sweeps (sweep_engine.hpp) ---
 
-    /// Of the last change of impulses and velocities, that a sweep begins with at most. Slow modes become 1 / (1 - m)
-    /// times faster; beyond
-    /// 0.95 fast ones ring. Row: momentum.
+    /// Upper bound on the momentum coefficient m: the share of the last change that is added before a sweep. Slow modes
+    /// become 1 / (1 - m) times faster; beyond 0.95 fast ones ring. Row: momentum.
     double most_momentum = 0.9;
-    /// Times the lowest residual, at which momentum begins anew: it can keep a turning error alive that never heads
-    /// straight back. Thirty bodies with friction then never come nearer than 0.17 m/s to a solution. Row: rise.
+    /// Residual, in multiples of the lowest one, at which momentum begins anew: it can keep a turning error alive that
+    /// never heads straight back. Thirty bodies with friction then never come nearer than 0.17 m/s to a solution. Row:
+    /// rise.
     double most_rise = 2;
     /// Sweeps between two evaluations of the residual, of which one costs half a sweep. Row: looks.
     int look_every = 10;
@@ -40,23 +40,23 @@ struct ContactTuning {
     /// mode of many bodies (a stack that leans) is on its way. Row: jams.
     double stands = 0.01, fewer = 0.9;
     int looks_at_jam = 2, pairs_of_jam = 2;
-    /// In such an island a contact may miss its target by one more tolerance for every so many rest speeds by which its
-    /// normal impulse changes the approach, and by `most_let_off` of them at most; 0: by none. Without that deep piles
-    /// were never solved: contacts that carry ten to a hundred times a body's weight and are some um farther apart than
-    /// their rest distance hand their load to the others of their pair by one violation a sweep, 2e-4 of 27 m/s. Row:
-    /// let-off.
+    /// In such an island: for each `load_per_tolerance` rest speeds of lambda_n W_nn, the change of approach that its
+    /// normal impulse makes, a contact may miss its target by one more tolerance, at most `most_let_off`; 0: by none.
+    /// Without that deep piles were never solved: contacts that carry ten to a hundred times a body's weight and are
+    /// some um farther apart than their rest distance hand their load to the others of their pair by one violation a
+    /// sweep, 2e-4 of 27 m/s. Row: let-off.
     double load_per_tolerance = 5, most_let_off = 10;
-    /// In what gravity adds in a step: an island whose mass has no more energy than at this speed rests. A body that is
-    /// held up has 1 before the solve. Row: rest.
+    /// Rest speed, in what gravity adds in a step: an island is at rest if its kinetic energy on entry is at most 1/2 m
+    /// v^2 at this speed. A body that is held up has 1 before the solve. Row: rest.
     double rest_speed = 2;
 
     // --- what is not swept (assemble.cpp, unsolved_part.cpp) ---
 
-    /// In tolerances. A contact without impulse is inactive (parked) where its gap is wider by this than what the
-    /// bodies would cross in the step. It cannot be violated while the relative velocity of its points changed by less
-    /// since then. Row: parked.
+    /// A margin, in tolerances. A contact without impulse is inactive (parked) where its gap is wider by this than what
+    /// the bodies would cross in the step. It cannot be violated while the relative velocity of its points changed by
+    /// less since then. Row: parked.
     double parked_margin = 25;
-    /// Of that margin, which is compared: the rest is far more than its sums are rounded by.
+    /// The share of that margin which is compared: the rest is far more than its sums are rounded by.
     double parked_room = 0.9;
     /// A part that is swept alone is at most the island's batches divided by this; 0: none is. It then costs less than
     /// an evaluation. Row: parts.
@@ -77,7 +77,7 @@ struct ContactTuning {
 
     // --- the island's energy (solve_contacts.cpp) ---
 
-    /// Of its energies: far more than what their sums are rounded by.
+    /// A share of its energies: far more than their sums are rounded by.
     double energy_rounding = 0x1p-40;
 
     // --- where the exact solver follows (solve_contacts.cpp, exact_islands.hpp) ---
@@ -95,12 +95,13 @@ struct ContactTuning {
 
     // --- tolerances and targets (step/static_stage.cpp) ---
 
-    /// Of the rest distance, which a target's dead band takes at most. Row: band.
+    /// The share of the rest distance that a target's dead band takes at most. Row: band.
     double most_of_rest = 0.02;
-    /// Of what gravity adds in a step, and of a rest distance a step: the tolerance. Row: tolerance.
+    /// The tolerance, as a share of what gravity adds in a step, and of a rest distance a step (`static_tolerance` in
+    /// `flotilla plan --settings` says what it costs). No row.
     double of_gravity = 1.0 / 2048, of_rest = 1.0 / 1024;
-    /// Of what gravity adds in a step: contacts that slide by less keep their random tangents. Only the paper's
-    /// pyramids have such.
+    /// Slip, as a share of what gravity adds in a step: contacts that slide by less keep their random tangents. Only
+    /// the paper's pyramids have such.
     double most_slip = 0.1;
 };
 

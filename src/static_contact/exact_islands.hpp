@@ -7,11 +7,11 @@
 
 namespace flotilla {
 
-/// Of an island's tolerance: to which it is solved where it is solved exactly. It costs next to nothing there, bodies
-/// on the edge of sliding do not creep, and stacks do not sway at the speed of the tolerance.
+/// The share of an island's tolerance to which it is solved where it is solved exactly. It costs next to nothing there,
+/// bodies on the edge of sliding do not creep, and stacks do not sway at the speed of the tolerance.
 inline constexpr double kExactShare = 0x1p-20;
-/// Of an island's mean speed: below it a residual is the rounding of contact normals. In a joint without play impulses
-/// of any size would answer it, with friction to match.
+/// A share of an island's mean speed: a residual below it is the rounding of contact normals. In a joint without play
+/// impulses of any size would answer it, with friction to match.
 inline constexpr double kOfSpeed = 0x1p-36;
 
 /// Islands of up to so many contacts are solved exactly after a few sweeps: that takes a few milliseconds at most, as

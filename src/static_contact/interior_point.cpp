@@ -78,10 +78,10 @@ constexpr double kShortStep = 0.3;   // steps shorter than this leave the way do
 constexpr double kAhead = 0.5;       // share of the way to the cone's edge that a step along the path takes
 constexpr int kStall = 20;           // iterations without progress after which method 2 is given up
 
-// Of the largest velocity: a residual that methods 2 and 3 get below only by chance. Where a contact neither carries
-// nor parts, its impulse and its velocity both are as the square root of their product, and the products end at the
-// rounding, 2^-52. Many bodies at rest hold such contacts, and with the impulses of the step before are nearer to the
-// solution than that.
+// A residual, as a share of the largest velocity, that methods 2 and 3 get below only by chance. Where a contact
+// neither carries nor parts, its impulse and its velocity both are as the square root of their product, and the
+// products end at the rounding, 2^-52. Many bodies at rest hold such contacts, and with the impulses of the step before
+// are nearer to the solution than that.
 constexpr double kInteriorFloor = 0x1p-26;
 // Floors: problems of stacks and walls at rest end between half of one and three. Who asks there for less than four is
 // given what Newton's steps reach within them.

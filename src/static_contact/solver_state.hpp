@@ -46,11 +46,11 @@ struct ContactSolveOptions {
     /// the number of violated pairs falls, but as soon as that and the residual stand for two evaluations. 0 switches
     /// off all of this, and the let-off of loaded contacts.
     int patience = 0;
-    /// m/s. An island rests that came with no more energy than its mass at this speed: what it has is what gravity
-    /// added. Then what is not solved yet is swept alone where it is a small part of a large island; over-constrained
-    /// islands are given up early, loaded contacts in them may miss their targets by more
+    /// m/s. An island is at rest if its kinetic energy on entry is at most 1/2 m v^2 at this speed: what it has is what
+    /// gravity added. Then what is not solved yet is swept alone where it is a small part of a large island;
+    /// over-constrained islands are given up early, loaded contacts in them may miss their targets by more
     /// (ContactTuning::load_per_tolerance), and a shock pass stands only where it solves its levels. Under impact
-    /// nothing of this holds. 0: no island rests.
+    /// nothing of this holds. 0: no island is at rest.
     double rest_speed = 0;
     bool exact = false;     ///< small islands that PGS leaves unsolved are solved exactly (exact_islands.hpp)
     bool exact_few = false; ///< of them only those of few bodies, and columns at rest by Newton's steps alone
@@ -87,7 +87,7 @@ struct ContactScratch {
         std::int64_t visits = 0;
         int part_rounds = 0;
         int factorisations = 0; ///< of the exact solve
-        bool rests = false;     ///< as ContactSolveOptions::rest_speed says
+        bool rests = false;     ///< slow on entry (ContactSolveOptions::rest_speed); nothing to do with sleep
         bool solved = false;    ///< the tolerance holds, apart from what is let off and from rounding
         bool let_off = false;   ///< solved, but above the tolerance: loaded contacts of a resting pile
         bool shocked = false;

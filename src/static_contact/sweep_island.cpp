@@ -38,9 +38,9 @@ bool stands(const Left& before, const Left& now, const ContactTuning& tuning) {
 }
 
 /// Whether the residual still falls.
-class Progress {
+class FallOfResidual {
   public:
-    Progress(const ContactSolveOptions& options, bool jams)
+    FallOfResidual(const ContactSolveOptions& options, bool jams)
         : tuning_(options.tuning),
           patience_(options.patience),
           most_residual_(options.tolerance > 0 ? options.tolerance / std::numeric_limits<double>::epsilon()
@@ -83,7 +83,7 @@ class Progress {
 
 /// How far the solve of an island has come.
 struct Course {
-    Progress progress;
+    FallOfResidual fall;
     int whole = 0, of_parts = 0; ///< sweeps; those of parts in sweeps of the whole that cost as much
     /// Parts interrupt the momentum of the whole and leave its slow modes alone. So wherever they did not solve it, the
     /// whole is swept by itself until the next evaluation.
@@ -91,15 +91,15 @@ struct Course {
     Left left{};
 
     [[nodiscard]] int sweeps() const { return whole + of_parts; }
-    [[nodiscard]] bool stalls() const { return progress.stalls(sweeps()); }
+    [[nodiscard]] bool stalls() const { return fall.stalls(sweeps()); }
     void saw(const Left& found) {
         saw_after_part(found);
-        progress.count_standing(found);
+        fall.count_standing(found);
     }
     /// Does not count as standing: the whole may have been swept a few times only.
     void saw_after_part(const Left& found) {
         left = found;
-        progress.saw(sweeps(), found);
+        fall.saw(sweeps(), found);
     }
 };
 
@@ -121,7 +121,7 @@ class IslandSweeps {
           jams_(options.patience > 0 && island.rests &&
                 at(island.end - island.first) > at(tuning().pairs_of_jam) * bodies_.size()),
           may_use_parts_(island.rests && tuning().part_divisor > 0 && is_large(island, s)),
-          course_{.progress = Progress(options, jams_)},
+          course_{.fall = FallOfResidual(options, jams_)},
           sharing_(sharing),
           engine_(sweep_set(), sharing.crew(), cone_of(options, s), options, s) {
         if (may_use_parts_) reserve_unsolved(island, tuning(), s);
@@ -173,7 +173,7 @@ class IslandSweeps {
             activate_violated();
         }
         if (course_.stalls() || course_.sweeps() >= options_.iterations) return AfterSweep::done;
-        return course_.progress.rose() || used_parts ? AfterSweep::restart : AfterSweep::go_on;
+        return course_.fall.rose() || used_parts ? AfterSweep::restart : AfterSweep::go_on;
     }
 
     /// Evaluates the residual, and activates violated parked contacts.

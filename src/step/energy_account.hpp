@@ -2,15 +2,14 @@
 // The last resort that keeps G5: energy does not grow by itself, island by island.
 //
 // At the end of a step every island may have at most the energy that it had before, the work of scripted bodies and of
-// the bodies' own forces and torques, and lift: stages 3
-// and 5 bring bodies that are too near to their rest distance, which may raise them. What of a rise of the energy is
-// lift is written down for every body, at most its weight (and what else pulls on it) times d_rest in all, and written
-// off again when the island loses energy. So the energy of a scene without scripts never exceeds its lowest value so
-// far by more than the lift of all bodies.
+// the bodies' own forces and torques, and lift: stages 3 and 5 bring bodies that are too near to their rest distance,
+// which may raise them. What of a rise of the energy is lift is booked for every body, at most its weight (and what
+// else pulls on it) times d_rest in all, and cancelled again when the island loses energy. So the energy of a scene
+// without scripts never exceeds its lowest value so far by more than the lift of all bodies.
 //
 // What rises beyond that is taken from the velocities of the island: relative to its centre of mass where nothing of
-// infinite mass touches it, which keeps its momentum, else relative to the world. In ordinary scenes there is nothing
-// to take.
+// infinite mass touches it, which keeps its momentum, else relative to the world. How often that happens:
+// bench/results/energy.md.
 #pragma once
 
 #include <span>
@@ -24,7 +23,7 @@ namespace flotilla {
 struct EnergyCorrections {
     std::int64_t islands = 0; ///< that had to give up energy
     double removed = 0;       ///< J
-    double lift = 0;          ///< J, of the bodies awake, written down at the end of the step
+    double lift = 0;          ///< J, of the bodies awake, booked at the end of the step
 };
 
 class EnergyAccount {
@@ -48,7 +47,7 @@ class EnergyAccount {
     [[nodiscard]] bool touches_script(std::int32_t body) {
         return islands_[static_cast<std::size_t>(root(body))].grounded;
     }
-    /// Cuts the velocities `motion` at the poses `end`; `lift` is what is written down for every body, J.
+    /// Cuts the velocities `motion` at the poses `end`; `lift` is what is booked for every body, J.
     EnergyCorrections settle(Team& team, const Model& model, std::span<const Pose> end, std::span<Motion> motion,
                              std::span<double> lift);
 
@@ -68,7 +67,7 @@ class EnergyAccount {
     struct Verdict {
         double scale = 1; ///< of velocities against `center`
         Vec3 center;      ///< m/s
-        double draw = 0;  ///< J, lift to write down, or off where negative
+        double draw = 0;  ///< J, lift to book, or to cancel where negative
         double debt = 0;  ///< J per kg, beyond what lift allows: paid back by the steps to come
     };
 

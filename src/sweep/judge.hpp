@@ -22,8 +22,8 @@ void judge(const Plan& plan, const Problem& problem, const Measured& measured, c
 
 /// Over the values that are no nan.
 [[nodiscard]] SweepValue statistics(const std::vector<double>& values);
-/// The distance from the truth: of a metric with truth zero the values are that, of others `values` and `truths`
-/// belong together start by start, so that what a start does to both is no error.
+/// The distance from the truth. For metrics whose true value is zero the values are the errors; otherwise values and
+/// truths are paired by start, so that what a start does to both is no error.
 [[nodiscard]] SweepValue error_of(const SweepMetric& metric, const std::vector<double>& values,
                                   const std::vector<double>& truths);
 
