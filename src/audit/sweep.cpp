@@ -123,6 +123,14 @@ class Bisection {
             if (keep(cross(a_s, edge(s.a, k)), cross(a_e, edge(e.a, k))) ||
                 keep(cross(b_s, edge(s.b, k)), cross(b_e, edge(e.b, k))))
                 return true;
+        // Needles have no normals: what lies across one, towards the other.
+        const auto towards = [](const Corners& a, const Corners& b) {
+            const ClosestPoints closest = closest_points(a, b);
+            return closest.on_b - closest.on_a;
+        };
+        const Vec3 d_s = towards(s.a, s.b), d_e = towards(e.a, e.b);
+        for (std::size_t k = 0; k < 3; ++k)
+            if (keep(without(d_s, edge(s.a, k)), without(d_e, edge(e.a, k)))) return true;
         return false;
     }
 

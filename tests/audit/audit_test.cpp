@@ -277,6 +277,23 @@ TEST(AuditMotion, ProvesBoxesSideBySideThatTurnAsOneAtATinyGap) {
     }
 }
 
+TEST(AuditMotion, ProvesNeedlesSideBySideThatTurnAsOne) {
+    TriangleMesh needle;
+    needle.vertices = {{0, 0, 0}, {-1e9, 0, 0}, {1, 0, 0}}; // collinear: no normal, and all edges parallel
+    needle.triangles = {{0, 1, 2}};
+    const Scene scene = scene_of({make_shape(needle, {-3e8, 0, 0}), make_shape(needle, {-3e8, 0, 0})});
+    const auto turned = [](double share, const Vec3& aside) {
+        const Vec3 turn = share * Vec3{3e-4, -5e-4, 4e-4};
+        return std::vector{pose({}, turn), pose(rotate(rotation_from_vector(turn), aside), turn)};
+    };
+    const std::vector<Vec3> turns(2, Vec3{3e-4, -5e-4, 4e-4});
+    const auto passes = [&](const Vec3& from, const Vec3& to) {
+        return !motion(scene, turned(0, from), turned(1, to), Motion::rigid, turns).passages.empty();
+    };
+    EXPECT_FALSE(passes({0.1, 0.2, 0.2}, {0.1, 0.2, 0.2}));
+    EXPECT_TRUE(passes({0.1, 0, 0.2}, {0.1, 0, -0.3}));
+}
+
 TEST(AuditMotion, ProvesFarFromTheOriginWhatItProvesNearIt) {
     const Scene scene = scene_of({plate(), plate()});
     const double gap = 0x1p-23; // one unit of the last place there
