@@ -74,8 +74,6 @@ struct ListBuffers {
     std::vector<BodyBounds> bounds;  ///< see StepView
     std::uint64_t still_version = 1; ///< a new number where other bodies stand still than before, or elsewhere
     std::uint64_t still_placed = 0;  ///< the version that `swept` and `bounds` hold
-    /// By body: m, from where contacts were last searched for on its account (State::searched).
-    std::vector<double> stray;
     std::vector<PairRecord*> record; ///< of each candidate pair; null: there is none yet
     std::vector<std::uint8_t> wanted;
     std::vector<std::size_t> chunk_places; ///< in `listed`, by chunk of candidate pairs

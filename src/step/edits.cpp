@@ -244,9 +244,9 @@ void Stepper::refresh_changed() {
     mark_asleep();
     take_woken_contacts();
     if (model_.settings.contact_reuse != 0) {
-        lists_.stray.resize(model_.size());
+        search_.stray.resize(model_.size());
         for (std::size_t i = 0; i < changed_.size(); ++i)
-            if (changed_[i] != 0) lists_.stray[i] = 0; // searched for where it is
+            if (changed_[i] != 0) search_.stray[i] = 0; // searched for where it is
     }
     StepData d = data();
     search_changed(d);

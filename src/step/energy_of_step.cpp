@@ -108,8 +108,8 @@ double Stepper::load_work(std::size_t i, const Motion& collided, const Pose& end
 /// The account of the step's energy, after stage 7 (energy_account.hpp).
 void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     join_contacts();
-    for (std::size_t k = 0; has_scripts_ && k < static_.selected.size(); ++k) { // of scripted bodies in stage 7
-        const Contact& c = static_.selected[k];
+    for (std::size_t k = 0; has_scripts_ && k < static_.targets.contacts.size(); ++k) { // of scripted bodies in stage 7
+        const Contact& c = static_.targets.contacts[k];
         for (const std::int32_t body : {c.a, c.b}) {
             if (!model_.bodies[static_cast<std::size_t>(body)].scripted()) continue;
             const Motion& m = motion[static_cast<std::size_t>(body)];

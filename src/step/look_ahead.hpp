@@ -16,7 +16,9 @@
 
 #include <vector>
 
-#include "step/static_stage.hpp"
+#include "pair/step_data.hpp"
+#include "proximity/contact_set.hpp"
+#include "static_contact/velocity_arrays.hpp"
 
 namespace flotilla {
 

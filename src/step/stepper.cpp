@@ -7,11 +7,11 @@
 #include <numbers>
 #include <tuple>
 
-#include "base/assert.hpp"
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
 #include "collision/collisions.hpp"
 #include "state/loads.hpp"
+#include "step/phase_watch.hpp"
 
 namespace flotilla {
 namespace {
@@ -20,48 +20,6 @@ constexpr std::size_t kBodyGrain = 16; // bodies of a task
 /// Of half velocities, see slow_down(). Three cubes of 0.3 mm, preset accurate, at 1/24 s: 82 bodies held in 96 steps
 /// with one, 75 with two, 1 with three, none with four; without, 8.
 constexpr int kMostHalvings = 4;
-/// Rounds of look_ahead.hpp in stage 3, whose velocities move the bodies: a cube that the first round stops at a corner
-/// turns about that in the second solve, and passes others. Three cubes of 0.3 mm at 1/24 s, ten seeds, preset
-/// accurate: 633 bodies held in 8 runs and 3 runs at rest with one round, none held and all at rest with two; four give
-/// the same.
-constexpr int kLooksAhead = 2;
-
-/// A named stretch of the step in the record of the team's tasks, where there is one.
-class RecordedSpan {
-  public:
-    RecordedSpan(const char* name, const Team& team)
-        : name_(name), recorder_(team.recorder()), begin_(recorder_ != nullptr ? recorder_->now() : 0) {}
-    RecordedSpan(const RecordedSpan&) = delete;
-    RecordedSpan& operator=(const RecordedSpan&) = delete;
-    ~RecordedSpan() {
-        if (recorder_ != nullptr) recorder_->add_phase(name_, begin_, recorder_->now());
-    }
-
-  private:
-    const char* name_;
-    TaskRecorder* recorder_;
-    std::int64_t begin_;
-};
-
-/// Times a phase for the report and the record.
-class PhaseWatch {
-  public:
-    PhaseWatch(StepReport& report, Phase phase, const Team& team)
-        : watch_(report.ms(phase)), span_(kPhaseNames[static_cast<std::size_t>(phase)].data(), team) {}
-
-  private:
-    Stopwatch watch_;
-    RecordedSpan span_;
-};
-
-void set_counters(const PruneCounters& c, StepReport& report) {
-    report.proximities = c.proximities;
-    report.pruned_end_points = c.end_points;
-    report.pruned_same_direction = c.same_direction;
-    report.pruned_angle = c.angle;
-    report.pruned_occluded = c.occluded;
-}
-
 void add_counters(const StageCounters& c, StepReport& report) {
     report.pairs += c.pairs;
     report.ms(Phase::detection) += c.detection_ms;
@@ -75,12 +33,6 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
         motion[at(i)].velocity += dt * acceleration(model, at(i));
         if (model.bodies[at(i)].torque != Vec3{}) motion[at(i)].momentum += dt * turning_torque(model, at(i));
     }
-}
-
-/// Of the active bodies; the others have the same in both.
-template <class T>
-void copy_active(const Model& model, std::span<const T> from, std::span<T> to) {
-    for (const std::int32_t i : model.active) to[at(i)] = from[at(i)];
 }
 
 } // namespace
@@ -247,13 +199,6 @@ StepData Stepper::begin_step(std::int64_t step) {
     return data();
 }
 
-/// No search finds them: they are those that stage 7 of the step before found at its x^{n+1}, without those that were
-/// ahead or fell asleep (commit). At the start, and after edits, prepare() and refresh_changed() search for them.
-ContactSet& Stepper::contacts_at_start() {
-    FLOTILLA_ASSERT(contacts_step_ == state_.step);
-    return contacts_;
-}
-
 /// Stage 1.
 void Stepper::collisions(StepData& d, std::span<Motion> collided, StepReport& report) {
     const PhaseWatch watch(report, Phase::collisions, team_);
@@ -264,27 +209,19 @@ void Stepper::collisions(StepData& d, std::span<Motion> collided, StepReport& re
     add_counters(c, report);
     report.collisions = c.impulses;
     if (c.limit) report.warnings |= kCollisionLimit;
-    copy_active<Motion>(model_, clusters_.motion(), collided);
+    copy_active<Motion>(clusters_.motion(), collided);
     open_account();
 }
 
 /// Stage 2.
 void Stepper::half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report) {
     const PhaseWatch watch(report, Phase::half_velocity, team_);
-    copy_active<Motion>(model_, collided, half);
-    accelerate(model_, 0.5 * model_.settings.time_step, half);
+    set_half_velocities(collided, half);
 }
 
-/// Stage 3. Where islands cannot afford to be raised to their rest distance, once more without that.
-void Stepper::half_static_contact(StepData& d, std::span<const Motion> collided, std::span<Motion> half,
-                                  StepReport& report) {
-    const PhaseWatch watch(report, Phase::half_static_contact, team_);
-    static_contact(d, contacts_at_start(), half, state_.pose, false, report);
-    if (!mark_level(half)) return;
-    copy_active<Motion>(model_, collided, half);
+void Stepper::set_half_velocities(std::span<const Motion> collided, std::span<Motion> half) {
+    copy_active<Motion>(collided, half);
     accelerate(model_, 0.5 * model_.settings.time_step, half);
-    static_contact(d, contacts_at_start(), half, state_.pose, false, report);
-    level_.clear();
 }
 
 /// The end of stage 5: what is certified is committed.
@@ -298,7 +235,7 @@ void Stepper::certify_end(StepData& d, std::span<Pose> end, StepReport& report) 
 void Stepper::new_velocities(std::span<const Motion> collided, std::span<const Pose> end, std::span<Motion> next,
                              StepReport& report) {
     const PhaseWatch watch(report, Phase::velocity, team_);
-    copy_active<Motion>(model_, collided, next);
+    copy_active<Motion>(collided, next);
     accelerate(model_, model_.settings.time_step, next);
     if (has_scripts_)
         for (const std::int32_t i : model_.active)
@@ -306,26 +243,6 @@ void Stepper::new_velocities(std::span<const Motion> collided, std::span<const P
     turn_momenta(collided, next);
     held_velocities(collided, next, end, report);
     drop_line_spin(end, next);
-}
-
-/// Stage 7.
-void Stepper::final_static_contact(StepData& d, std::span<const Pose> end, std::span<Motion> next, StepReport& report) {
-    const PhaseWatch watch(report, Phase::static_contact, team_);
-    find_contacts_at_end(d, report);
-    static_contact(d, contacts_, next, end, true, report);
-    settle_energy(next, end, report);
-    report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
-}
-
-/// They are what stage 3 of the next step starts with.
-void Stepper::find_contacts_at_end(StepData& d, StepReport& report) {
-    const PhaseWatch detection(report, Phase::static_detection, team_);
-    note_strays(report.step);
-    contacts_.list_pairs(start_pairs_);
-    find_contacts(d, report.step, search_, contacts_);
-    contacts_step_ = report.step;
-    contacts_.mark_processed(start_pairs_);
-    set_counters(contacts_.counters, report);
 }
 
 /// What the stages read of bodies that stand still: once for as long as the same ones do. The stages themselves see
@@ -363,48 +280,6 @@ void Stepper::start_trajectories(std::span<const Motion> motion) {
         if (model_.bodies[at(active[k])].movable())
             clusters_.evolve(active[k], model_.settings.time_step, trajectories_);
     });
-}
-
-void Stepper::static_contact(StepData& d, ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
-                             bool final_stage, StepReport& report) {
-    const PhaseWatch watch(report, Phase::static_response, team_);
-    if (looks_ahead_) copy_active<Motion>(model_, motion, before_solve_);
-    StaticStageStats stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
-    report.iterations += stats.solve.iterations;
-    const StepEnd at = final_stage ? StepEnd::end : StepEnd::start;
-    const int rounds = !looks_ahead_ ? 0 : final_stage ? 1 : kLooksAhead;
-    for (int k = 0; k < rounds && add_contacts_ahead(d, at, static_.bodies, ahead_, contacts); ++k) {
-        if (!final_stage) join_contacts();
-        copy_active<Motion>(model_, before_solve_, motion);
-        stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
-        report.iterations += stats.solve.iterations;
-    }
-    if (!final_stage) { // what an earlier solve reported that mark_level() discarded is forgotten
-        report.residual = 0;
-        report.warnings &= ~std::uint32_t{kStaticLimit | kStaticLetOff};
-    }
-    report.residual = std::max(report.residual, stats.solve.residual);
-    if (final_stage) report.contacts = stats.contacts;
-    if (stats.solve.unsolved_islands > stats.solve.let_off_islands) report.warnings |= kStaticLimit;
-    if (stats.solve.let_off_islands > 0) report.warnings |= kStaticLetOff;
-}
-
-StaticStageStats Stepper::solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
-                                            std::span<const Pose> poses, bool final_stage, const StepReport& report) {
-    // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1
-    // ended by its limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up
-    // would accelerate for ever.
-    const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
-    // Stage 3 carries half a step's gravity, stage 7 a whole one's: impulses taken over from the other stage are scaled
-    // by that.
-    const StaticStageStats stats = solve_static_contact(
-        model_, contacts, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
-        final_stage ? state_.warm_half : state_.warm_final,
-        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, lists_.still_version, state_.motion,
-         state_.pose, level_, &team_, options_.tuning, options_.savings.normal_rows},
-        static_);
-    contact_visits_ += stats.solve.visits;
-    return stats;
 }
 
 /// Stages 4 and 5. What could not go as far as its half velocity says is tried again with half of it.

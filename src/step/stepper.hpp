@@ -13,11 +13,14 @@
 #include "dynamic_contact/dynamic_contact.hpp"
 #include "failsafe/failsafe.hpp"
 #include "islands/sleeping.hpp"
+#include "pair/contact_search.hpp"
+#include "static_contact/solve_contacts.hpp"
+#include "static_contact/targets.hpp"
+#include "static_contact/warm_impulses.hpp"
 #include "step/certificate.hpp"
 #include "step/energy_account.hpp"
 #include "step/look_ahead.hpp"
 #include "step/scripts.hpp"
-#include "step/static_stage.hpp"
 
 namespace flotilla {
 
@@ -156,12 +159,18 @@ class Stepper {
         return !model_.bodies[static_cast<std::size_t>(a)].movable() &&
                !model_.bodies[static_cast<std::size_t>(b)].movable();
     }
+    /// Of the active bodies; the others have the same in both.
+    template <class T>
+    void copy_active(std::span<const T> from, std::span<T> to) const {
+        for (const std::int32_t i : model_.active) to[static_cast<std::size_t>(i)] = from[static_cast<std::size_t>(i)];
+    }
     StepData begin_step(std::int64_t step);
     /// Every body on its own, with the given motion, and evolved to its candidate end state: stage 1 begins so with
     /// v^n, stage 4 is this with v^{n+1/2}.
     void start_trajectories(std::span<const Motion> motion);
     void collisions(StepData& d, std::span<Motion> collided, StepReport& report);
     void half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
+    void set_half_velocities(std::span<const Motion> collided, std::span<Motion> half);
     ContactSet& contacts_at_start();
     void half_static_contact(StepData& d, std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
     FailsafeStats move_bodies(StepData& d, std::span<Motion> half, StepReport& report);
@@ -175,8 +184,8 @@ class Stepper {
     /// Stages 3 and 7 (`final_stage`).
     void static_contact(StepData& d, ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
                         bool final_stage, StepReport& report);
-    StaticStageStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
-                                       std::span<const Pose> poses, bool final_stage, const StepReport& report);
+    ContactSolveStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
+                                        std::span<const Pose> poses, bool final_stage, const StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;
     [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
@@ -237,7 +246,15 @@ class Stepper {
     };
     StepBuffers buffers_;
     CollisionScratch collisions_;
-    StaticStageScratch static_;
+    /// What a solve of stages 3 and 7 is made of; the last one's, until the next.
+    struct StaticBuffers {
+        VelocityArrays velocities;
+        ContactTargets targets;
+        std::vector<Vec3> impulses;       ///< N s, on b, by contact of `targets`
+        std::vector<std::int32_t> stored; ///< of `targets`, those whose impulses are kept
+        ContactScratch solver;
+    };
+    StaticBuffers static_;
     std::int64_t contact_visits_ = 0;
     EnergyAccount energy_;
     std::vector<Vec3> way_;            ///< m, displacements of centres of mass in the step
