@@ -6,6 +6,9 @@
 #include <limits>
 
 #include "base/index.hpp"
+#include "pair/impulses.hpp"
+#include "pair/neighbour_lists.hpp"
+#include "pair/pair_distance.hpp"
 #include "parallel/compact.hpp"
 
 namespace flotilla {
@@ -65,25 +68,27 @@ void append_pair(const StepView& view, const KnownFeatures& known, Worker& worke
 }
 
 /// The contacts of the pairs.
-void search(StepData& data, const std::vector<ListedPair>& pairs, std::int64_t step, ContactSearchScratch& scratch,
-            ContactSet& out) {
+void search_pairs(const StepView& view, Workers& workers, const std::vector<ListedPair>& pairs, std::int64_t step,
+                  ContactSearchScratch& scratch, ContactSet& out) {
     constexpr std::size_t kGrain = 16;
-    const KnownFeatures known(data, step, scratch.stray);
+    const KnownFeatures known(view, step, scratch.stray);
     const std::size_t chunks = (pairs.size() + kGrain - 1) / kGrain;
     scratch.parts.resize(std::max(scratch.parts.size(), chunks));
-    for (const auto& worker : data.workers) worker->proximity.counters = {}; // stage 1 counts as well
-    data.team.for_chunks("contact points", pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int thread) {
-        ContactSet& part = scratch.parts[begin / kGrain];
-        part.clear();
-        for (std::size_t i = begin; i < end; ++i) append_pair(data, known, data.worker(thread), pairs[i], part);
-    });
+    for (Worker& worker : workers.each) worker.proximity.counters = {}; // stage 1 counts as well
+    workers.team.for_chunks("contact points", pairs.size(), kGrain,
+                            [&](std::size_t begin, std::size_t end, int thread) {
+                                ContactSet& part = scratch.parts[begin / kGrain];
+                                part.clear();
+                                for (std::size_t i = begin; i < end; ++i)
+                                    append_pair(view, known, workers[thread], pairs[i], part);
+                            });
     const std::span<const ContactSet> parts(scratch.parts.data(), chunks);
     const auto put = [&](std::size_t place, const ContactSet& part) { out.put(place, part); };
-    gather_parts({&data.team, "gather contacts", kGrain, scratch.places}, parts, out, put);
+    gather_parts({&workers.team, "gather contacts", kGrain, scratch.places}, parts, out, put);
     out.min_distance = std::numeric_limits<double>::infinity();
     for (const ContactSet& part : parts) out.min_distance = std::min(out.min_distance, part.min_distance);
     out.counters = {};
-    for (const auto& worker : data.workers) out.counters += worker->proximity.counters;
+    for (const Worker& worker : workers.each) out.counters += worker.proximity.counters;
 }
 
 void list_near(const std::vector<ListedPair>& pairs, ContactSet& out) {
@@ -94,20 +99,15 @@ void list_near(const std::vector<ListedPair>& pairs, ContactSet& out) {
 
 } // namespace
 
-void find_contacts(StepData& data, std::int64_t step, ContactSearchScratch& scratch, ContactSet& out) {
-    const std::vector<ListedPair>& pairs = end_pairs(data);
+void find_contacts(const StepView& view, PairBook& book, Workers& workers, const ContactSearch& search,
+                   ContactSearchScratch& scratch, ContactSet& out) {
+    const std::vector<ListedPair>& pairs = end_pairs(view, book, workers.team);
     list_near(pairs, out);
-    search(data, pairs, step, scratch, out);
-}
-
-void find_contacts_of(StepData& data, std::int64_t step, const std::function<bool(const CandidatePair&)>& wanted,
-                      ContactSearchScratch& scratch, ContactSet& out) {
-    const std::vector<ListedPair>& pairs = end_pairs(data);
-    list_near(pairs, out);
+    if (!search.wanted) return search_pairs(view, workers, pairs, search.step, scratch, out);
     std::vector<ListedPair> some;
     std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(some),
-                 [&](const ListedPair& p) { return wanted(p.pair); });
-    search(data, some, step, scratch, out);
+                 [&](const ListedPair& p) { return search.wanted(p.pair); });
+    search_pairs(view, workers, some, search.step, scratch, out);
 }
 
 } // namespace flotilla

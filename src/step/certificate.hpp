@@ -11,7 +11,8 @@
 
 #include <exception>
 
-#include "pair/step_data.hpp"
+#include "pair/pair_lists.hpp"
+#include "pair/worker.hpp"
 
 namespace flotilla {
 
@@ -22,6 +23,6 @@ struct CertificateError : std::exception {
 };
 
 /// Throws CertificateError.
-void certify(StepData& data);
+void certify(const StepView& view, PairBook& book, Team& team);
 
 } // namespace flotilla

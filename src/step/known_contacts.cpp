@@ -23,7 +23,7 @@ void Stepper::measure_strays() {
     if (state_.searched.empty())
         for (const Pose& pose : state_.pose) state_.searched.push_back({pose, state_.step});
     search_.stray.resize(model_.size());
-    team_.for_each("strays", model_.size(), kBodyGrain, [&](std::size_t i, int) {
+    workers_.team.for_each("strays", model_.size(), kBodyGrain, [&](std::size_t i, int) {
         search_.stray[i] = stray_from(state_.searched[i].pose, trajectories_.at_start(i));
     });
 }
@@ -33,7 +33,7 @@ void Stepper::measure_strays() {
 void Stepper::note_strays(std::int64_t step) {
     if (state_.searched.empty()) return;
     const std::vector<std::int32_t>& active = model_.active;
-    team_.for_each("strays", active.size(), kBodyGrain, [&](std::size_t k, int) {
+    workers_.team.for_each("strays", active.size(), kBodyGrain, [&](std::size_t k, int) {
         const std::size_t i = at(active[k]);
         double& stray = search_.stray[i];
         stray = stray_from(state_.searched[i].pose, trajectories_.at_end(i));

@@ -48,13 +48,12 @@ ContactSolveOptions solve_options(const Model& model, const StepperOptions& opti
 } // namespace
 
 /// Stage 3. Where islands cannot afford to be raised to their rest distance, once more without that.
-void Stepper::half_static_contact(StepData& d, std::span<const Motion> collided, std::span<Motion> half,
-                                  StepReport& report) {
-    const PhaseWatch watch(report, Phase::half_static_contact, team_);
-    static_contact(d, contacts_at_start(), half, state_.pose, false, report);
+void Stepper::half_static_contact(std::span<const Motion> collided, std::span<Motion> half, StepReport& report) {
+    const PhaseWatch watch(report, Phase::half_static_contact, workers_.team);
+    static_contact(contacts_at_start(), half, state_.pose, false, report);
     if (!mark_level(half)) return;
     set_half_velocities(collided, half);
-    static_contact(d, contacts_at_start(), half, state_.pose, false, report);
+    static_contact(contacts_at_start(), half, state_.pose, false, report);
     level_.clear();
 }
 
@@ -66,34 +65,36 @@ ContactSet& Stepper::contacts_at_start() {
 }
 
 /// Stage 7.
-void Stepper::final_static_contact(StepData& d, std::span<const Pose> end, std::span<Motion> next, StepReport& report) {
-    const PhaseWatch watch(report, Phase::static_contact, team_);
-    find_contacts_at_end(d, report);
-    static_contact(d, contacts_, next, end, true, report);
+void Stepper::final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report) {
+    const PhaseWatch watch(report, Phase::static_contact, workers_.team);
+    find_contacts_at_end(report);
+    static_contact(contacts_, next, end, true, report);
     settle_energy(next, end, report);
     report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
 }
 
 /// They are what stage 3 of the next step starts with.
-void Stepper::find_contacts_at_end(StepData& d, StepReport& report) {
-    const PhaseWatch detection(report, Phase::static_detection, team_);
+void Stepper::find_contacts_at_end(StepReport& report) {
+    const PhaseWatch detection(report, Phase::static_detection, workers_.team);
     note_strays(report.step);
     contacts_.list_pairs(start_pairs_);
-    find_contacts(d, report.step, search_, contacts_);
+    find_contacts(view(), pairs_, workers_, {report.step}, search_, contacts_);
     contacts_step_ = report.step;
     contacts_.mark_processed(start_pairs_);
     set_counters(contacts_.counters, report);
 }
 
-void Stepper::static_contact(StepData& d, ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
+void Stepper::static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
                              bool final_stage, StepReport& report) {
-    const PhaseWatch watch(report, Phase::static_response, team_);
+    const PhaseWatch watch(report, Phase::static_response, workers_.team);
     if (looks_ahead_) copy_active<Motion>(motion, before_solve_);
     ContactSolveStats stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
     report.iterations += stats.iterations;
     const StepEnd at = final_stage ? StepEnd::end : StepEnd::start;
     const int rounds = !looks_ahead_ ? 0 : final_stage ? 1 : kLooksAhead;
-    for (int k = 0; k < rounds && add_contacts_ahead(d, at, static_.velocities, ahead_, contacts); ++k) {
+    for (int k = 0;
+         k < rounds && add_contacts_ahead(view(), pairs_.table, workers_, {at, static_.velocities}, ahead_, contacts);
+         ++k) {
         if (!final_stage) join_contacts();
         copy_active<Motion>(before_solve_, motion);
         stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
@@ -115,26 +116,26 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     std::vector<WarmImpulse>& own = final_stage ? state_.warm_final : state_.warm_half;
     const std::vector<WarmImpulse>& other = final_stage ? state_.warm_half : state_.warm_final;
     auto& [velocities, targets, impulses, stored, solver] = static_;
-    velocities.load(&team_, model_, lists_.still_version, poses, motion);
+    velocities.load(&workers_.team, model_, pairs_.lists.still_version, poses, motion);
     velocities.set_rest_speeds(model_, options_.tuning);
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1
     // ended by its limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up
     // would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
-    set_targets(&team_, model_, contacts, velocities,
+    set_targets(&workers_.team, model_, contacts, velocities,
                 {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, options_.tuning}, targets);
     // Stage 3 carries half a step's gravity, stage 7 a whole one's: impulses taken over from the other stage are scaled
     // by that.
-    load_warm(&team_, targets.contacts, {own, other, final_stage ? 2.0 : 0.5}, impulses);
+    load_warm(&workers_.team, targets.contacts, {own, other, final_stage ? 2.0 : 0.5}, impulses);
     ContactSolveOptions options = solve_options(model_, options_);
-    options.team = &team_;
+    options.team = &workers_.team;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);
     const ContactSolveStats stats = solve_contacts(targets.contacts, velocities.bodies(), options, impulses, solver);
-    velocities.store(&team_, model_, motion);
+    velocities.store(&workers_.team, model_, motion);
     // The impulses of stage 7 in State are those of the contacts at its poses, whose features the next step may reuse.
     const std::span<const std::uint8_t> left_out =
         final_stage ? std::span<const std::uint8_t>(contacts.ahead) : std::span<const std::uint8_t>();
-    store_warm(&team_, {targets.contacts, impulses, left_out}, stored, own);
+    store_warm(&workers_.team, {targets.contacts, impulses, left_out}, stored, own);
     contact_visits_ += stats.visits;
     return stats;
 }

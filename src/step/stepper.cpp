@@ -42,14 +42,13 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
       substeps_(model.settings.substeps),
       time_step_(model.settings.time_step),
       options_(options),
-      team_(options.team),
+      workers_(options.team),
       state_(std::move(state)),
       scripts_(model_) {
-    for (int k = 0; k < team_.size(); ++k) workers_.push_back(std::make_unique<Worker>());
     state_.sleep.resize(model_.size());
     moved_.assign(model_.size(), state_.step == 0 ? 1 : 0);
     size_buffers();
-    team_.region([&] { prepare(); });
+    workers_.team.region([&] { prepare(); });
 }
 
 /// What is there for every body, and what depends on who is there.
@@ -69,18 +68,17 @@ void Stepper::size_buffers() {
 void Stepper::prepare() {
     forget_moved_distances();
     mark_asleep();
-    pairs_.clear();
+    pairs_.table.clear();
     trajectories_.resize(model_);
-    team_.for_each("place bodies", model_.size(), kBodyGrain,
-                   [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
+    workers_.team.for_each("place bodies", model_.size(), kBodyGrain,
+                           [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
     measure_strays();
-    StepData d = data();
-    if (state_.step > 0) find_sleeping_contacts(d);
-    find_contacts(d, state_.step, search_, contacts_);
+    if (state_.step > 0) find_sleeping_contacts();
+    find_contacts(view(), pairs_, workers_, {state_.step}, search_, contacts_);
     contacts_step_ = state_.step;
     if (!note_rest_distances()) return;
-    pairs_.clear(); // of other lengths
-    find_contacts(d, state_.step, search_, contacts_);
+    pairs_.table.clear(); // of other lengths
+    find_contacts(view(), pairs_, workers_, {state_.step}, search_, contacts_);
 }
 
 /// Pairs of bodies that were placed closer than their rest distance keep that distance as their rest distance
@@ -106,20 +104,25 @@ bool Stepper::note_rest_distances() {
 
 QueryCounters Stepper::query_counters() const {
     QueryCounters sum;
-    for (const auto& worker : workers_) sum += worker->ccd.counters;
+    for (const Worker& worker : workers_.each) sum += worker.ccd.counters;
     return sum;
 }
 
-StepData Stepper::data() {
+StepView Stepper::view() const {
     const Settings& s = model_.settings;
     const double approach =
         s.approach_threshold >= 0 ? s.approach_threshold : 0.5 * length(model_.gravity) * s.time_step;
     const double angle_cos = sin_cos(s.proximity_angle * std::numbers::pi / 180).cos;
-    const StepView view{model_,          state_,        trajectories_,
-                        clusters_,       lists_.bounds, s.time_step,
-                        angle_cos,       approach,      options_.keep_candidates,
-                        options_.savings};
-    return {view, {clusters_, trajectories_, s.time_step}, pairs_, broadphase_, lists_, team_, workers_};
+    return {model_,
+            state_,
+            trajectories_,
+            clusters_,
+            pairs_.lists.bounds,
+            s.time_step,
+            angle_cos,
+            approach,
+            options_.keep_candidates,
+            options_.savings};
 }
 
 StepReport Stepper::step(const std::function<bool(Phase)>& observer) {
@@ -153,7 +156,7 @@ void Stepper::undo_step() {
     activity_ = before_.activity;
     inner_ = before_.inner;
     moved_ = before_.moved;
-    team_.region([&] { prepare(); });
+    workers_.team.region([&] { prepare(); });
 }
 
 void Stepper::observe(Phase phase) const {
@@ -172,40 +175,40 @@ void Stepper::advance(StepReport& report) {
     auto& [end, collided, half, next] = buffers_;
     FailsafeStats failsafe;
     {
-        const RecordedSpan recorded("step", team_);
-        StepData d = begin_step(report.step);
-        collisions(d, collided, report); // 1) v^n becomes v^
+        const RecordedSpan recorded("step", workers_.team);
+        begin_step(report.step);
+        collisions(collided, report); // 1) v^n becomes v^
         observe(Phase::collisions);
-        half_velocities(collided, half, report);        // 2) v^{n+1/2} = v^ + dt/2 a
-        half_static_contact(d, collided, half, report); // 3) on v^{n+1/2}; its contacts are those of the last stage 7
+        half_velocities(collided, half, report);     // 2) v^{n+1/2} = v^ + dt/2 a
+        half_static_contact(collided, half, report); // 3) on v^{n+1/2}; its contacts are those of the last stage 7
         observe(Phase::half_static_contact);
-        failsafe = move_bodies(d, half, report); // 4) x^{n+1} from x^n and v^{n+1/2}; 5) free of intersections
+        failsafe = move_bodies(half, report); // 4) x^{n+1} from x^n and v^{n+1/2}; 5) free of intersections
         observe(Phase::failsafe);
-        certify_end(d, end, report);
+        certify_end(end, report);
         new_velocities(collided, end, next, report); // 6) v^{n+1} = v^ + dt a
-        final_static_contact(d, end, next, report);  // 7) on v^{n+1}, contacts at x^{n+1}
+        final_static_contact(end, next, report);     // 7) on v^{n+1}, contacts at x^{n+1}
         observe(Phase::static_contact);
     }
-    team_.dismiss();
+    workers_.team.dismiss();
     commit(next, end, failsafe);
     report.min_distance = contacts_.min_distance;
 }
 
-StepData Stepper::begin_step(std::int64_t step) {
-    pairs_.start_step(team_, step);
+void Stepper::begin_step(std::int64_t step) {
+    pairs_.table.start_step(workers_.team, step);
     place_still();
     for (const std::int32_t i : model_.active) first_version_[at(i)] = trajectories_.version(at(i));
-    for (const auto& worker : workers_) worker->pushed.clear();
-    return data();
+    for (Worker& worker : workers_.each) worker.pushed.clear();
 }
 
 /// Stage 1.
-void Stepper::collisions(StepData& d, std::span<Motion> collided, StepReport& report) {
-    const PhaseWatch watch(report, Phase::collisions, team_);
+void Stepper::collisions(std::span<Motion> collided, StepReport& report) {
+    const PhaseWatch watch(report, Phase::collisions, workers_.team);
     start_trajectories(state_.motion); // x^n -> x(v^n)
-    wake_disturbed(d);
+    wake_disturbed();
     const ContactSet& known = contacts_at_start();
-    const StageCounters c = handle_collisions(d, {known.contacts, known.rest}, collisions_);
+    const StageCounters c =
+        handle_collisions(view(), movers(), pairs_, workers_, {known.contacts, known.rest}, collisions_);
     add_counters(c, report);
     report.collisions = c.impulses;
     if (c.limit) report.warnings |= kCollisionLimit;
@@ -215,7 +218,7 @@ void Stepper::collisions(StepData& d, std::span<Motion> collided, StepReport& re
 
 /// Stage 2.
 void Stepper::half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report) {
-    const PhaseWatch watch(report, Phase::half_velocity, team_);
+    const PhaseWatch watch(report, Phase::half_velocity, workers_.team);
     set_half_velocities(collided, half);
 }
 
@@ -225,16 +228,16 @@ void Stepper::set_half_velocities(std::span<const Motion> collided, std::span<Mo
 }
 
 /// The end of stage 5: what is certified is committed.
-void Stepper::certify_end(StepData& d, std::span<Pose> end, StepReport& report) {
-    const PhaseWatch watch(report, Phase::certificate, team_);
-    certify(d);
+void Stepper::certify_end(std::span<Pose> end, StepReport& report) {
+    const PhaseWatch watch(report, Phase::certificate, workers_.team);
+    certify(view(), pairs_, workers_.team);
     for (const std::int32_t i : model_.active) end[at(i)] = trajectories_.end_pose(at(i));
 }
 
 /// Stage 6.
 void Stepper::new_velocities(std::span<const Motion> collided, std::span<const Pose> end, std::span<Motion> next,
                              StepReport& report) {
-    const PhaseWatch watch(report, Phase::velocity, team_);
+    const PhaseWatch watch(report, Phase::velocity, workers_.team);
     copy_active<Motion>(collided, next);
     accelerate(model_, model_.settings.time_step, next);
     if (has_scripts_)
@@ -248,8 +251,8 @@ void Stepper::new_velocities(std::span<const Motion> collided, std::span<const P
 /// What the stages read of bodies that stand still: once for as long as the same ones do. The stages themselves see
 /// active bodies only.
 void Stepper::place_still() {
-    if (placed_version_ == lists_.still_version) return;
-    placed_version_ = lists_.still_version;
+    if (placed_version_ == pairs_.lists.still_version) return;
+    placed_version_ = pairs_.lists.still_version;
     const std::size_t n = model_.size();
     auto& [end, collided, half, next] = buffers_;
     clusters_.resize(model_);
@@ -273,26 +276,27 @@ void Stepper::place_still() {
 
 void Stepper::start_trajectories(std::span<const Motion> motion) {
     const std::vector<std::int32_t>& active = model_.active;
-    team_.for_each("start clusters", active.size(), kBodyGrain,
-                   [&](std::size_t k, int) { clusters_.start(at(active[k]), trajectories_, motion[at(active[k])]); });
+    workers_.team.for_each("start clusters", active.size(), kBodyGrain, [&](std::size_t k, int) {
+        clusters_.start(at(active[k]), trajectories_, motion[at(active[k])]);
+    });
     if (has_scripts_) scripts_.move(model_, state_, trajectories_, clusters_);
-    team_.for_each("move bodies", active.size(), kBodyGrain, [&](std::size_t k, int) {
+    workers_.team.for_each("move bodies", active.size(), kBodyGrain, [&](std::size_t k, int) {
         if (model_.bodies[at(active[k])].movable())
             clusters_.evolve(active[k], model_.settings.time_step, trajectories_);
     });
 }
 
 /// Stages 4 and 5. What could not go as far as its half velocity says is tried again with half of it.
-FailsafeStats Stepper::move_bodies(StepData& d, std::span<Motion> half, StepReport& report) {
+FailsafeStats Stepper::move_bodies(std::span<Motion> half, StepReport& report) {
     slowed_.assign(model_.size(), 0);
     for (int halvings = 0;; ++halvings) {
-        candidate_end_states(half, report);                             // 4
-        const DynamicContactStats dynamic = dynamic_contact(d, report); // 5: dynamic contact
-        const PhaseWatch watch(report, Phase::failsafe, team_);
-        FailsafeStats failsafe = run_failsafe(d); // 5: the failsafe
+        candidate_end_states(half, report);                          // 4
+        const DynamicContactStats dynamic = dynamic_contact(report); // 5: dynamic contact
+        const PhaseWatch watch(report, Phase::failsafe, workers_.team);
+        FailsafeStats failsafe = run_failsafe(view(), movers(), pairs_, workers_); // 5: the failsafe
         add_counters(failsafe.counters, report);
         if (halvings < kMostHalvings && slow_down(half)) continue;
-        hold_overdrawn(d, failsafe);
+        hold_overdrawn(failsafe);
         record_failsafe(dynamic, failsafe, report);
         if (!failsafe.delayed_scripts.empty() && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
             throw BlockedScripts(failsafe.delayed_scripts);
@@ -302,13 +306,13 @@ FailsafeStats Stepper::move_bodies(StepData& d, std::span<Motion> half, StepRepo
 
 /// Stage 4, equations 3 and 4.
 void Stepper::candidate_end_states(std::span<const Motion> half, StepReport& report) {
-    const PhaseWatch watch(report, Phase::position, team_);
+    const PhaseWatch watch(report, Phase::position, workers_.team);
     start_trajectories(half);
 }
 
-DynamicContactStats Stepper::dynamic_contact(StepData& d, StepReport& report) {
-    const PhaseWatch watch(report, Phase::dynamic_contact, team_);
-    const DynamicContactStats stats = handle_dynamic_contact(d);
+DynamicContactStats Stepper::dynamic_contact(StepReport& report) {
+    const PhaseWatch watch(report, Phase::dynamic_contact, workers_.team);
+    const DynamicContactStats stats = handle_dynamic_contact(view(), movers(), pairs_, workers_);
     add_counters(stats.counters, report);
     return stats;
 }

@@ -130,7 +130,7 @@ class Stepper {
     /// Whether small bodies may look for contacts ahead (look_ahead.hpp), and whether scripts run.
     [[nodiscard]] bool looks_ahead() const { return looks_ahead_; }
     [[nodiscard]] bool has_scripts() const { return has_scripts_; }
-    [[nodiscard]] Team& team() { return team_; }
+    [[nodiscard]] Team& team() { return workers_.team; }
 
   private:
     void size_buffers();
@@ -141,17 +141,18 @@ class Stepper {
     void mark_changed(std::int32_t body);
     void wake_neighbours(std::int32_t body);
     void refresh_changed();
-    void search_changed(StepData& d);
+    void search_changed();
     void take_woken_contacts();
     void forget_pairs_of(std::int32_t body);
     void place_still();
-    void find_sleeping_contacts(StepData& d);
+    void find_sleeping_contacts();
     void measure_strays();
     void note_strays(std::int64_t step);
     void advance(StepReport& report);
     void make_inner_steps(StepReport& report);
-    StepData data();
-    void wake_disturbed(StepData& d);
+    [[nodiscard]] StepView view() const;
+    [[nodiscard]] Movers movers() { return {clusters_, trajectories_, model_.settings.time_step}; }
+    void wake_disturbed();
     void mark_asleep();
     void put_to_sleep();
     /// Whether neither body moves until something wakes it.
@@ -164,26 +165,26 @@ class Stepper {
     void copy_active(std::span<const T> from, std::span<T> to) const {
         for (const std::int32_t i : model_.active) to[static_cast<std::size_t>(i)] = from[static_cast<std::size_t>(i)];
     }
-    StepData begin_step(std::int64_t step);
+    void begin_step(std::int64_t step);
     /// Every body on its own, with the given motion, and evolved to its candidate end state: stage 1 begins so with
     /// v^n, stage 4 is this with v^{n+1/2}.
     void start_trajectories(std::span<const Motion> motion);
-    void collisions(StepData& d, std::span<Motion> collided, StepReport& report);
+    void collisions(std::span<Motion> collided, StepReport& report);
     void half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
     void set_half_velocities(std::span<const Motion> collided, std::span<Motion> half);
     ContactSet& contacts_at_start();
-    void half_static_contact(StepData& d, std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
-    FailsafeStats move_bodies(StepData& d, std::span<Motion> half, StepReport& report);
+    void half_static_contact(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
+    FailsafeStats move_bodies(std::span<Motion> half, StepReport& report);
     void candidate_end_states(std::span<const Motion> half, StepReport& report);
-    DynamicContactStats dynamic_contact(StepData& d, StepReport& report);
-    void certify_end(StepData& d, std::span<Pose> end, StepReport& report);
+    DynamicContactStats dynamic_contact(StepReport& report);
+    void certify_end(std::span<Pose> end, StepReport& report);
     void new_velocities(std::span<const Motion> collided, std::span<const Pose> end, std::span<Motion> next,
                         StepReport& report);
-    void final_static_contact(StepData& d, std::span<const Pose> end, std::span<Motion> next, StepReport& report);
-    void find_contacts_at_end(StepData& d, StepReport& report);
+    void final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report);
+    void find_contacts_at_end(StepReport& report);
     /// Stages 3 and 7 (`final_stage`).
-    void static_contact(StepData& d, ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
-                        bool final_stage, StepReport& report);
+    void static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
+                        StepReport& report);
     ContactSolveStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
                                         std::span<const Pose> poses, bool final_stage, const StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
@@ -197,7 +198,7 @@ class Stepper {
     bool mark_level(std::span<const Motion> half);
     std::span<const std::int32_t> overdrawn();
     bool slow_down(std::span<Motion> half);
-    void hold_overdrawn(StepData& d, FailsafeStats& failsafe);
+    void hold_overdrawn(FailsafeStats& failsafe);
     void join_pushed();
     void join_contacts();
     void settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report);
@@ -211,9 +212,7 @@ class Stepper {
     int substeps_;
     double time_step_; ///< s, of all inner steps together
     StepperOptions options_;
-    Team team_;
     Workers workers_;
-    ListBuffers lists_; ///< kept between steps
     State state_;
     struct Before {
         State state;
@@ -237,8 +236,8 @@ class Stepper {
     bool has_scripts_ = false;
     Trajectories trajectories_;
     Clusters clusters_;
-    PairTable pairs_;
     KeptPairs broadphase_;
+    PairBook pairs_{broadphase_}; ///< kept between steps
     /// What one step hands from stage to stage; kept, so that a steady scene allocates nothing.
     struct StepBuffers {
         std::vector<Pose> end;
