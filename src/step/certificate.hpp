@@ -16,6 +16,9 @@
 
 namespace flotilla {
 
+/// The ways, as above; none: neither body could move in the step, or what is known of it has lapsed.
+enum class ProofWay : std::uint8_t { none, boxes, query, cluster, still };
+
 /// Thrown where the end of a step could not be proved free of intersections: the first pair of bodies without a proof.
 struct CertificateError : std::exception {
     explicit CertificateError(const CandidatePair& bodies) : pair(bodies) {}

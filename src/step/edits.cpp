@@ -238,6 +238,7 @@ void Stepper::refresh() {
 
 /// What prepare() makes, where all is known but of some dynamic bodies, and of others that woke.
 void Stepper::refresh_changed() {
+    proved_step_ = -1;
     place_changed();
     forget_moved_distances();
     pairs_.table.forget(changed_);

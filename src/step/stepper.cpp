@@ -66,6 +66,7 @@ void Stepper::size_buffers() {
 
 /// Everything that follows from the state.
 void Stepper::prepare() {
+    proved_step_ = -1;
     forget_moved_distances();
     mark_asleep();
     pairs_.table.clear();
@@ -359,7 +360,7 @@ void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, 
         state_.motion[at(i)] = motion[at(i)];
         state_.pose[at(i)] = end[at(i)];
     }
-    ++state_.step;
+    proved_step_ = ++state_.step;
     state_.time = static_cast<double>(state_.step) * model_.settings.time_step;
     trajectories_.advance(model_.active);
     if (looks_ahead_)

@@ -130,6 +130,9 @@ class Stepper {
     /// Whether small bodies may look for contacts ahead (look_ahead.hpp), and whether scripts run.
     [[nodiscard]] bool looks_ahead() const { return looks_ahead_; }
     [[nodiscard]] bool has_scripts() const { return has_scripts_; }
+    /// How the last inner step proved two bodies apart. Known until something is edited; a pure function of what the
+    /// step left, so that it costs nothing where nobody asks.
+    [[nodiscard]] ProofWay proved_by(std::int32_t a, std::int32_t b) const;
     [[nodiscard]] Team& team() { return workers_.team; }
 
   private:
@@ -287,6 +290,7 @@ class Stepper {
     std::vector<std::uint8_t> failsafe_bodies_; ///< those that a failsafe event of the step touched, as flags
     std::vector<std::uint8_t> disturbed_;       ///< bodies that may not fall asleep
     std::vector<std::uint64_t> first_version_;  ///< of the bodies' end states in this step
+    std::int64_t proved_step_ = -1;             ///< the step of which proved_by() knows; -1: of none
     std::vector<BodyActivity> activity_;
 };
 
