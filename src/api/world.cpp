@@ -213,6 +213,10 @@ const TriangleMesh& WorldAccess::mesh(const World& world, std::size_t place) {
     return world.impl_->stepper->model().shape_of(place).mesh;
 }
 
+ProofWay WorldAccess::proved_by(const World& world, std::size_t a, std::size_t b) {
+    return world.impl_->stepper->proved_by(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b));
+}
+
 World::World(const SceneDescription& scene, const std::string& source, const WorldOptions& options)
     : impl_(in_own_environment([&] { return std::make_unique<Impl>(CheckedStart(scene, source), options); })) {}
 World::World(const SceneDescription& scene, std::span<const std::byte> snapshot, const std::string& source,

@@ -6,6 +6,7 @@
 
 #include "mesh/triangle_mesh.hpp"
 #include "parallel/team.hpp"
+#include "step/certificate.hpp"
 
 namespace flotilla {
 
@@ -14,6 +15,8 @@ struct WorldAccess {
     [[nodiscard]] static Team& team(World& world);
     /// Of the body at a place, in the mesh's own coordinates; valid until the next edit.
     [[nodiscard]] static const TriangleMesh& mesh(const World& world, std::size_t place);
+    /// How the last step proved the bodies at two places apart.
+    [[nodiscard]] static ProofWay proved_by(const World& world, std::size_t a, std::size_t b);
 };
 
 } // namespace flotilla

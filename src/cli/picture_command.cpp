@@ -16,6 +16,8 @@
 #include <flotilla/step_picture.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/enum_option.hpp"
+#include "cli/progress.hpp"
 #include "cli/value_checks.hpp"
 
 namespace flotilla::cli {
@@ -25,6 +27,8 @@ struct PictureArguments {
     std::string source, output;
     std::optional<std::int64_t> frame, step;
     PictureOptions options;
+    StepPictureOptions step_options;
+    bool quiet = false;
 };
 
 bool names_png(const std::filesystem::path& file) {
@@ -34,12 +38,30 @@ bool names_png(const std::filesystem::path& file) {
     return extension == ".png";
 }
 
-void print(const std::string& output, const StepPictureReport& r) {
+/// What is seen, and what the colours of lines tell.
+void print(const std::string& output, const StepPictureReport& r, PairLines lines) {
     std::cerr << output << ": step " << r.step << ", t = " << r.time << " s, " << r.bodies << " bodies\n"
-              << r.contacts << " contact points, largest impulse " << r.largest_impulse
-              << " N s; pairs: " << r.loaded_pairs << " with an impulse (red), " << r.touching_pairs
+              << r.contacts << " contact points, largest impulse " << r.largest_impulse << " N s; ";
+    if (lines == PairLines::proofs) {
+        std::cerr << "pairs proved apart: " << r.proved_by_query << " by a query (blue), " << r.proved_by_boxes
+                  << " by boxes of their ways (green), " << r.proved_by_cluster << " as members of a cluster (red), "
+                  << r.proved_by_rest << " where they stood before (violet); " << r.not_proved
+                  << " not to be proved (grey)\n";
+        return;
+    }
+    std::cerr << "pairs: " << r.loaded_pairs << " with an impulse (red), " << r.touching_pairs
               << " with contacts alone (orange), " << r.sleeping_pairs << " asleep (violet), " << r.near_pairs
               << " with boxes that meet (blue)\n";
+}
+
+StepPictureReport draw_step(const PictureArguments& arguments) {
+    std::optional<Progress> shown; // of the steps to be made: known with the first
+    StepPictureOptions options = arguments.step_options;
+    options.progress = [&](std::int64_t done, std::int64_t total) {
+        if (!shown) shown.emplace("step", total, arguments.quiet);
+        shown->update(done, "to make step " + std::to_string(*arguments.step) + " again");
+    };
+    return write_step_picture(arguments.source, *arguments.step, arguments.output, arguments.options, options);
 }
 
 int run_picture(const PictureArguments& arguments) {
@@ -47,8 +69,7 @@ int run_picture(const PictureArguments& arguments) {
         throw InputError("picture: --output " + arguments.output +
                          ": pictures are PNG; give a name that ends with .png");
     if (arguments.step) {
-        print(arguments.output,
-              write_step_picture(arguments.source, *arguments.step, arguments.output, arguments.options));
+        print(arguments.output, draw_step(arguments), arguments.step_options.lines);
         return kOk;
     }
     const PictureReport r = write_picture(arguments.source, arguments.output, arguments.options, arguments.frame);
@@ -69,14 +90,21 @@ void register_picture(CLI::App& app, Action& action) {
     auto* const camera_frame =
         command->add_option("--camera-frame", options.camera_frame,
                             "Frame that the camera is fitted to, for films (default: the one shown)");
-    command
-        ->add_option(
-            "--step", arguments->step,
-            "Contacts and pairs of bodies after this step, which is made again: of a scene file from its start, "
-            "of a run folder from its last checkpoint where that is not later")
-        ->check(kCount)
-        ->excludes(frame)
-        ->excludes(camera_frame);
+    auto* const step =
+        command
+            ->add_option(
+                "--step", arguments->step,
+                "Contacts and pairs of bodies after this step, which is made again: of a scene file from its start, "
+                "of a run folder from its last checkpoint where that is not later")
+            ->check(kCount)
+            ->excludes(frame)
+            ->excludes(camera_frame);
+    add_enum_option<PairLines>(
+        *command, "--lines", arguments->step_options.lines,
+        {{"contacts", PairLines::contacts}, {"proofs", PairLines::proofs}},
+        "What the lines of --step tell of pairs of bodies: contacts, or how they were proved apart")
+        ->needs(step);
+    command->add_flag("--quiet", arguments->quiet, "No progress of --step; what the picture shows is printed");
     const auto add = [command](const char* name, auto& value, const char* text) {
         command->add_option(name, value, text)->capture_default_str();
     };

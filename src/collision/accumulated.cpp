@@ -33,21 +33,22 @@ bool by_bodies(const KeptHit& x, const KeptHit& y) { return std::tuple(x.a, x.b)
 
 class Accumulation {
   public:
-    Accumulation(StepData& data, const KnownContacts& known, HitLists& lists)
-        : data_(data), known_(known), lists_(lists) {}
+    Accumulation(const StepView& view, Movers movers, PairBook& book, Workers& workers, const KnownContacts& known,
+                 HitLists& lists)
+        : view_(view), movers_(movers), book_(book), workers_(workers), known_(known), lists_(lists) {}
 
     StageCounters run() {
         lists_.hits.clear();
-        for (int rounds = data_.model.settings.collision_iterations;; --rounds) {
+        for (int rounds = view_.model.settings.collision_iterations;; --rounds) {
             counters_.limit = rounds <= 0 || progress_.stalled();
             if (counters_.limit) break;
             look();
             if (lists_.found.empty()) break;
             keep();
-            take_largest_push(data_.workers); // of other stages
+            take_largest_push(workers_); // of other stages
             solve();
             progress_.add(num_pairs(lists_.found, bodies_of_found), num_pairs(lists_.hits, bodies_of_hit),
-                          take_largest_push(data_.workers));
+                          take_largest_push(workers_));
             if (!move()) break;
         }
         return counters_;
@@ -56,21 +57,21 @@ class Accumulation {
   private:
     /// Fills lists_.found.
     void look() {
-        const std::span<const ListedPair> list = freeze(data_, ListReach::proximity).pairs;
+        const std::span<const ListedPair> list = freeze(view_, book_, workers_.team, ListReach::proximity).pairs;
         lists_.found.clear();
-        for (const auto& worker : data_.workers) worker->found.clear();
-        data_.team.for_each("look for hits", list.size(), kPairGrain, [&](std::size_t i, int thread) {
+        for (Worker& worker : workers_.each) worker.found.clear();
+        workers_.team.for_each("look for hits", list.size(), kPairGrain, [&](std::size_t i, int thread) {
             if (i + 1 < list.size()) fetch_record(*list[i + 1].record);
             PairRecord& record = *list[i].record;
-            if (verdict(data_.trajectories, record) != Verdict::open) return;
-            Worker& worker = data_.worker(thread);
+            if (verdict(view_.trajectories, record) != Verdict::open) return;
+            Worker& worker = workers_[thread];
             ++worker.counters.pairs;
-            if (!find_hits(data_, worker, record)) return;
+            if (!find_hits(view_, worker, record)) return;
             for (const ContactPoint& point : worker.hits) worker.found.push_back({list[i].record, point});
         });
-        collect(data_.workers, counters_);
-        for (const auto& worker : data_.workers)
-            lists_.found.insert(lists_.found.end(), worker->found.begin(), worker->found.end());
+        collect(workers_, counters_);
+        for (const Worker& worker : workers_.each)
+            lists_.found.insert(lists_.found.end(), worker.found.begin(), worker.found.end());
         std::stable_sort(lists_.found.begin(), lists_.found.end(), [](const FoundHit& x, const FoundHit& y) {
             return std::tuple(x.record->a, x.record->b) < std::tuple(y.record->a, y.record->b);
         });
@@ -91,8 +92,8 @@ class Accumulation {
             const auto same = std::find_if(begin, end, [&](const KeptHit& h) { return is_same(h, f); });
             KeptHit& to = same != end ? *same : hits.emplace_back(hit);
             to.point = f.point;
-            to.restitution = pair_restitution(data_.model, hit.a, hit.b);
-            to.least = least_approach(data_, hit.a, hit.b, f.record->lengths.rest);
+            to.restitution = pair_restitution(view_.model, hit.a, hit.b);
+            to.least = least_approach(view_, hit.a, hit.b, f.record->lengths.rest);
             to.fresh = true;
         }
         std::stable_sort(hits.begin(), hits.end(), by_bodies);
@@ -101,7 +102,7 @@ class Accumulation {
     [[nodiscard]] bool is_same(const KeptHit& hit, const FoundHit& found) const {
         const double reach = found.record->lengths.rest;
         return length_sq(hit.point.arm_b - found.point.arm_b) <= reach * reach &&
-               dot(hit.point.normal, found.point.normal) >= data_.angle_cos;
+               dot(hit.point.normal, found.point.normal) >= view_.angle_cos;
     }
 
     /// Contacts at x^n wait to be hits.
@@ -112,14 +113,14 @@ class Accumulation {
             hit.a = c.a;
             hit.b = c.b;
             hit.point = {c.normal,
-                         c.point - data_.trajectories.start_pose(at(c.a)).com,
-                         c.point - data_.trajectories.start_pose(at(c.b)).com,
+                         c.point - view_.trajectories.start_pose(at(c.a)).com,
+                         c.point - view_.trajectories.start_pose(at(c.b)).com,
                          {},
                          c.friction};
-            hit.restitution = pair_restitution(data_.model, c.a, c.b);
-            hit.least = least_approach(data_, c.a, c.b, known_.rest[k]);
+            hit.restitution = pair_restitution(view_.model, c.a, c.b);
+            hit.least = least_approach(view_, c.a, c.b, known_.rest[k]);
             hit.gap = std::max(0.0, c.distance - known_.rest[k]);
-            hit.room = hit.gap / data_.dt;
+            hit.room = hit.gap / view_.dt;
             lists_.hits.push_back(hit);
         }
     }
@@ -129,25 +130,25 @@ class Accumulation {
         load_bodies();
         gather_islands();
         const std::size_t islands = lists_.begin.size() - 1;
-        data_.team.for_each("solve hits", islands, 1, [&](std::size_t i, int thread) {
+        workers_.team.for_each("solve hits", islands, 1, [&](std::size_t i, int thread) {
             const auto first = static_cast<std::size_t>(lists_.begin[i]),
                        last = static_cast<std::size_t>(lists_.begin[i + 1]);
             const auto island = std::span<const std::int32_t>(lists_.places).subspan(first, last - first);
-            Worker& worker = data_.worker(thread);
+            Worker& worker = workers_[thread];
             const Stopwatch watch(worker.counters.response_ms);
             solve_hits(lists_.hits, island, lists_.bodies);
             for (const std::int32_t k : island) {
                 const KeptHit& hit = lists_.hits[at(k)];
                 if (hit.change != Vec3{})
-                    apply_impulse(data_.movers.clusters, worker, hit.a, hit.b, hit.point, hit.change);
+                    apply_impulse(movers_.clusters(), worker, hit.a, hit.b, hit.point, hit.change);
             }
         });
-        collect(data_.workers, counters_);
+        collect(workers_, counters_);
     }
 
     void load_bodies() {
         HitBodies& bodies = lists_.bodies;
-        const std::size_t n = data_.model.size();
+        const std::size_t n = view_.model.size();
         bodies.body.resize(n);
         bodies.before.resize(n);
         bodies.owner.resize(n);
@@ -156,9 +157,9 @@ class Accumulation {
         lists_.used.assign(n, 0);
         lists_.movable.resize(n);
         for (const KeptHit& hit : lists_.hits) lists_.used[at(hit.a)] = lists_.used[at(hit.b)] = 1;
-        data_.team.for_each("bodies of hits", n, kBodyGrain, [&](std::size_t i, int) {
+        workers_.team.for_each("bodies of hits", n, kBodyGrain, [&](std::size_t i, int) {
             if (lists_.used[i] == 0) return;
-            bodies.body[i] = data_.clusters.impulsive(static_cast<std::int32_t>(i));
+            bodies.body[i] = view_.clusters.impulsive(static_cast<std::int32_t>(i));
             lists_.movable[i] = bodies.body[i].inverse_mass > 0 ? 1 : 0;
         });
     }
@@ -192,18 +193,21 @@ class Accumulation {
             if (std::exchange(last, &r) == &r) continue;
             if (lists_.used[at(r.a)] != 0 && lists_.movable[at(r.a)] != 0) continue;
             if (lists_.used[at(r.b)] != 0 && lists_.movable[at(r.b)] != 0) continue;
-            commit(data_.trajectories, r, Verdict::settled);
+            commit(view_.trajectories, r, Verdict::settled);
             ++counters_.settled;
         }
         lists_.moved.clear();
         for (std::size_t i = 0; i < lists_.used.size(); ++i)
             if (lists_.used[i] != 0 && lists_.movable[i] != 0) lists_.moved.push_back(static_cast<std::int32_t>(i));
-        data_.team.for_each("move bodies", lists_.moved.size(), kBodyGrain,
-                            [&](std::size_t k, int) { data_.movers.evolve(lists_.moved[k]); });
+        workers_.team.for_each("move bodies", lists_.moved.size(), kBodyGrain,
+                               [&](std::size_t k, int) { movers_.evolve(lists_.moved[k]); });
         return !lists_.moved.empty();
     }
 
-    StepData& data_;
+    const StepView& view_;
+    Movers movers_;
+    PairBook& book_;
+    Workers& workers_;
     const KnownContacts& known_;
     HitLists& lists_;
     StageCounters counters_;
@@ -212,8 +216,9 @@ class Accumulation {
 
 } // namespace
 
-StageCounters accumulate_collisions(StepData& data, const KnownContacts& known, HitLists& lists) {
-    return Accumulation(data, known, lists).run();
+StageCounters accumulate_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
+                                    const KnownContacts& known, HitLists& lists) {
+    return Accumulation(view, movers, book, workers, known, lists).run();
 }
 
 } // namespace flotilla

@@ -11,7 +11,8 @@
 #include <span>
 
 #include "islands/contact_graph.hpp"
-#include "pair/step_data.hpp"
+#include "pair/impulses.hpp"
+#include "pair/pair_lists.hpp"
 #include "response/kept_hits.hpp"
 #include "state/contact.hpp"
 
@@ -38,6 +39,7 @@ struct HitLists {
     ContactGraphScratch graph;
 };
 
-StageCounters accumulate_collisions(StepData& data, const KnownContacts& known, HitLists& lists);
+StageCounters accumulate_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
+                                    const KnownContacts& known, HitLists& lists);
 
 } // namespace flotilla

@@ -33,7 +33,7 @@ std::optional<Vec3> elastic_impulse(const StepView& view, const CandidatePair& p
 void push_all(Movers& movers, Worker& worker, const CandidatePair& pair) {
     const Stopwatch watch(worker.counters.response_ms);
     for (const PairManifold::Change& c : worker.changes)
-        apply_impulse(movers.clusters, worker, pair.a, pair.b, c.point, c.impulse);
+        apply_impulse(movers.clusters(), worker, pair.a, pair.b, c.point, c.impulse);
     movers.evolve(pair.a);
     movers.evolve(pair.b);
 }
@@ -78,7 +78,9 @@ bool collide(const StepView& view, Movers& movers, Worker& worker, const ListedP
 /// `collisions: sequential`.
 class SequentialCollisions {
   public:
-    SequentialCollisions(StepData& data, CollisionScratch& scratch) : data_(data), scratch_(scratch) {}
+    SequentialCollisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
+                         CollisionScratch& scratch)
+        : view_(view), movers_(movers), book_(book), workers_(workers), scratch_(scratch) {}
 
     /// Algorithm 1: for all pairs that may collide or come near each other, resolve their hits; again, until none hits.
     /// Between two rounds over all pairs, those that had an impulse are resolved several times over: most further hits
@@ -106,15 +108,16 @@ class SequentialCollisions {
 
   private:
     [[nodiscard]] int sweeps_left() const {
-        return data_.model.settings.collision_iterations - static_cast<int>(counters_.sweeps);
+        return view_.model.settings.collision_iterations - static_cast<int>(counters_.sweeps);
     }
 
     /// All pairs that are not proved apart; those in which nothing calls for an impulse are closed where that is cheap
     /// to see.
     FrozenList pairs_to_resolve() {
-        FrozenList list = freeze(data_, ListReach::proximity);
-        if (data_.savings.calm_pairs)
-            close_early(data_, list, [&](PairRecord& pair, Worker& worker) { return close_calm(data_, worker, pair); });
+        FrozenList list = freeze(view_, book_, workers_.team, ListReach::proximity);
+        if (view_.savings.calm_pairs)
+            close_early(view_, workers_, list,
+                        [&](PairRecord& pair, Worker& worker) { return close_calm(view_, worker, pair); });
         counters_.pairs += static_cast<std::int64_t>(list.num_closed());
         return list;
     }
@@ -124,25 +127,27 @@ class SequentialCollisions {
     /// hard.
     std::size_t resolve(std::span<const ListedPair> list, int rounds) {
         const auto count = at(rounds);
-        for (const auto& worker : data_.workers) {
-            worker->work.assign(count, 0);
-            worker->hitting.assign(count, 0);
-            worker->hardest.assign(count, 0);
+        for (Worker& worker : workers_.each) {
+            worker.work.assign(count, 0);
+            worker.hitting.assign(count, 0);
+            worker.hardest.assign(count, 0);
         }
         const auto pair_of = [&](std::size_t i) { return list[i].pair; };
-        const SweepPlan plan{sweep_order(data_, list.size(), pair_of), counters_.sweeps % 2 != 0, rounds};
+        const SweepPlan plan{sweep_order(view_, book_, workers_.team, list.size(), pair_of), counters_.sweeps % 2 != 0,
+                             rounds};
         run_sweep(
-            data_, "collide", plan,
-            [&](std::size_t i) { return verdict(data_.trajectories, *list[i].record) != Verdict::open; },
-            [&](std::size_t i) { fetch_record(*list[i].record); },
-            [&](std::size_t i, int round, Worker& worker) {
-                const std::size_t r = at(round);
-                take_largest_push(worker); // of operations before
-                if (collide(data_, data_.movers, worker, list[i])) ++worker.hitting[r];
-                worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));
-                ++worker.work[r];
-            });
-        collect(data_.workers, counters_);
+            workers_, book_.lists.sweep, plan,
+            SweepOperation{"collide",
+                           [&](std::size_t i) { return verdict(view_.trajectories, *list[i].record) != Verdict::open; },
+                           [&](std::size_t i) { fetch_record(*list[i].record); },
+                           [&](std::size_t i, int round, Worker& worker) {
+                               const std::size_t r = at(round);
+                               take_largest_push(worker); // of operations before
+                               if (collide(view_, movers_, worker, list[i])) ++worker.hitting[r];
+                               worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));
+                               ++worker.work[r];
+                           }});
+        collect(workers_, counters_);
         count_hitting(count);
         counters_.sweeps += std::ssize(scratch_.hitting);
         return scratch_.hitting.size();
@@ -152,13 +157,13 @@ class SequentialCollisions {
         scratch_.hitting.clear();
         scratch_.hardest.clear();
         for (std::size_t r = 0; r < rounds; ++r) {
-            const auto worked = [&](const auto& worker) { return worker->work[r] > 0; };
-            if (std::none_of(data_.workers.begin(), data_.workers.end(), worked)) continue;
+            const auto worked = [&](const Worker& worker) { return worker.work[r] > 0; };
+            if (std::none_of(workers_.each.begin(), workers_.each.end(), worked)) continue;
             std::size_t& hitting = scratch_.hitting.emplace_back(0);
             double& hardest = scratch_.hardest.emplace_back(0);
-            for (const auto& worker : data_.workers) {
-                hitting += worker->hitting[r];
-                hardest = std::max(hardest, worker->hardest[r]);
+            for (const Worker& worker : workers_.each) {
+                hitting += worker.hitting[r];
+                hardest = std::max(hardest, worker.hardest[r]);
             }
         }
     }
@@ -170,8 +175,8 @@ class SequentialCollisions {
         const std::size_t before = active.size();
         const auto kept = [&](std::size_t i) { return list[i].record->active; };
         const auto item = [&](std::size_t i) { return list[i]; };
-        compact_if({&data_.team, "active pairs", kGrain, data_.lists.chunk_places}, list.size(), kept, active, before,
-                   item);
+        compact_if({&workers_.team, "active pairs", kGrain, book_.lists.chunk_places}, list.size(), kept, active,
+                   before, item);
         std::inplace_merge(active.begin(), active.begin() + static_cast<std::ptrdiff_t>(before), active.end());
         active.erase(std::unique(active.begin(), active.end()), active.end());
     }
@@ -181,7 +186,10 @@ class SequentialCollisions {
             progress_.add(scratch_.hitting[r], scratch_.active.size(), scratch_.hardest[r]);
     }
 
-    StepData& data_;
+    const StepView& view_;
+    Movers movers_;
+    PairBook& book_;
+    Workers& workers_;
     CollisionScratch& scratch_;
     StageCounters counters_;
     Progress progress_;
@@ -189,10 +197,11 @@ class SequentialCollisions {
 
 } // namespace
 
-StageCounters handle_collisions(StepData& data, const KnownContacts& known, CollisionScratch& scratch) {
-    if (data.model.settings.collisions == Collisions::accumulated)
-        return accumulate_collisions(data, known, scratch.hits);
-    return SequentialCollisions(data, scratch).run();
+StageCounters handle_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
+                                const KnownContacts& known, CollisionScratch& scratch) {
+    if (view.model.settings.collisions == Collisions::accumulated)
+        return accumulate_collisions(view, movers, book, workers, known, scratch.hits);
+    return SequentialCollisions(view, movers, book, workers, scratch).run();
 }
 
 } // namespace flotilla

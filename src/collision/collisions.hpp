@@ -20,6 +20,7 @@ struct CollisionScratch {
 };
 
 /// `known` is for `collisions: accumulated`.
-StageCounters handle_collisions(StepData& data, const KnownContacts& known, CollisionScratch& scratch);
+StageCounters handle_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
+                                const KnownContacts& known, CollisionScratch& scratch);
 
 } // namespace flotilla

@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "pair/examine.hpp"
-#include "pair/step_data.hpp"
+#include "pair/pair_table.hpp"
+#include "pair/step_view.hpp"
+#include "pair/worker.hpp"
 
 namespace flotilla {
 

@@ -37,21 +37,27 @@ class Patience {
 /// Algorithm 2.
 class DynamicContact {
   public:
-    explicit DynamicContact(StepData& data) : data_(data), patience_(data.model.settings.dynamic_iterations) {}
+    DynamicContact(const StepView& view, Movers movers, PairBook& book, Workers& workers)
+        : view_(view),
+          movers_(movers),
+          book_(book),
+          workers_(workers),
+          patience_(view.model.settings.dynamic_iterations) {}
 
     /// For all pairs of clusters that are not proved apart, resolve their hits; rigidify what did not resolve; again,
     /// until every pair is proved apart.
     DynamicContactStats run() {
         for (int sweep = 0;; ++sweep) {
-            FrozenList frozen = freeze_clusters(data_, clusters_);
+            FrozenList frozen = freeze_clusters(view_, book_, workers_.team, clusters_);
             if (clusters_.empty()) return stats_;
             stats_.counters.limit = !patience_.allows(sweep, clusters_.size()) || progress_.stalled();
             if (stats_.counters.limit) return stats_;
             if (alone()) close_apart(frozen);
             stats_.counters.pairs += static_cast<std::int64_t>(frozen.num_closed());
             if (frozen.num_open == 0) return stats_;
-            const SweepPlan plan{sweep_order(data_, clusters_.size(), [&](std::size_t i) { return clusters_[i]; }),
-                                 sweep % 2 != 0};
+            const SweepPlan plan{
+                sweep_order(view_, book_, workers_.team, clusters_.size(), [&](std::size_t i) { return clusters_[i]; }),
+                sweep % 2 != 0};
             resolve(plan, frozen);
             rigidify(plan);
             ++stats_.counters.sweeps;
@@ -64,29 +70,32 @@ class DynamicContact {
 
     /// Runs the queries of few open pairs side by side.
     void close_apart(FrozenList& frozen) {
-        close_early(data_, frozen, [&](PairRecord& pair, Worker& worker) { return !query(data_, worker, pair).hit; });
+        close_early(view_, workers_, frozen,
+                    [&](PairRecord& pair, Worker& worker) { return !query(view_, worker, pair).hit; });
     }
 
     /// Fills resolutions_, by pair of clusters.
     void resolve(const SweepPlan& plan, const FrozenList& frozen) {
         const bool single = alone();
-        const int iterations = data_.model.settings.dynamic_pair_iterations;
-        take_largest_push(data_.workers); // of other stages
+        const int iterations = view_.model.settings.dynamic_pair_iterations;
+        take_largest_push(workers_); // of other stages
         resolutions_.assign(clusters_.size(), {.resolved = true});
         run_sweep(
-            data_, "dynamic contact", plan,
-            [&](std::size_t i) { return single && apart(data_.trajectories, *frozen.pairs[i].record); },
-            [&](std::size_t i) {
-                if (single) fetch_record(*frozen.pairs[i].record);
-            },
-            [&](std::size_t i, int, Worker& worker) {
-                ++worker.counters.pairs;
-                resolutions_[i] = resolve_inelastic(data_, data_.movers, data_.pairs, worker, clusters_[i], iterations);
-            });
-        collect(data_.workers, stats_.counters);
+            workers_, book_.lists.sweep, plan,
+            SweepOperation{"dynamic contact",
+                           [&](std::size_t i) { return single && apart(view_.trajectories, *frozen.pairs[i].record); },
+                           [&](std::size_t i) {
+                               if (single) fetch_record(*frozen.pairs[i].record);
+                           },
+                           [&](std::size_t i, int, Worker& worker) {
+                               ++worker.counters.pairs;
+                               resolutions_[i] =
+                                   resolve_inelastic(view_, movers_, book_.table, worker, clusters_[i], iterations);
+                           }});
+        collect(workers_, stats_.counters);
         const auto hits =
             std::count_if(resolutions_.begin(), resolutions_.end(), [](const Resolution& r) { return r.found; });
-        progress_.add(static_cast<std::size_t>(hits), clusters_.size(), take_largest_push(data_.workers));
+        progress_.add(static_cast<std::size_t>(hits), clusters_.size(), take_largest_push(workers_));
     }
 
     /// Makes one rigid cluster of each two that did not resolve, in the order of the sweep; of those that meet a
@@ -99,14 +108,17 @@ class DynamicContact {
     }
 
     void merge(const CandidatePair& pair, const Resolution& failed) {
-        Clusters& clusters = data_.movers.clusters;
+        Clusters& clusters = movers_.clusters();
         if (clusters[pair.a].members.empty() || clusters[pair.b].members.empty()) return;
         if (clusters[pair.a].infinite() || clusters[pair.b].infinite()) return;
         if (stats_.merges++ == 0) stats_.trigger_a = failed.first_a, stats_.trigger_b = failed.first_b;
-        data_.movers.evolve(clusters.merge(pair.a, pair.b, true, data_.dt, data_.trajectories));
+        movers_.evolve(clusters.merge(pair.a, pair.b, true, view_.dt, view_.trajectories));
     }
 
-    StepData& data_;
+    const StepView& view_;
+    Movers movers_;
+    PairBook& book_;
+    Workers& workers_;
     DynamicContactStats stats_;
     std::vector<CandidatePair> clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
@@ -118,6 +130,8 @@ class DynamicContact {
 
 } // namespace
 
-DynamicContactStats handle_dynamic_contact(StepData& data) { return DynamicContact(data).run(); }
+DynamicContactStats handle_dynamic_contact(const StepView& view, Movers movers, PairBook& book, Workers& workers) {
+    return DynamicContact(view, movers, book, workers).run();
+}
 
 } // namespace flotilla

@@ -13,6 +13,6 @@ struct DynamicContactStats {
     std::int32_t trigger_a = -1, trigger_b = -1; ///< bodies of the first pair that was rigidified
 };
 
-DynamicContactStats handle_dynamic_contact(StepData& data);
+DynamicContactStats handle_dynamic_contact(const StepView& view, Movers movers, PairBook& book, Workers& workers);
 
 } // namespace flotilla

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/index.hpp"
+#include "pair/pair_distance.hpp"
 
 namespace flotilla {
 namespace {
@@ -18,20 +19,21 @@ struct Request {
 
 class Failsafe {
   public:
-    explicit Failsafe(StepData& data) : data_(data) {}
+    Failsafe(const StepView& view, Movers movers, PairBook& book, Workers& workers)
+        : view_(view), movers_(movers), book_(book), workers_(workers) {}
 
     FailsafeStats run() {
         while (true) {
             check_moved_clusters();
-            freeze_clusters(data_, list_);
+            freeze_clusters(view_, book_, workers_.team, list_);
             if (list_.empty()) break;
             requests_.clear();
-            taken_.assign(data_.model.size(), 0);
+            taken_.assign(view_.model.size(), 0);
             for (const CandidatePair& pair : list_) operate(pair);
             for (const Request& r : requests_) apply(r);
             ++stats_.counters.sweeps;
         }
-        collect(data_.workers, stats_.counters);
+        collect(workers_, stats_.counters);
         std::sort(stats_.delayed_scripts.begin(), stats_.delayed_scripts.end());
         return std::move(stats_);
     }
@@ -41,7 +43,7 @@ class Failsafe {
     /// for those that are nearer than rounding can tell; without it a kinematic one becomes rigid and a rigid one is
     /// held (step/certificate.hpp).
     void check_moved_clusters() {
-        for (const std::int32_t c : data_.model.active) {
+        for (const std::int32_t c : view_.model.active) {
             Cluster& cluster = clusters()[c];
             while (cluster.members.size() > 1 && cluster.rung != Rung::held && !members_apart(c)) go_down(c);
             if (!cluster.members.empty()) cluster.internal_proved = true;
@@ -49,8 +51,8 @@ class Failsafe {
     }
 
     bool members_apart(std::int32_t c) {
-        const auto& members = data_.clusters[c].members;
-        const bool kept_apart = data_.clusters[c].internal_proved;
+        const auto& members = view_.clusters[c].members;
+        const bool kept_apart = view_.clusters[c].internal_proved;
         for (std::size_t i = 0; i < members.size(); ++i)
             for (std::size_t j = i + 1; j < members.size(); ++j)
                 if (!(kept_apart && far_enough(members[i], members[j])) && !proved_apart(members[i], members[j]))
@@ -59,40 +61,40 @@ class Failsafe {
     }
 
     bool proved_apart(std::int32_t a, std::int32_t b) {
-        PairRecord& record = data_.pairs.get(data_.model, data_.state, a, b);
-        return apart(data_.trajectories, record) ||
-               !boxes_overlap(data_.trajectories.motion(at(a)).swept(), data_.trajectories.motion(at(b)).swept(),
+        PairRecord& record = book_.table.get(view_.model, view_.state, a, b);
+        return apart(view_.trajectories, record) ||
+               !boxes_overlap(view_.trajectories.motion(at(a)).swept(), view_.trajectories.motion(at(b)).swept(),
                               record.lengths.separation) ||
-               !query(data_, data_.worker(0), record).hit;
+               !query(view_, workers_[0], record).hit;
     }
 
     /// Whether a common motion that halves the distance of two bodies at most keeps it above the rounding of their
     /// coordinates.
     bool far_enough(std::int32_t a, std::int32_t b) {
         constexpr double kShrinks = 2;
-        const BodyMotion x = data_.trajectories.motion(at(a)), y = data_.trajectories.motion(at(b));
+        const BodyMotion x = view_.trajectories.motion(at(a)), y = view_.trajectories.motion(at(b));
         const double least = kShrinks * ccd_floor(std::max(x.max_abs(), y.max_abs()));
         if (!boxes_overlap(*x.at0.box, *y.at0.box, least)) return true;
-        PairRecord& record = data_.pairs.get(data_.model, data_.state, a, b);
-        const double start = start_distance(data_, data_.worker(0), record, record.cache);
+        PairRecord& record = book_.table.get(view_.model, view_.state, a, b);
+        const double start = start_distance(view_, workers_[0], record, record.cache);
         return std::min(start, kShrinks * record.lengths.separation) > least;
     }
 
     void operate(const CandidatePair& pair) {
         if (taken_[at(pair.a)] != 0 || taken_[at(pair.b)] != 0) return;
         ++stats_.counters.pairs;
-        const bool infinite_a = data_.clusters[pair.a].infinite(), infinite_b = data_.clusters[pair.b].infinite();
-        const Resolution r = resolve_inelastic(data_, data_.movers, data_.pairs, data_.worker(0), pair,
-                                               data_.model.settings.dynamic_pair_iterations);
+        const bool infinite_a = view_.clusters[pair.a].infinite(), infinite_b = view_.clusters[pair.b].infinite();
+        const Resolution r = resolve_inelastic(view_, movers_, book_.table, workers_[0], pair,
+                                               view_.model.settings.dynamic_pair_iterations);
         if (!r.found) return;
         if (stats_.trigger_a < 0) stats_.trigger_a = r.first_a, stats_.trigger_b = r.first_b;
         if (infinite_a && infinite_b) {
-            const bool first = data_.model.bodies[at(pair.a)].scripted();
+            const bool first = view_.model.bodies[at(pair.a)].scripted();
             request({RequestKind::hold_script, first ? pair.a : pair.b, first ? r.first_b : r.first_a, r.toi});
         } else if (infinite_a || infinite_b) {
             meet_infinite(infinite_a ? pair.b : pair.a, infinite_a ? pair.a : pair.b, r.resolved);
         } else {
-            const bool kinematic = r.resolved && data_.model.settings.rigidification == Rigidification::kinematic;
+            const bool kinematic = r.resolved && view_.model.settings.rigidification == Rigidification::kinematic;
             taken_[at(pair.a)] = taken_[at(pair.b)] = 1;
             request({kinematic ? RequestKind::merge_kinematic : RequestKind::merge_rigid, pair.a, pair.b});
         }
@@ -119,8 +121,8 @@ class Failsafe {
         default: {
             ++stats_.merges;
             const bool rigid = r.kind == RequestKind::merge_rigid;
-            const std::int32_t merged = clusters().merge(r.a, r.b, rigid, data_.dt, data_.trajectories);
-            if (rigid) data_.movers.evolve(merged);
+            const std::int32_t merged = clusters().merge(r.a, r.b, rigid, view_.dt, view_.trajectories);
+            if (rigid) movers_.evolve(merged);
         }
         }
     }
@@ -130,9 +132,9 @@ class Failsafe {
         Cluster& c = clusters()[id];
         ++stats_.rung_changes;
         if (c.rung < Rung::rigid && c.members.size() > 1) {
-            clusters().make_rigid(id, data_.trajectories);
+            clusters().make_rigid(id, view_.trajectories);
             c.resolved_against.clear();
-            data_.movers.evolve(id);
+            movers_.evolve(id);
         } else {
             clusters().hold(id, trajectories());
         }
@@ -142,7 +144,7 @@ class Failsafe {
     /// stays at x^n. So it is held twice at most.
     void hold_script(std::int32_t body, std::int32_t victim, double toi) {
         constexpr double kOfWay = 0.9, kLeastShare = 1.0 / 64; // below it a body hardly moves, and queries cost as ever
-        if (data_.trajectories.still(at(body))) return;
+        if (view_.trajectories.still(at(body))) return;
         auto& delayed = stats_.delayed_scripts;
         const auto known = std::find_if(delayed.begin(), delayed.end(), [&](const auto& d) { return d.body == body; });
         const bool again = known != delayed.end();
@@ -151,7 +153,7 @@ class Failsafe {
             shorten(body, share);
         else
             trajectories().hold(at(body));
-        const Motion& motion = data_.clusters.motion()[at(body)];
+        const Motion& motion = view_.clusters.motion()[at(body)];
         clusters().set_script(body, share > 0 ? Motion{share * motion.velocity, share * motion.momentum} : Motion{});
         if (again)
             known->share = 0;
@@ -161,17 +163,20 @@ class Failsafe {
 
     /// The first part of a body's way.
     void shorten(std::int32_t body, double share) {
-        const Pose &start = data_.trajectories.start_pose(at(body)), &end = data_.trajectories.end_pose(at(body));
-        const Vec3 turn = share * data_.trajectories.turn(at(body));
+        const Pose &start = view_.trajectories.start_pose(at(body)), &end = view_.trajectories.end_pose(at(body));
+        const Vec3 turn = share * view_.trajectories.turn(at(body));
         const Quat rotation = turn == Vec3{} ? start.rotation : normalized(rotation_from_vector(turn) * start.rotation);
         const Vec3 com = start.com + share * (end.com - start.com);
-        trajectories().set_end(at(body), make_pose(data_.model.shape_of(at(body)), com, rotation), turn);
+        trajectories().set_end(at(body), make_pose(view_.model.shape_of(at(body)), com, rotation), turn);
     }
 
-    Clusters& clusters() { return data_.movers.clusters; }
-    Trajectories& trajectories() { return data_.movers.trajectories; }
+    Clusters& clusters() { return movers_.clusters(); }
+    Trajectories& trajectories() { return movers_.trajectories(); }
 
-    StepData& data_;
+    const StepView& view_;
+    Movers movers_;
+    PairBook& book_;
+    Workers& workers_;
     FailsafeStats stats_;
     std::vector<CandidatePair> list_;
     std::vector<Request> requests_;
@@ -180,6 +185,8 @@ class Failsafe {
 
 } // namespace
 
-FailsafeStats run_failsafe(StepData& data) { return Failsafe(data).run(); }
+FailsafeStats run_failsafe(const StepView& view, Movers movers, PairBook& book, Workers& workers) {
+    return Failsafe(view, movers, book, workers).run();
+}
 
 } // namespace flotilla

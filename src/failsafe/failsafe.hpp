@@ -33,6 +33,6 @@ struct FailsafeStats {
     std::int32_t trigger_a = -1, trigger_b = -1;
 };
 
-FailsafeStats run_failsafe(StepData& data);
+FailsafeStats run_failsafe(const StepView& view, Movers movers, PairBook& book, Workers& workers);
 
 } // namespace flotilla

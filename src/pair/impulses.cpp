@@ -31,7 +31,7 @@ void apply_impulse(Clusters& clusters, Worker& worker, std::int32_t a, std::int3
 void push(Movers& movers, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
           const Vec3& impulse) {
     const Stopwatch watch(worker.counters.response_ms);
-    apply_impulse(movers.clusters, worker, a, b, point, impulse);
+    apply_impulse(movers.clusters(), worker, a, b, point, impulse);
     movers.evolve(a);
     movers.evolve(b);
 }

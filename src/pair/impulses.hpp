@@ -8,12 +8,19 @@
 namespace flotilla {
 
 /// What an operation of a sweep writes, of its own two clusters: their velocities, and the end states that follow.
-struct Movers {
-    Clusters& clusters;
-    Trajectories& trajectories;
-    double dt; ///< s
+class Movers {
+  public:
+    Movers(Clusters& clusters, Trajectories& trajectories, double dt)
+        : clusters_(clusters), trajectories_(trajectories), dt_(dt) {}
 
-    void evolve(std::int32_t cluster) { clusters.evolve(cluster, dt, trajectories); }
+    [[nodiscard]] Clusters& clusters() { return clusters_; }
+    [[nodiscard]] Trajectories& trajectories() { return trajectories_; }
+    void evolve(std::int32_t cluster) { clusters_.evolve(cluster, dt_, trajectories_); }
+
+  private:
+    Clusters& clusters_;
+    Trajectories& trajectories_;
+    double dt_; ///< s
 };
 
 /// Pair friction is the geometric mean, pair restitution the maximum (src/state/README.md).

@@ -84,11 +84,11 @@ Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pa
     }
 }
 
-FrozenList freeze_clusters(StepData& data, std::vector<CandidatePair>& clusters) {
-    const FrozenList frozen = freeze(data, ListReach::separation);
+FrozenList freeze_clusters(const StepView& view, PairBook& book, Team& team, std::vector<CandidatePair>& clusters) {
+    const FrozenList frozen = freeze(view, book, team, ListReach::separation);
     clusters.clear();
     for (const ListedPair& p : frozen.pairs) {
-        const std::int32_t a = data.clusters.of(at(p.pair.a)), b = data.clusters.of(at(p.pair.b));
+        const std::int32_t a = view.clusters.of(at(p.pair.a)), b = view.clusters.of(at(p.pair.b));
         clusters.push_back({std::min(a, b), std::max(a, b)});
     }
     if (!std::is_sorted(clusters.begin(), clusters.end()))

@@ -4,7 +4,8 @@
 #pragma once
 
 #include "pair/examine.hpp"
-#include "pair/step_data.hpp"
+#include "pair/impulses.hpp"
+#include "pair/pair_lists.hpp"
 
 namespace flotilla {
 
@@ -22,6 +23,6 @@ Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pa
 
 /// Freezes the pairs of bodies that are not proved apart, and fills `clusters` with the pairs of clusters that they are
 /// of, sorted by (lower id, higher id).
-FrozenList freeze_clusters(StepData& data, std::vector<CandidatePair>& clusters);
+FrozenList freeze_clusters(const StepView& view, PairBook& book, Team& team, std::vector<CandidatePair>& clusters);
 
 } // namespace flotilla

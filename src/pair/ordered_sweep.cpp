@@ -39,7 +39,8 @@ std::span<const std::int32_t> order_by_color(std::size_t num_clusters, SweepBuff
     return buffers.places;
 }
 
-void order_tasks(const SweepPlan& plan, std::size_t num_clusters, SweepBuffers& buffers) {
+void order_tasks(const SweepPlan& plan, SweepBuffers& buffers) {
+    const std::size_t num_clusters = buffers.used_colors.size();
     buffers.touched.assign(num_clusters, 0);
     buffers.tasks.clear();
     buffers.order.start(num_clusters);

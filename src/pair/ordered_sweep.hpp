@@ -17,7 +17,8 @@
 #include <bit>
 #include <span>
 
-#include "pair/step_data.hpp"
+#include "pair/pair_lists.hpp"
+#include "pair/worker.hpp"
 
 namespace flotilla {
 
@@ -31,13 +32,13 @@ namespace flotilla {
 /// whether it did so. An operation before their turn may still move one of the bodies: then the pair is open again, and
 /// its turn comes as ever.
 template <class Close>
-void close_early(StepData& data, FrozenList& list, Close&& close) {
+void close_early(const StepView& view, Workers& workers, FrozenList& list, Close&& close) {
     constexpr std::size_t kFew = 8, kGrain = 64; // one pair in so many is open; pairs of a task
     if (list.num_open == 0 || list.num_open * kFew > list.pairs.size()) return;
     std::atomic<std::size_t> closed = 0;
-    data.team.for_each("examine", list.pairs.size(), kGrain, [&](std::size_t i, int thread) {
+    workers.team.for_each("examine", list.pairs.size(), kGrain, [&](std::size_t i, int thread) {
         PairRecord& record = *list.pairs[i].record;
-        if (!apart(data.trajectories, record) && close(record, data.worker(thread)))
+        if (!apart(view.trajectories, record) && close(record, workers[thread]))
             closed.fetch_add(1, std::memory_order_relaxed);
     });
     list.num_open -= closed;
@@ -65,36 +66,47 @@ struct SweepPlan {
 /// Fills the order of tasks of a plan made by order_by_color, whose pairs are flagged as `open` in the buffers or not.
 /// An operation is left out where its pair is closed and no operation before it may change that: where none of those
 /// shares a movable cluster with it.
-void order_tasks(const SweepPlan& plan, std::size_t num_clusters, SweepBuffers& buffers);
+void order_tasks(const SweepPlan& plan, SweepBuffers& buffers);
 
 /// The order of a frozen list of so many pairs, pair_of(i) being the clusters of the i-th.
 template <class PairOf>
-[[nodiscard]] std::span<const std::int32_t> sweep_order(StepData& data, std::size_t size, PairOf&& pair_of) {
+[[nodiscard]] std::span<const std::int32_t> sweep_order(const StepView& view, PairBook& book, Team& team,
+                                                        std::size_t size, PairOf&& pair_of) {
     constexpr std::size_t kGrain = 512;
-    SweepBuffers& buffers = data.lists.sweep;
+    SweepBuffers& buffers = book.lists.sweep;
     buffers.things.resize(size);
-    data.team.for_each("movable clusters", size, kGrain, [&](std::size_t i, int) {
+    team.for_each("movable clusters", size, kGrain, [&](std::size_t i, int) {
         const CandidatePair p = pair_of(i);
-        buffers.things[i] = {shared_cluster(data.clusters, p.a), shared_cluster(data.clusters, p.b)};
+        buffers.things[i] = {shared_cluster(view.clusters, p.a), shared_cluster(view.clusters, p.b)};
     });
-    return order_by_color(data.model.size(), buffers);
+    return order_by_color(view.model.size(), buffers);
 }
 
 /// Operations between asking for the memory of one and running it.
 constexpr std::size_t kFetchAhead = 8;
 
-/// The sweep as the paper has it: the plain loop. Calls operate(i, round, worker) for the pairs of the list in order,
-/// round after round, except where closed(i) holds: the operation has nothing to do. A round that finds all pairs
-/// closed leaves them so, and with it all later rounds do nothing.
+/// What a sweep does with the i-th pair of its list.
 template <class Closed, class Fetch, class Operate>
-void run_plain(Worker& worker, const SweepPlan& plan, Closed&& closed, Fetch&& fetch, Operate&& operate) {
+struct SweepOperation {
+    const char* name; ///< of the tasks, for records
+    Closed closed;    ///< closed(i): it has nothing to do
+    Fetch fetch;      ///< fetch(i) asks for the memory that the others begin with
+    Operate operate;  ///< operate(i, round, worker)
+};
+template <class Closed, class Fetch, class Operate>
+SweepOperation(const char*, Closed, Fetch, Operate) -> SweepOperation<Closed, Fetch, Operate>;
+
+/// The sweep as the paper has it: the plain loop over the pairs of the list in order, round after round, except where
+/// one is closed. A round that finds all pairs closed leaves them so, and with it all later rounds do nothing.
+template <class Operation>
+void run_plain(Worker& worker, const SweepPlan& plan, const Operation& operation) {
     for (int round = 0; round < plan.rounds; ++round) {
         bool any = false;
         for (std::size_t i = 0; i < plan.size(); ++i) {
             const std::size_t k = plan.place(round, i);
-            if (i + kFetchAhead < plan.size()) fetch(plan.place(round, i + kFetchAhead));
-            if (closed(k)) continue;
-            operate(k, round, worker);
+            if (i + kFetchAhead < plan.size()) operation.fetch(plan.place(round, i + kFetchAhead));
+            if (operation.closed(k)) continue;
+            operation.operate(k, round, worker);
             any = true;
         }
         if (!any) return;
@@ -103,34 +115,31 @@ void run_plain(Worker& worker, const SweepPlan& plan, Closed&& closed, Fetch&& f
 
 /// The same as a graph of tasks. Rounds are one run: nothing waits for the end of a round but what shares a cluster
 /// with it.
-template <class Closed, class Fetch, class Operate>
-void run_as_tasks(StepData& data, const char* name, const SweepPlan& plan, Closed&& closed, Fetch&& fetch,
-                  Operate&& operate) {
+template <class Operation>
+void run_as_tasks(Workers& workers, SweepBuffers& buffers, const SweepPlan& plan, const Operation& operation) {
     constexpr std::size_t kGrain = 256;
-    SweepBuffers& buffers = data.lists.sweep;
     buffers.open.resize(plan.size());
-    data.team.for_each("stale pairs", plan.size(), kGrain, [&](std::size_t i, int) {
-        if (i + kFetchAhead < plan.size()) fetch(i + kFetchAhead);
-        buffers.open[i] = closed(i) ? 0 : 1;
+    workers.team.for_each("stale pairs", plan.size(), kGrain, [&](std::size_t i, int) {
+        if (i + kFetchAhead < plan.size()) operation.fetch(i + kFetchAhead);
+        buffers.open[i] = operation.closed(i) ? 0 : 1;
     });
-    order_tasks(plan, data.model.size(), buffers);
+    order_tasks(plan, buffers);
     const std::vector<SweepBuffers::SweepTask>& tasks = buffers.tasks;
-    data.team.run(name, buffers.order, [&](std::size_t task, int thread) {
-        if (task + kFetchAhead < tasks.size()) fetch(static_cast<std::size_t>(tasks[task + kFetchAhead].place));
+    workers.team.run(operation.name, buffers.order, [&](std::size_t task, int thread) {
+        if (task + kFetchAhead < tasks.size())
+            operation.fetch(static_cast<std::size_t>(tasks[task + kFetchAhead].place));
         const auto i = static_cast<std::size_t>(tasks[task].place);
-        if (!closed(i)) operate(i, tasks[task].round, data.worker(thread));
+        if (!operation.closed(i)) operation.operate(i, tasks[task].round, workers[thread]);
     });
 }
 
-/// Runs a sweep. The list must not change meanwhile; fetch(i) asks for the memory that closed(i) and operate(i, ...)
-/// begin with.
-template <class Closed, class Fetch, class Operate>
-void run_sweep(StepData& data, const char* name, const SweepPlan& plan, Closed&& closed, Fetch&& fetch,
-               Operate&& operate) {
-    if (data.team.alone() && data.team.recorder() == nullptr)
-        run_plain(data.worker(0), plan, closed, fetch, operate);
+/// Runs a sweep that sweep_order() planned. The list must not change meanwhile.
+template <class Operation>
+void run_sweep(Workers& workers, SweepBuffers& buffers, const SweepPlan& plan, const Operation& operation) {
+    if (workers.team.alone() && workers.team.recorder() == nullptr)
+        run_plain(workers[0], plan, operation);
     else
-        run_as_tasks(data, name, plan, closed, fetch, operate);
+        run_as_tasks(workers, buffers, plan, operation);
 }
 
 } // namespace flotilla

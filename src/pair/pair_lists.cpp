@@ -8,7 +8,6 @@
 #include "base/index.hpp"
 #include "geometry/rounding.hpp"
 #include "pair/pair_distance.hpp"
-#include "pair/step_data.hpp"
 #include "parallel/compact.hpp"
 
 namespace flotilla {
@@ -60,13 +59,14 @@ PairSearch search_of(const StepView& view, const ListBuffers& lists, bool wakes)
 
 /// Candidate pairs of bodies with the given boxes.
 template <class BoxOf>
-const std::vector<CandidatePair>& find_pairs(StepData& data, const ListKind& kind, BoxOf&& box_of) {
-    place_still(data, data.team, data.lists);
-    const std::vector<std::int32_t>& active = data.model.active;
-    data.team.for_each(kind.name, active.size(), kBodyGrain, [&](std::size_t k, int) {
-        set_bounds(data, at(active[k]), box_of(at(active[k])), kind, data.lists);
+const std::vector<CandidatePair>& find_pairs(const StepView& view, PairBook& book, Team& team, const ListKind& kind,
+                                             BoxOf&& box_of) {
+    place_still(view, team, book.lists);
+    const std::vector<std::int32_t>& active = view.model.active;
+    team.for_each(kind.name, active.size(), kBodyGrain, [&](std::size_t k, int) {
+        set_bounds(view, at(active[k]), box_of(at(active[k])), kind, book.lists);
     });
-    return data.broadphase.find(data.team, search_of(data, data.lists, kind.wakes));
+    return book.finder().find(team, search_of(view, book.lists, kind.wakes));
 }
 
 Box swept_box(const StepView& view, std::size_t body) { return view.trajectories.motion(body).swept(); }
@@ -74,16 +74,17 @@ Box swept_box(const StepView& view, std::size_t body) { return view.trajectories
 /// Those of the pairs that `wanted(pair, record)` wants, the record being null where there is none yet; all of them get
 /// one.
 template <class Wanted>
-const std::vector<ListedPair>& list_pairs(StepData& data, const std::vector<CandidatePair>& pairs, Wanted&& wanted) {
-    ListBuffers& l = data.lists;
+const std::vector<ListedPair>& list_pairs(const StepView& view, PairBook& book, Team& team,
+                                          const std::vector<CandidatePair>& pairs, Wanted&& wanted) {
+    ListBuffers& l = book.lists;
     l.record.resize(pairs.size());
     l.wanted.resize(pairs.size());
     const auto find = [&](std::size_t begin, std::size_t end) {
         const std::size_t count = end - begin;
-        data.pairs.find(std::span(pairs).subspan(begin, count), std::span(l.record).subspan(begin, count));
+        book.table.find(std::span(pairs).subspan(begin, count), std::span(l.record).subspan(begin, count));
         std::size_t found = 0;
         for (std::size_t i = begin; i < end; ++i) {
-            if (l.record[i] != nullptr) data.pairs.use(*l.record[i]);
+            if (l.record[i] != nullptr) book.table.use(*l.record[i]);
             l.wanted[i] = wanted(pairs[i], l.record[i]) ? 1 : 0;
             found += l.wanted[i];
         }
@@ -94,9 +95,9 @@ const std::vector<ListedPair>& list_pairs(StepData& data, const std::vector<Cand
             if (l.wanted[i] != 0) l.listed[place++] = {pairs[i], l.record[i]};
     };
     const auto resize = [&](std::size_t total) { l.listed.resize(total); };
-    compact({&data.team, "pair records", kPairGrain, l.chunk_places}, pairs.size(), find, resize, keep);
+    compact({&team, "pair records", kPairGrain, l.chunk_places}, pairs.size(), find, resize, keep);
     for (ListedPair& p : l.listed) // one thread alone may make records
-        if (p.record == nullptr) p.record = &data.pairs.get(data.model, data.state, p.pair.a, p.pair.b);
+        if (p.record == nullptr) p.record = &book.table.get(view.model, view.state, p.pair.a, p.pair.b);
     return l.listed;
 }
 
@@ -132,55 +133,55 @@ double list_reach(const Model& model, std::size_t body, ListReach reach) {
     return std::max(own.proximity, fall_in_step(model, body));
 }
 
-const std::vector<CandidatePair>& swept_pairs(StepData& data, ListReach reach) {
+const std::vector<CandidatePair>& swept_pairs(const StepView& view, PairBook& book, Team& team, ListReach reach) {
     constexpr std::size_t kFew = 64; // a body in so many
-    SweptMotions& frozen = data.lists.frozen;
+    SweptMotions& frozen = book.lists.frozen;
     const bool known = frozen.pairs != nullptr && frozen.reach == reach;
-    frozen.version.resize(data.model.size());
+    frozen.version.resize(view.model.size());
     frozen.changed.clear();
-    for (const std::int32_t i : data.model.active) {
-        const std::uint64_t version = data.trajectories.version(at(i));
+    for (const std::int32_t i : view.model.active) {
+        const std::uint64_t version = view.trajectories.version(at(i));
         if (std::exchange(frozen.version[at(i)], version) != version) frozen.changed.push_back(i);
     }
     if (known && frozen.changed.empty()) return *frozen.pairs;
     frozen.reach = reach;
     const ListKind kind{"swept bounds", reach, reach == ListReach::proximity};
-    if (known && frozen.changed.size() * kFew <= data.model.active.size()) {
-        for (const std::int32_t i : frozen.changed) set_bounds(data, at(i), swept_box(data, at(i)), kind, data.lists);
-        frozen.pairs = &data.broadphase.update(data.team, search_of(data, data.lists, false), frozen.changed);
+    if (known && frozen.changed.size() * kFew <= view.model.active.size()) {
+        for (const std::int32_t i : frozen.changed) set_bounds(view, at(i), swept_box(view, at(i)), kind, book.lists);
+        frozen.pairs = &book.finder().update(team, search_of(view, book.lists, false), frozen.changed);
     } else {
-        frozen.pairs = &find_pairs(data, kind, [&](std::size_t i) { return swept_box(data, i); });
+        frozen.pairs = &find_pairs(view, book, team, kind, [&](std::size_t i) { return swept_box(view, i); });
     }
     return *frozen.pairs;
 }
 
-const std::vector<CandidatePair>& waking_pairs(StepData& data) {
-    data.lists.forget_motions();
-    return find_pairs(data, {"waking bounds", ListReach::proximity, true, true},
-                      [&](std::size_t i) { return swept_box(data, i); });
+const std::vector<CandidatePair>& waking_pairs(const StepView& view, PairBook& book, Team& team) {
+    book.lists.forget_motions();
+    return find_pairs(view, book, team, {"waking bounds", ListReach::proximity, true, true},
+                      [&](std::size_t i) { return swept_box(view, i); });
 }
 
-FrozenList freeze(StepData& data, ListReach reach) {
+FrozenList freeze(const StepView& view, PairBook& book, Team& team, ListReach reach) {
     // In stage 1 pairs are closed ahead of their turn only where that is not to be left out.
-    const bool closes = reach == ListReach::separation || data.savings.calm_pairs;
+    const bool closes = reach == ListReach::separation || view.savings.calm_pairs;
     std::atomic<std::size_t> closed = 0;
     const auto wanted = [&](const CandidatePair& p, PairRecord* pair) {
-        if (data.clusters.of(at(p.a)) == data.clusters.of(at(p.b))) return false;
+        if (view.clusters.of(at(p.a)) == view.clusters.of(at(p.b))) return false;
         if (pair == nullptr) return true;
         pair->processed.confirm();
-        if (apart(data.trajectories, *pair)) return false;
-        if (closes && close_by_bounds(data, *pair, reach)) closed.fetch_add(1, std::memory_order_relaxed);
+        if (apart(view.trajectories, *pair)) return false;
+        if (closes && close_by_bounds(view, *pair, reach)) closed.fetch_add(1, std::memory_order_relaxed);
         return true;
     };
-    const std::vector<ListedPair>& listed = list_pairs(data, swept_pairs(data, reach), wanted);
+    const std::vector<ListedPair>& listed = list_pairs(view, book, team, swept_pairs(view, book, team, reach), wanted);
     return {listed, listed.size() - closed};
 }
 
-const std::vector<ListedPair>& end_pairs(StepData& data) {
-    data.lists.forget_motions();
-    const auto& pairs = find_pairs(data, {"end bounds", ListReach::fall},
-                                   [&](std::size_t i) { return data.trajectories.at_end(i).swept(); });
-    return list_pairs(data, pairs, [](const CandidatePair&, PairRecord*) { return true; });
+const std::vector<ListedPair>& end_pairs(const StepView& view, PairBook& book, Team& team) {
+    book.lists.forget_motions();
+    const auto& pairs = find_pairs(view, book, team, {"end bounds", ListReach::fall},
+                                   [&](std::size_t i) { return view.trajectories.at_end(i).swept(); });
+    return list_pairs(view, book, team, pairs, [](const CandidatePair&, PairRecord*) { return true; });
 }
 
 } // namespace flotilla

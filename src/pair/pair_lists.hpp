@@ -14,8 +14,6 @@
 
 namespace flotilla {
 
-struct StepData;
-
 /// How near each other the boxes of a pair come that a list is to have.
 enum class ListReach {
     separation, ///< what may hit: stage 5 and the certificate
@@ -74,8 +72,6 @@ struct ListBuffers {
     std::vector<BodyBounds> bounds;  ///< see StepView
     std::uint64_t still_version = 1; ///< a new number where other bodies stand still than before, or elsewhere
     std::uint64_t still_placed = 0;  ///< the version that `swept` and `bounds` hold
-    /// By body: m, from where contacts were last searched for on its account (State::searched).
-    std::vector<double> stray;
     std::vector<PairRecord*> record; ///< of each candidate pair; null: there is none yet
     std::vector<std::uint8_t> wanted;
     std::vector<std::size_t> chunk_places; ///< in `listed`, by chunk of candidate pairs
@@ -87,13 +83,27 @@ struct ListBuffers {
     void forget_motions() { frozen.pairs = nullptr; }
 };
 
+/// What is known of pairs, and the lists made of them.
+class PairBook {
+  public:
+    PairTable table;
+    ListBuffers lists;
+
+    /// `finder`: who finds pairs whose boxes meet.
+    explicit PairBook(PairFinder& finder) : finder_(finder) {}
+    [[nodiscard]] PairFinder& finder() { return finder_; }
+
+  private:
+    PairFinder& finder_;
+};
+
 /// All pairs whose swept boxes come within the reach, sorted. Of a pair that is not among them with
 /// ListReach::separation this is the proof (way a).
-const std::vector<CandidatePair>& swept_pairs(StepData& data, ListReach reach);
+const std::vector<CandidatePair>& swept_pairs(const StepView& view, PairBook& book, Team& team, ListReach reach);
 
 /// Pairs of an active body with a sleeping one whose swept boxes come within the proximity distance, among others;
 /// sorted.
-const std::vector<CandidatePair>& waking_pairs(StepData& data);
+const std::vector<CandidatePair>& waking_pairs(const StepView& view, PairBook& book, Team& team);
 
 /// The frozen list of a sweep: pairs of bodies of different clusters whose swept boxes come within the reach and that
 /// are not proved apart.
@@ -101,9 +111,9 @@ const std::vector<CandidatePair>& waking_pairs(StepData& data);
 /// Of most pairs at rest the bounds of both bodies say that the operation would prove them apart and do nothing else.
 /// Those are proved here, side by side. `reach`: proximity in stage 1, whose operations look for proximities that
 /// approach as well; separation in stage 5.
-[[nodiscard]] FrozenList freeze(StepData& data, ListReach reach);
+[[nodiscard]] FrozenList freeze(const StepView& view, PairBook& book, Team& team, ListReach reach);
 
 /// All pairs whose boxes at the end poses come within ListReach::fall, sorted.
-const std::vector<ListedPair>& end_pairs(StepData& data);
+const std::vector<ListedPair>& end_pairs(const StepView& view, PairBook& book, Team& team);
 
 } // namespace flotilla

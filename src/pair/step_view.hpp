@@ -15,8 +15,8 @@ struct BodyBounds {
     double speed = 0;        ///< m/s, of any of its points
 };
 
-/// What all code of a step reads; nothing is written through it. Who writes one of these things is handed it by itself
-/// (StepData).
+/// What all code of a step reads; nothing is written through it. Who writes one of these things is handed it by itself:
+/// Movers, PairBook or one of its records, Workers or one of its workers.
 struct StepView {
     const Model& model;
     const State& state;                    ///< at x^n

@@ -10,13 +10,13 @@ double take_largest_push(Worker& worker) { return std::exchange(worker.largest_p
 
 double take_largest_push(Workers& workers) {
     double largest = 0;
-    for (const auto& worker : workers) largest = std::max(largest, take_largest_push(*worker));
+    for (Worker& worker : workers.each) largest = std::max(largest, take_largest_push(worker));
     return largest;
 }
 
 void collect(Workers& workers, StageCounters& counters) {
-    for (const auto& worker : workers) {
-        StageCounters& c = worker->counters;
+    for (Worker& worker : workers.each) {
+        StageCounters& c = worker.counters;
         counters.pairs += c.pairs;
         counters.impulses += c.impulses;
         counters.settled += c.settled;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// What one thread has to itself in a step, and what the stages count.
+// The threads of a step: what each of them has to itself, and what the stages count.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "ccd/pair_query.hpp"
 #include "pair/pair_table.hpp"
+#include "parallel/team.hpp"
 #include "proximity/contact_points.hpp"
 #include "response/pair_manifold.hpp"
 
@@ -45,7 +45,15 @@ struct alignas(64) Worker {
     double largest_push = 0;           ///< N s, since it was last taken
     std::vector<CandidatePair> pushed; ///< clusters that had an impulse in the step; equal ones may come again
 };
-using Workers = std::vector<std::unique_ptr<Worker>>; ///< by thread
+
+/// Those who run what a stage runs side by side.
+struct Workers {
+    Team team;
+    std::vector<Worker> each; ///< by thread
+
+    explicit Workers(const TeamOptions& options) : team(options), each(static_cast<std::size_t>(team.size())) {}
+    [[nodiscard]] Worker& operator[](int thread) { return each[static_cast<std::size_t>(thread)]; }
+};
 
 /// N s, the largest impulse that these applied since it was last taken. A maximum: that of several threads does not
 /// depend on who applied which.

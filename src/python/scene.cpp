@@ -4,14 +4,12 @@
 #include "python/scene.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include <flotilla/scene_file.hpp>
-#include <flotilla/scene_library.hpp>
 
 #include "python/bind.hpp"
+#include "python/scene_files.hpp"
 #include "python/settings_values.hpp"
 
 namespace flotilla::python {
@@ -217,19 +215,6 @@ ScenePointer new_scene(const Vec3& gravity, const std::string& name, const py::o
     return scene;
 }
 
-std::string as_json(const SceneDescription& scene, bool inline_meshes) {
-    if (inline_meshes) return self_contained_json(scene);
-    std::ostringstream out;
-    write_scene(out, scene);
-    return std::move(out).str();
-}
-
-void write(const SceneDescription& scene, const std::filesystem::path& path, bool inline_meshes) {
-    std::ofstream out(path, std::ios::binary);
-    out << as_json(scene, inline_meshes);
-    if (!out.flush()) throw IoError(path.string() + ": cannot be written");
-}
-
 std::string_view name_of_type(const BodyDescription& body) { return kBodyTypes[static_cast<std::size_t>(body.type)]; }
 
 void bind_shape(py::module_& m) {
@@ -315,8 +300,10 @@ py::list pairs_of(const std::vector<NamedPair>& pairs) {
     return out;
 }
 
+using SceneClass = py::class_<SceneDescription, ScenePointer>;
+
 /// What may pass through what.
-void bind_ignored(py::class_<SceneDescription, ScenePointer>& type) {
+void bind_ignored(SceneClass& type) {
     const auto adds = [&](const char* name, auto list, const char* doc) {
         type.def(
             name,
@@ -337,35 +324,7 @@ void bind_ignored(py::class_<SceneDescription, ScenePointer>& type) {
         "pairs of names of bodies");
 }
 
-} // namespace
-
-std::vector<Keyframe> keyframes_of(const py::iterable& source) {
-    std::vector<Keyframe> out;
-    for (const py::handle k : source) out.push_back(keyframe_of(k));
-    return out;
-}
-
-py::object lone_body(const BodyDescription& body) {
-    const auto scene = std::make_shared<SceneDescription>();
-    scene->bodies.push_back(body);
-    return py::cast(BodyOf{scene, 0});
-}
-
-void bind_scene(py::module_& m) {
-    bind_shape(m);
-    bind_body(m);
-    py::class_<SceneDescription, ScenePointer> type(
-        m, "Scene",
-        "A scene: gravity, settings, shapes and bodies; SI units. It is checked when a World is made of it.");
-    type.def(py::init(&new_scene), py::kw_only(), py::arg("gravity") = Vec3{0, 0, -9.8}, py::arg("preset") = "balanced",
-             py::arg("settings") = py::none(),
-             "An empty scene. gravity: m/s^2, shape (3); settings: a dict of changes to the preset.");
-    type.def_readwrite("gravity", &SceneDescription::gravity, "m/s^2, shape (3)");
-    type.def_readwrite("settings", &SceneDescription::settings, "Settings, to be changed in place or replaced");
-    type.def_property_readonly(
-        "shapes", [](const ScenePointer& s) { return places<ShapeOf>(s, s->shapes); }, "a tuple of Shape");
-    type.def_property_readonly(
-        "bodies", [](const ScenePointer& s) { return places<BodyOf>(s, s->bodies); }, "a tuple of Body");
+void bind_additions(SceneClass& type) {
     type.def("add_shape", &add_shape, py::arg("mesh"), py::kw_only(), py::arg("name") = py::none(),
              py::arg("scale") = 1.0, py::arg("surface_density") = py::none(), py::arg("density") = py::none(),
              py::arg("mass") = py::none(), py::arg("line_density") = py::none(), py::arg("inertia") = py::none(),
@@ -392,7 +351,9 @@ void bind_scene(py::module_& m) {
              "at time 0, which is its start. locked: world axes along which the centre of mass of a dynamic body never "
              "moves, x, y, z, and about which it never turns, rx, ry, rz. force (N, at the centre of mass) and torque "
              "(N m) act all the time, in world axes. group: a name for ignore_groups.");
-    bind_ignored(type);
+}
+
+void bind_text(SceneClass& type) {
     type.def("to_json", &as_json, py::arg("inline_meshes") = true,
              "The scene as JSON that reads back to the same bits; inline_meshes: with all vertices, else with the mesh "
              "paths as they were written.");
@@ -407,41 +368,45 @@ void bind_scene(py::module_& m) {
     type.def(
         "__deepcopy__", [](const SceneDescription& s, const py::dict&) { return SceneDescription(s); },
         py::arg("memo"));
+}
 
-    m.def(
-        "read_scene",
-        [](const py::object& scene, const py::object& preset, const py::object& settings) {
-            return scene_argument(scene, preset, settings).scene;
-        },
-        py::arg("scene"), py::kw_only(), py::arg("preset") = py::none(), py::arg("settings") = py::none(),
-        "A Scene from the path of a file, JSON text or a dict. What the file says replaces the preset's settings; "
-        "`settings`, a dict, "
-        "replaces both. Mesh paths in text and dicts are relative to the current folder.");
-    auto origin =
-        value_class<SceneOrigin>(m, "SceneOrigin", "What another program's scene file says beside the scene.");
-    origin.def_readonly("format", &SceneOrigin::format, "the other program; empty: the file is flotilla's own");
-    origin.def_readonly("warnings", &SceneOrigin::warnings, "what was left out, without changing the outcome");
-    origin.def_readonly("duration", &SceneOrigin::duration, "s, how long the file wants to be run");
-    m.def(
-        "scene_origin", [](const py::object& scene) { return scene_argument(scene, py::none(), py::none()).origin; },
-        py::arg("scene"), "SceneOrigin of what read_scene reads, files of Rigid-IPC among it.");
-    m.def("write_scene", &write, py::arg("scene"), py::arg("path"), py::kw_only(), py::arg("inline_meshes") = true,
-          "Writes a scene file; see Scene.to_json.");
+void bind_scene_class(py::module_& m) {
+    SceneClass type(
+        m, "Scene",
+        "A scene: gravity, settings, shapes and bodies; SI units. It is checked when a World is made of it.");
+    type.def(py::init(&new_scene), py::kw_only(), py::arg("gravity") = Vec3{0, 0, -9.8}, py::arg("preset") = "balanced",
+             py::arg("settings") = py::none(),
+             "An empty scene. gravity: m/s^2, shape (3); settings: a dict of changes to the preset.");
+    type.def_readwrite("gravity", &SceneDescription::gravity, "m/s^2, shape (3)");
+    type.def_readwrite("settings", &SceneDescription::settings, "Settings, to be changed in place or replaced");
+    type.def_property_readonly(
+        "shapes", [](const ScenePointer& s) { return places<ShapeOf>(s, s->shapes); }, "a tuple of Shape");
+    type.def_property_readonly(
+        "bodies", [](const ScenePointer& s) { return places<BodyOf>(s, s->bodies); }, "a tuple of Body");
+    bind_additions(type);
+    bind_ignored(type);
+    bind_text(type);
+}
 
-    auto entry = value_class<LibraryScene>(m, "LibraryScene", "A scene that make_scene knows.");
-    entry.def_readonly("name", &LibraryScene::name);
-    entry.def_readonly("default_bodies", &LibraryScene::default_bodies);
-    entry.def_readonly("min_bodies", &LibraryScene::min_bodies);
-    entry.def_readonly("max_bodies", &LibraryScene::max_bodies);
-    entry.def_readonly("description", &LibraryScene::description);
-    m.def("list_scenes", &list_scenes, "Every scene of the library.");
-    m.def(
-        "make_scene",
-        [](const std::string& name, int bodies, std::uint64_t seed) {
-            return std::make_shared<SceneDescription>(make_scene(name, bodies, seed));
-        },
-        py::arg("name"), py::kw_only(), py::arg("bodies") = 0, py::arg("seed") = 0,
-        "A scene of the library; bodies 0: its default number. The same bits on every machine.");
+} // namespace
+
+std::vector<Keyframe> keyframes_of(const py::iterable& source) {
+    std::vector<Keyframe> out;
+    for (const py::handle k : source) out.push_back(keyframe_of(k));
+    return out;
+}
+
+py::object lone_body(const BodyDescription& body) {
+    const auto scene = std::make_shared<SceneDescription>();
+    scene->bodies.push_back(body);
+    return py::cast(BodyOf{scene, 0});
+}
+
+void bind_scene(py::module_& m) {
+    bind_shape(m);
+    bind_body(m);
+    bind_scene_class(m);
+    bind_scene_files(m);
 }
 
 } // namespace flotilla::python

@@ -4,32 +4,91 @@
 #include <flotilla/picture.hpp>
 #include <flotilla/plan.hpp>
 #include <flotilla/scene_check.hpp>
+#include <flotilla/step_picture.hpp>
 #include <flotilla/trace.hpp>
 
 #include "python/bind.hpp"
 #include "python/scene.hpp"
+#include "python/world.hpp"
 
 namespace flotilla::python {
 namespace {
 
+/// The keywords of functions that draw. TypeError: there is no such one, or its value is of another type.
+PictureOptions picture_options(const py::kwargs& given) {
+    PictureOptions o;
+    const auto set = [&o](const std::string& name, const py::handle& value) {
+        const auto take = [&](std::string_view key, auto& member) {
+            if (name != key) return false;
+            member = value.cast<std::decay_t<decltype(member)>>();
+            return true;
+        };
+        return take("width", o.width) || take("height", o.height) || take("supersampling", o.supersampling) ||
+               take("azimuth", o.azimuth) || take("elevation", o.elevation) || take("field_of_view", o.field_of_view) ||
+               take("zoom", o.zoom) || take("target", o.target) || take("camera_frame", o.camera_frame) ||
+               take("sun_samples", o.sun_samples) || take("sky_samples", o.sky_samples) || take("outlines", o.outlines);
+    };
+    for (const auto& [key, value] : given) {
+        const auto name = key.cast<std::string>();
+        try {
+            if (!set(name, value)) throw py::type_error("pictures have no option '" + name + "'");
+        } catch (const py::cast_error&) {
+            throw py::type_error("picture: " + name + " is " + std::string(py::repr(value)));
+        }
+    }
+    return o;
+}
+
 PictureReport picture(const std::filesystem::path& source, const std::filesystem::path& output,
-                      std::optional<std::int64_t> frame, int width, int height, int supersampling, double azimuth,
-                      double elevation, double field_of_view, double zoom, std::optional<Vec3> target,
-                      std::optional<std::int64_t> camera_frame, int sun_samples, int sky_samples, double outlines) {
-    const PictureOptions options{.width = width,
-                                 .height = height,
-                                 .supersampling = supersampling,
-                                 .azimuth = azimuth,
-                                 .elevation = elevation,
-                                 .field_of_view = field_of_view,
-                                 .zoom = zoom,
-                                 .target = target,
-                                 .camera_frame = camera_frame,
-                                 .sun_samples = sun_samples,
-                                 .sky_samples = sky_samples,
-                                 .outlines = outlines};
+                      std::optional<std::int64_t> frame, const py::kwargs& given) {
+    const PictureOptions options = picture_options(given);
     const py::gil_scoped_release unlocked;
     return write_picture(source, output, options, frame);
+}
+
+StepPictureReport step_picture(const py::object& source, const std::filesystem::path& output,
+                               std::optional<std::int64_t> step, const std::string& lines,
+                               const std::function<void(std::int64_t, std::int64_t)>& progress,
+                               const py::kwargs& given) {
+    constexpr std::array<std::string_view, 2> kLines{"contacts", "proofs"};
+    const PictureOptions options = picture_options(given);
+    const StepPictureOptions step_options{choice<PairLines>("lines", lines, kLines), progress};
+    const bool of_world = py::isinstance<PythonWorld>(source);
+    if (of_world == step.has_value())
+        throw py::type_error("write_step_picture: a step is given of a scene file or a run folder, and of these alone");
+    if (of_world)
+        return write_step_picture(source.cast<const PythonWorld&>().world(), output, options, step_options.lines);
+    const auto path = source.cast<std::filesystem::path>();
+    const py::gil_scoped_release unlocked;
+    return write_step_picture(path, *step, output, options, step_options);
+}
+
+void bind_step_picture(py::module_& m) {
+    using R = StepPictureReport;
+    auto type = value_class<R>(m, "StepPictureReport",
+                               "What a picture of a step shows. A pair is counted once by what is between its bodies, "
+                               "and once by how it was proved apart.");
+    type.def_readonly("step", &R::step);
+    type.def_readonly("time", &R::time, "s");
+    type.def_readonly("bodies", &R::bodies);
+    type.def_readonly("contacts", &R::contacts, "points, those of sleeping bodies included");
+    type.def_readonly("loaded_pairs", &R::loaded_pairs, "contacts, one of them with an impulse in the last step");
+    type.def_readonly("sleeping_pairs", &R::sleeping_pairs, "contacts, but neither body moves");
+    type.def_readonly("touching_pairs", &R::touching_pairs, "contacts, but no impulse");
+    type.def_readonly("near_pairs", &R::near_pairs, "boxes that meet, and no contact");
+    type.def_readonly("largest_impulse", &R::largest_impulse, "N s, of one contact point");
+    type.def_readonly("proved_by_query", &R::proved_by_query, "the continuous detection found no hit");
+    type.def_readonly("proved_by_boxes", &R::proved_by_boxes, "the boxes of both whole ways are apart");
+    type.def_readonly("proved_by_cluster", &R::proved_by_cluster, "both moved by a common motion");
+    type.def_readonly("proved_by_rest", &R::proved_by_rest, "neither moved");
+    type.def_readonly("not_proved", &R::not_proved, "neither could move, or no step was made");
+    m.def("write_step_picture", &step_picture, py::arg("source"), py::arg("output"), py::arg("step") = py::none(),
+          py::kw_only(), py::arg("lines") = "contacts", py::arg("progress") = py::none(),
+          "Writes a PNG of what the solver found in a step: contact points, normals and impulses, and a line for each "
+          "pair of bodies near each other. source: a World as it stands; or a scene file or a run folder, whose step "
+          "is made again. lines: \"contacts\" colours them by what is between the bodies, \"proofs\" by how they were "
+          "proved apart. progress(done, total) is called after every step made. Other keywords are those of picture, "
+          "without frame and camera_frame.");
 }
 
 void bind_picture(py::module_& m) {
@@ -38,14 +97,9 @@ void bind_picture(py::module_& m) {
     type.def_readonly("frames", &PictureReport::frames, "how many there are");
     type.def_readonly("time", &PictureReport::time, "s");
     type.def_readonly("bodies", &PictureReport::bodies);
-    const PictureOptions d;
     m.def("_write_picture", &picture, py::arg("source"), py::arg("output"), py::kw_only(),
-          py::arg("frame") = py::none(), py::arg("width") = d.width, py::arg("height") = d.height,
-          py::arg("supersampling") = d.supersampling, py::arg("azimuth") = d.azimuth,
-          py::arg("elevation") = d.elevation, py::arg("field_of_view") = d.field_of_view, py::arg("zoom") = d.zoom,
-          py::arg("target") = py::none(), py::arg("camera_frame") = py::none(), py::arg("sun_samples") = d.sun_samples,
-          py::arg("sky_samples") = d.sky_samples, py::arg("outlines") = d.outlines,
-          "As flotilla.picture, of a run folder or a scene file.");
+          py::arg("frame") = py::none(), "As flotilla.picture, of a run folder or a scene file.");
+    bind_step_picture(m);
 }
 
 template <class T>

@@ -2,6 +2,7 @@
 #include <flotilla/step_picture.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -32,6 +33,9 @@ namespace {
 
 constexpr OverlayColour kLoaded{214, 39, 40}, kTouching{240, 160, 20}, kSleeping{120, 110, 150}, kNear{40, 120, 220},
     kArrow{25, 25, 35};
+/// By ProofWay.
+constexpr std::array<OverlayColour, 5> kProofColours{
+    {{150, 150, 150}, {40, 160, 70}, {40, 120, 220}, {214, 39, 40}, {120, 110, 150}}};
 constexpr float kFade = 0.45F;        // of the bodies
 constexpr float kLongestArrow = 0.2F; // in radii of the picture, for the largest impulse
 constexpr float kSmallestDot = 2, kLargestDot = 6;
@@ -67,7 +71,7 @@ using Pairs = std::map<std::pair<std::size_t, std::size_t>, SeenPair>;
 
 class StepPicture {
   public:
-    explicit StepPicture(const World& world) : world_(world) {
+    StepPicture(const World& world, PairLines lines) : world_(world), lines_(lines) {
         for (std::size_t i = 0; i < world.size(); ++i) add_body(i);
         report_.step = world.steps();
         report_.time = world.time();
@@ -135,10 +139,12 @@ class StepPicture {
         for (const PairKind kind : {PairKind::near, PairKind::touching, PairKind::sleeping, PairKind::loaded})
             for (const auto& [places, pair] : pairs_) {
                 if (pair.kind != kind) continue;
-                count(kind);
+                const ProofWay way = WorldAccess::proved_by(world_, places.first, places.second);
+                count(kind), count(way);
                 const DrawnBody &a = *at[places.first], &b = *at[places.second];
                 overlay_.lines.push_back({end_of(a, b, pair), end_of(b, a, pair),
-                                          kind == PairKind::near ? kNearLine : kPairLine, colour_of(kind)});
+                                          kind == PairKind::near ? kNearLine : kPairLine,
+                                          lines_ == PairLines::proofs ? colour_of(way) : colour_of(kind)});
             }
     }
 
@@ -155,12 +161,21 @@ class StepPicture {
                                     &report_.near_pairs};
         ++*counts[static_cast<std::size_t>(kind)];
     }
+    void count(ProofWay way) {
+        std::size_t* const counts[]{&report_.not_proved, &report_.proved_by_boxes, &report_.proved_by_query,
+                                    &report_.proved_by_cluster, &report_.proved_by_rest};
+        ++*counts[static_cast<std::size_t>(way)];
+    }
+    [[nodiscard]] static const OverlayColour& colour_of(ProofWay way) {
+        return kProofColours[static_cast<std::size_t>(way)];
+    }
     [[nodiscard]] static const OverlayColour& colour_of(PairKind kind) {
         static constexpr const OverlayColour* kColours[]{&kLoaded, &kSleeping, &kTouching, &kNear};
         return *kColours[static_cast<std::size_t>(kind)];
     }
 
     const World& world_;
+    PairLines lines_;
     StepPictureReport report_;
     std::vector<DrawnBody> bodies_;
     std::vector<PictureBody> drawn_;
@@ -168,13 +183,17 @@ class StepPicture {
     Overlay overlay_{.fade = kFade, .lines = {}, .arrows = {}, .dots = {}};
 };
 
+using Progress = std::function<void(std::int64_t, std::int64_t)>;
+
 /// Makes the edits that come before each step on the way to `step`.
-StepReport advance(World& world, std::int64_t step, const std::vector<Edit>& edits) {
+StepReport advance(World& world, std::int64_t step, const std::vector<Edit>& edits, const Progress& progress) {
     StepReport last;
+    const std::int64_t first = world.steps();
     auto next = std::ranges::lower_bound(edits, world.steps(), {}, &Edit::step);
     while (world.steps() < step) {
         for (; next != edits.end() && next->step <= world.steps(); ++next) world.apply(*next);
         last = world.step();
+        if (progress) progress(world.steps() - first, step - first);
     }
     return last;
 }
@@ -204,7 +223,8 @@ void check_same_step(const io::RunReader& run, const StepReport& report) {
 }
 
 StepPictureReport write_of_run(const std::filesystem::path& folder, std::int64_t step,
-                               const std::filesystem::path& output, const PictureOptions& options) {
+                               const std::filesystem::path& output, const PictureOptions& options,
+                               const StepPictureOptions& step_options) {
     const io::RunReader run(folder);
     const SceneDescription scene = io::recorded_scene(run);
     std::vector<Edit> edits;
@@ -215,28 +235,29 @@ StepPictureReport write_of_run(const std::filesystem::path& folder, std::int64_t
     for (const Edit& edit : edits) hash = chained_with_step(hash, edit);
     if (hash != run.info().scene_hash)
         throw InputError(folder.string() + ": its scene and settings are not what the run was made of");
-    const StepReport last = advance(world, step, edits);
+    const StepReport last = advance(world, step, edits, step_options.progress);
     if (last.step > 0) check_same_step(run, last);
-    return write_step_picture(world, output, options);
+    return write_step_picture(world, output, options, step_options.lines);
 }
 
 } // namespace
 
 StepPictureReport write_step_picture(const World& world, const std::filesystem::path& output,
-                                     const PictureOptions& options) {
+                                     const PictureOptions& options, PairLines lines) {
     const DefaultFloatingPoint environment;
-    return StepPicture(world).write(output, options);
+    return StepPicture(world, lines).write(output, options);
 }
 
 StepPictureReport write_step_picture(const std::filesystem::path& source, std::int64_t step,
-                                     const std::filesystem::path& output, const PictureOptions& options) {
+                                     const std::filesystem::path& output, const PictureOptions& options,
+                                     const StepPictureOptions& step_options) {
     const DefaultFloatingPoint environment;
     if (step < 0) throw InputError("picture: step is " + std::to_string(step) + ", must be at least 0");
     std::error_code error; // reading names it
-    if (std::filesystem::is_directory(source, error)) return write_of_run(source, step, output, options);
+    if (std::filesystem::is_directory(source, error)) return write_of_run(source, step, output, options, step_options);
     World world(read_scene(source), source.string());
-    advance(world, step, {});
-    return write_step_picture(world, output, options);
+    advance(world, step, {}, step_options.progress);
+    return write_step_picture(world, output, options, step_options.lines);
 }
 
 } // namespace flotilla

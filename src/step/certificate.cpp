@@ -16,13 +16,13 @@ bool certified(const StepView& view, const PairTable& records, const CandidatePa
 
 } // namespace
 
-void certify(StepData& data) {
+void certify(const StepView& view, PairBook& book, Team& team) {
     constexpr std::size_t kGrain = 256;
-    const std::vector<CandidatePair>& pairs = swept_pairs(data, ListReach::separation); // way a: all others
-    std::vector<std::uint8_t>& flags = data.lists.certified;
+    const std::vector<CandidatePair>& pairs = swept_pairs(view, book, team, ListReach::separation); // way a: all others
+    std::vector<std::uint8_t>& flags = book.lists.certified;
     flags.resize(pairs.size());
-    data.team.for_each("certify", pairs.size(), kGrain,
-                       [&](std::size_t i, int) { flags[i] = certified(data, data.pairs, pairs[i]) ? 1 : 0; });
+    team.for_each("certify", pairs.size(), kGrain,
+                  [&](std::size_t i, int) { flags[i] = certified(view, book.table, pairs[i]) ? 1 : 0; });
     for (std::size_t i = 0; i < pairs.size(); ++i)
         if (flags[i] == 0) throw CertificateError(pairs[i]);
 }

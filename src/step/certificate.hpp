@@ -11,9 +11,13 @@
 
 #include <exception>
 
-#include "pair/step_data.hpp"
+#include "pair/pair_lists.hpp"
+#include "pair/worker.hpp"
 
 namespace flotilla {
+
+/// The ways, as above; none: neither body could move in the step, or what is known of it has lapsed.
+enum class ProofWay : std::uint8_t { none, boxes, query, cluster, still };
 
 /// Thrown where the end of a step could not be proved free of intersections: the first pair of bodies without a proof.
 struct CertificateError : std::exception {
@@ -22,6 +26,6 @@ struct CertificateError : std::exception {
 };
 
 /// Throws CertificateError.
-void certify(StepData& data);
+void certify(const StepView& view, PairBook& book, Team& team);
 
 } // namespace flotilla

@@ -152,7 +152,7 @@ StepperMemory Stepper::memory() const {
     out.bodies += bytes(state_.pose) + bytes(state_.motion) + bytes(model_.bodies);
     out.contacts = bytes(contacts_.contacts) + bytes(sleeping_contacts_) + bytes(state_.warm_half) +
                    bytes(state_.warm_final) + bytes(state_.waiting_half) + bytes(state_.waiting_final);
-    out.pairs = pairs_.memory();
+    out.pairs = pairs_.table.memory();
     return out;
 }
 
@@ -224,12 +224,12 @@ void Stepper::refresh() {
     inner_.clear();
     if (stale_) {
         broadphase_ = {};
-        const std::uint64_t version = lists_.still_version; // versions are never used again
-        lists_ = {};
-        lists_.still_version = version + 1;
-        team_.region([&] { prepare(); });
+        const std::uint64_t version = pairs_.lists.still_version; // versions are never used again
+        pairs_.lists = {};
+        pairs_.lists.still_version = version + 1;
+        workers_.team.region([&] { prepare(); });
     } else {
-        team_.region([&] { refresh_changed(); });
+        workers_.team.region([&] { refresh_changed(); });
     }
     unplaced_.clear();
     stale_ = woken_ = any_changed_ = false;
@@ -238,32 +238,32 @@ void Stepper::refresh() {
 
 /// What prepare() makes, where all is known but of some dynamic bodies, and of others that woke.
 void Stepper::refresh_changed() {
+    proved_step_ = -1;
     place_changed();
     forget_moved_distances();
-    pairs_.forget(changed_);
+    pairs_.table.forget(changed_);
     mark_asleep();
     take_woken_contacts();
     if (model_.settings.contact_reuse != 0) {
-        lists_.stray.resize(model_.size());
+        search_.stray.resize(model_.size());
         for (std::size_t i = 0; i < changed_.size(); ++i)
-            if (changed_[i] != 0) lists_.stray[i] = 0; // searched for where it is
+            if (changed_[i] != 0) search_.stray[i] = 0; // searched for where it is
     }
-    StepData d = data();
-    search_changed(d);
+    search_changed();
     if (!note_rest_distances()) return;
-    pairs_.forget(changed_); // of other lengths
-    search_changed(d);
+    pairs_.table.forget(changed_); // of other lengths
+    search_changed();
 }
 
 /// The contacts of changed bodies, in their places between all others.
-void Stepper::search_changed(StepData& d) {
+void Stepper::search_changed() {
     const auto is_changed = [&](std::int32_t i) { return changed_[at(i)] != 0; };
     contacts_.keep(
         [&](std::size_t i) { return !is_changed(contacts_.contacts[i].a) && !is_changed(contacts_.contacts[i].b); });
     const auto wanted = [&](const CandidatePair& p) { return is_changed(p.a) || is_changed(p.b); };
     ContactSet found;
     found.keeps_near = contacts_.keeps_near;
-    find_contacts_of(d, state_.step, wanted, search_, found);
+    find_contacts(view(), pairs_, workers_, {state_.step, wanted}, search_, found);
     contacts_.near = std::move(found.near);
     contacts_.merge(found);
 }

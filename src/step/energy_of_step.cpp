@@ -10,7 +10,7 @@
 namespace flotilla {
 /// The step's account of energy, after stage 1.
 void Stepper::open_account() {
-    energy_.start(team_, model_, state_.pose, state_.motion);
+    energy_.start(workers_.team, model_, state_.pose, state_.motion);
     for (const std::int32_t i : model_.active) energy_.add_work(i, clusters_.work(i));
     join_contacts();
     join_pushed();
@@ -57,7 +57,7 @@ bool Stepper::slow_down(std::span<Motion> half) {
 
 /// Islands that are raised too far even so stay where they were, and the failsafe goes on around them. Each round holds
 /// a body more at least.
-void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
+void Stepper::hold_overdrawn(FailsafeStats& failsafe) {
     while (true) {
         const std::span<const std::int32_t> bodies = overdrawn();
         if (bodies.empty()) return;
@@ -65,7 +65,7 @@ void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
             const std::int32_t id = clusters_.of(static_cast<std::size_t>(body));
             if (!clusters_[id].infinite()) clusters_.hold(id, trajectories_), ++failsafe.rung_changes;
         }
-        const FailsafeStats more = run_failsafe(d);
+        const FailsafeStats more = run_failsafe(view(), movers(), pairs_, workers_);
         failsafe.merges += more.merges;
         failsafe.rung_changes += more.rung_changes;
         for (const DelayedScript& script : more.delayed_scripts) { // maybe shortened by an earlier round
@@ -83,8 +83,8 @@ void Stepper::hold_overdrawn(StepData& d, FailsafeStats& failsafe) {
 
 /// Bodies that had an impulse in stages 1 and 5, or are of one cluster, are of one island.
 void Stepper::join_pushed() {
-    for (const auto& worker : workers_)
-        for (const CandidatePair& p : worker->pushed) energy_.join(model_, p.a, p.b);
+    for (const Worker& worker : workers_.each)
+        for (const CandidatePair& p : worker.pushed) energy_.join(model_, p.a, p.b);
     for (const std::int32_t id : model_.active)
         for (const std::int32_t member : clusters_[id].members)
             if (member != id) energy_.join(model_, id, member);
@@ -108,8 +108,8 @@ double Stepper::load_work(std::size_t i, const Motion& collided, const Pose& end
 /// The account of the step's energy, after stage 7 (energy_account.hpp).
 void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     join_contacts();
-    for (std::size_t k = 0; has_scripts_ && k < static_.selected.size(); ++k) { // of scripted bodies in stage 7
-        const Contact& c = static_.selected[k];
+    for (std::size_t k = 0; has_scripts_ && k < static_.targets.contacts.size(); ++k) { // of scripted bodies in stage 7
+        const Contact& c = static_.targets.contacts[k];
         for (const std::int32_t body : {c.a, c.b}) {
             if (!model_.bodies[static_cast<std::size_t>(body)].scripted()) continue;
             const Motion& m = motion[static_cast<std::size_t>(body)];
@@ -121,7 +121,7 @@ void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end,
     for (const std::int32_t i : model_.active)
         if (model_.bodies[at(i)].movable() && model_.bodies[at(i)].driven())
             energy_.add_loads(i, load_work(at(i), buffers_.collided[at(i)], end[at(i)]));
-    const EnergyCorrections made = energy_.settle(team_, model_, end, motion, state_.lift);
+    const EnergyCorrections made = energy_.settle(workers_.team, model_, end, motion, state_.lift);
     report.energy_corrections = made.islands;
     report.energy_removed = made.removed;
     report.lift = made.lift + sleepers_.lift;

@@ -44,7 +44,7 @@ void Stepper::make_inner_steps(StepReport& report) {
     for (int k = 0; k < substeps_; ++k) {
         StepReport inner;
         inner.step = state_.step + 1;
-        team_.region([&] { advance(inner); });
+        workers_.team.region([&] { advance(inner); });
         add_inner_step(inner, report);
         if (k + 1 == substeps_) return;
         inner_[static_cast<std::size_t>(k)].pose = state_.pose;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How far bodies have moved since the contacts of their pairs were last searched for (contact_reuse): while that is
-// little, the features in contact are known (static_stage.cpp).
+// little, the features in contact are known (pair/contact_search.cpp).
 #include "base/index.hpp"
 #include "base/rotation.hpp"
 #include "step/stepper.hpp"
@@ -22,9 +22,9 @@ void Stepper::measure_strays() {
     if (model_.settings.contact_reuse == 0) return;
     if (state_.searched.empty())
         for (const Pose& pose : state_.pose) state_.searched.push_back({pose, state_.step});
-    lists_.stray.resize(model_.size());
-    team_.for_each("strays", model_.size(), kBodyGrain, [&](std::size_t i, int) {
-        lists_.stray[i] = stray_from(state_.searched[i].pose, trajectories_.at_start(i));
+    search_.stray.resize(model_.size());
+    workers_.team.for_each("strays", model_.size(), kBodyGrain, [&](std::size_t i, int) {
+        search_.stray[i] = stray_from(state_.searched[i].pose, trajectories_.at_start(i));
     });
 }
 
@@ -33,9 +33,9 @@ void Stepper::measure_strays() {
 void Stepper::note_strays(std::int64_t step) {
     if (state_.searched.empty()) return;
     const std::vector<std::int32_t>& active = model_.active;
-    team_.for_each("strays", active.size(), kBodyGrain, [&](std::size_t k, int) {
+    workers_.team.for_each("strays", active.size(), kBodyGrain, [&](std::size_t k, int) {
         const std::size_t i = at(active[k]);
-        double& stray = lists_.stray[i];
+        double& stray = search_.stray[i];
         stray = stray_from(state_.searched[i].pose, trajectories_.at_end(i));
         const double most =
             model_.bodies[i].movable() ? 0.5 * model_.settings.contact_reuse * body_lengths(model_, i).rest : 0.0;

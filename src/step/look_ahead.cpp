@@ -8,6 +8,7 @@
 
 #include "base/index.hpp"
 #include "base/rotation.hpp"
+#include "pair/impulses.hpp"
 #include "state/loads.hpp"
 
 namespace flotilla {
@@ -56,9 +57,9 @@ Reach reach_of(const Model& model, const PairRecord& pair, const Reach& ways) {
 }
 
 /// The pairs to be searched. Those near each other and the contacts are both sorted.
-void list_pairs(const StepData& data, const VelocityArrays& v, const ContactSet& set,
+void list_pairs(const StepView& view, const PairTable& pairs, const VelocityArrays& v, const ContactSet& set,
                 std::vector<LookAheadScratch::Pair>& out) {
-    const double least_angle = proximity_angle(data.model);
+    const double least_angle = proximity_angle(view.model);
     const auto pair_of = [&](std::size_t i) { return CandidatePair{set.contacts[i].a, set.contacts[i].b}; };
     out.clear();
     std::size_t end = 0;
@@ -67,26 +68,27 @@ void list_pairs(const StepData& data, const VelocityArrays& v, const ContactSet&
         while (i < set.size() && pair_of(i) < c) ++i;
         end = i;
         while (end < set.size() && pair_of(end) == c) ++end;
-        if (!data.model.bodies[at(c.a)].movable() && !data.model.bodies[at(c.b)].movable()) continue; // asleep
-        const PairRecord* const pair = data.pairs.find(c.a, c.b);
+        if (!view.model.bodies[at(c.a)].movable() && !view.model.bodies[at(c.b)].movable()) continue; // asleep
+        const PairRecord* const pair = pairs.find(c.a, c.b);
         if (pair == nullptr) continue;
-        const Reach speeds = speeds_of(data.model, v, c.a, c.b);
-        const double time = speeds.angle * data.dt > kMostTurn ? kMostTurn / speeds.angle : data.dt;
-        const Reach reach = reach_of(data.model, *pair, {time * speeds.distance, time * speeds.angle});
+        const Reach speeds = speeds_of(view.model, v, c.a, c.b);
+        const double time = speeds.angle * view.dt > kMostTurn ? kMostTurn / speeds.angle : view.dt;
+        const Reach reach = reach_of(view.model, *pair, {time * speeds.distance, time * speeds.angle});
         if (!(reach.distance > pair->lengths.proximity || reach.angle > least_angle)) continue;
         out.push_back({pair, i, end, std::max(reach.distance, pair->lengths.proximity),
                        sin_cos(std::max(reach.angle, least_angle)).cos, time});
     }
 }
 
-void look(const StepData& data, Worker& worker, StepEnd poses, const VelocityArrays& v, const ContactSet& set,
+void look(const StepView& view, Worker& worker, const SolvedAt& solved, const ContactSet& set,
           const LookAheadScratch::Pair& pair, ContactSet& out) {
     const std::span<const Contact> known = std::span(set.contacts).subspan(pair.begin, pair.end - pair.begin);
     const PairRecord& record = *pair.record;
-    const double rest = record.lengths.rest, friction = pair_friction(data.model, record.a, record.b);
+    const double rest = record.lengths.rest, friction = pair_friction(view.model, record.a, record.b);
     const auto body = [&](std::int32_t i) {
-        return poses == StepEnd::start ? data.trajectories.at_start(at(i)) : data.trajectories.at_end(at(i));
+        return solved.poses == StepEnd::start ? view.trajectories.at_start(at(i)) : view.trajectories.at_end(at(i));
     };
+    const VelocityArrays& v = solved.velocities;
     const auto ways = [&](std::int32_t i) {
         return PointWays{v.position[at(i)], pair.time * v.velocity[at(i)], pair.time * v.angular_velocity[at(i)]};
     };
@@ -115,13 +117,13 @@ bool may_look_ahead(const Model& model, std::size_t body) {
     return reach.distance > body_lengths(model, body).proximity || reach.angle > proximity_angle(model);
 }
 
-bool add_contacts_ahead(StepData& data, StepEnd poses, const VelocityArrays& solved, LookAheadScratch& scratch,
-                        ContactSet& set) {
+bool add_contacts_ahead(const StepView& view, const PairTable& pairs, Workers& workers, const SolvedAt& solved,
+                        LookAheadScratch& scratch, ContactSet& set) {
     constexpr std::size_t kGrain = 4;
-    list_pairs(data, solved, set, scratch.pairs);
+    list_pairs(view, pairs, solved.velocities, set, scratch.pairs);
     if (scratch.found.size() < scratch.pairs.size()) scratch.found.resize(scratch.pairs.size());
-    data.team.for_each("contacts ahead", scratch.pairs.size(), kGrain, [&](std::size_t i, int thread) {
-        look(data, data.worker(thread), poses, solved, set, scratch.pairs[i], scratch.found[i]);
+    workers.team.for_each("contacts ahead", scratch.pairs.size(), kGrain, [&](std::size_t i, int thread) {
+        look(view, workers[thread], solved, set, scratch.pairs[i], scratch.found[i]);
     });
     ContactSet& merged = scratch.merged;
     merged.clear();

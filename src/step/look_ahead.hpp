@@ -16,7 +16,10 @@
 
 #include <vector>
 
-#include "step/static_stage.hpp"
+#include "pair/pair_lists.hpp"
+#include "pair/worker.hpp"
+#include "proximity/contact_set.hpp"
+#include "static_contact/velocity_arrays.hpp"
 
 namespace flotilla {
 
@@ -40,9 +43,15 @@ struct LookAheadScratch {
 /// The poses at which contacts are searched for.
 enum class StepEnd { start, end };
 
-/// Adds to the set, which was searched at `poses`, what its pairs pass at the velocities `solved`. Whether there was
+/// What a solve left, and the poses of its contacts.
+struct SolvedAt {
+    StepEnd poses;
+    const VelocityArrays& velocities;
+};
+
+/// Adds to the set, which was searched at the same poses, what its pairs pass at the velocities. Whether there was
 /// anything.
-bool add_contacts_ahead(StepData& data, StepEnd poses, const VelocityArrays& solved, LookAheadScratch& scratch,
-                        ContactSet& set);
+bool add_contacts_ahead(const StepView& view, const PairTable& pairs, Workers& workers, const SolvedAt& solved,
+                        LookAheadScratch& scratch, ContactSet& set);
 
 } // namespace flotilla

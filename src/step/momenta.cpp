@@ -21,7 +21,7 @@ constexpr std::size_t kBodyGrain = 16; // bodies of a task
 /// exact as the scheme, and the energy is kept.
 void Stepper::turn_momenta(std::span<const Motion> collided, std::span<Motion> motion) {
     const double dt = model_.settings.time_step;
-    team_.for_each("turn momenta", model_.active.size(), kBodyGrain, [&](std::size_t k, int) {
+    workers_.team.for_each("turn momenta", model_.active.size(), kBodyGrain, [&](std::size_t k, int) {
         const std::size_t i = at(model_.active[k]);
         if (!model_.bodies[i].movable()) return;
         const Cluster& c = clusters_[clusters_.of(i)];

@@ -43,8 +43,8 @@ void Stepper::mark_asleep() {
         sleepers_.lift += state_.lift[i];
     }
     model_.list_active();
-    ++lists_.still_version;
-    lists_.forget_motions(); // sleeping bodies pair by other rules than awake ones
+    ++pairs_.lists.still_version;
+    pairs_.lists.forget_motions(); // sleeping bodies pair by other rules than awake ones
     const auto waits = [&](const WarmImpulse& w) { return rests(w.a, w.b); };
     const auto is_due = [&](const WarmImpulse& w) { return !rests(w.a, w.b); };
     for (auto [impulses, waiting] :
@@ -56,10 +56,10 @@ void Stepper::mark_asleep() {
 }
 
 /// Wakes the islands that something moving may come near in this step.
-void Stepper::wake_disturbed(StepData& d) {
+void Stepper::wake_disturbed() {
     if (sleepers_.count == 0) return;
     bool woken = false;
-    for (const CandidatePair& p : waking_pairs(d)) {
+    for (const CandidatePair& p : waking_pairs(view(), pairs_, workers_.team)) {
         const auto sleeps = [&](std::int32_t i) { return asleep(state_, at(i)); };
         if (sleeps(p.a) == sleeps(p.b)) continue;
         const std::int32_t sleeper = sleeps(p.a) ? p.a : p.b, other = sleeps(p.a) ? p.b : p.a;
@@ -67,7 +67,7 @@ void Stepper::wake_disturbed(StepData& d) {
         wake_island(at(sleeper), state_);
         woken = true;
     }
-    lists_.forget_motions(); // sleeping bodies are in no other list
+    pairs_.lists.forget_motions(); // sleeping bodies are in no other list
     if (!woken) return;
     mark_asleep();
     take_woken_contacts();
@@ -103,18 +103,18 @@ void Stepper::put_to_sleep() {
 }
 
 /// As the step in which they fell asleep found them: the contact points of a pair depend on its poses alone.
-void Stepper::find_sleeping_contacts(StepData& d) {
+void Stepper::find_sleeping_contacts() {
     sleeping_contacts_.clear();
     if (sleepers_.count == 0) return;
     for (Body& body : model_.bodies) body.asleep = false;
     model_.list_active();
-    ++lists_.still_version;
+    ++pairs_.lists.still_version;
     ContactSet all;
-    find_contacts(d, state_.step, search_, all);
+    find_contacts(view(), pairs_, workers_, {state_.step}, search_, all);
     mark_asleep();
     std::copy_if(all.contacts.begin(), all.contacts.end(), std::back_inserter(sleeping_contacts_),
                  [&](const Contact& c) { return rests(c.a, c.b); });
-    pairs_.clear(); // of pairs that no step lists
+    pairs_.table.clear(); // of pairs that no step lists
 }
 
 } // namespace flotilla

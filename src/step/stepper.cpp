@@ -7,11 +7,11 @@
 #include <numbers>
 #include <tuple>
 
-#include "base/assert.hpp"
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
 #include "collision/collisions.hpp"
 #include "state/loads.hpp"
+#include "step/phase_watch.hpp"
 
 namespace flotilla {
 namespace {
@@ -20,48 +20,6 @@ constexpr std::size_t kBodyGrain = 16; // bodies of a task
 /// Of half velocities, see slow_down(). Three cubes of 0.3 mm, preset accurate, at 1/24 s: 82 bodies held in 96 steps
 /// with one, 75 with two, 1 with three, none with four; without, 8.
 constexpr int kMostHalvings = 4;
-/// Rounds of look_ahead.hpp in stage 3, whose velocities move the bodies: a cube that the first round stops at a corner
-/// turns about that in the second solve, and passes others. Three cubes of 0.3 mm at 1/24 s, ten seeds, preset
-/// accurate: 633 bodies held in 8 runs and 3 runs at rest with one round, none held and all at rest with two; four give
-/// the same.
-constexpr int kLooksAhead = 2;
-
-/// A named stretch of the step in the record of the team's tasks, where there is one.
-class RecordedSpan {
-  public:
-    RecordedSpan(const char* name, const Team& team)
-        : name_(name), recorder_(team.recorder()), begin_(recorder_ != nullptr ? recorder_->now() : 0) {}
-    RecordedSpan(const RecordedSpan&) = delete;
-    RecordedSpan& operator=(const RecordedSpan&) = delete;
-    ~RecordedSpan() {
-        if (recorder_ != nullptr) recorder_->add_phase(name_, begin_, recorder_->now());
-    }
-
-  private:
-    const char* name_;
-    TaskRecorder* recorder_;
-    std::int64_t begin_;
-};
-
-/// Times a phase for the report and the record.
-class PhaseWatch {
-  public:
-    PhaseWatch(StepReport& report, Phase phase, const Team& team)
-        : watch_(report.ms(phase)), span_(kPhaseNames[static_cast<std::size_t>(phase)].data(), team) {}
-
-  private:
-    Stopwatch watch_;
-    RecordedSpan span_;
-};
-
-void set_counters(const PruneCounters& c, StepReport& report) {
-    report.proximities = c.proximities;
-    report.pruned_end_points = c.end_points;
-    report.pruned_same_direction = c.same_direction;
-    report.pruned_angle = c.angle;
-    report.pruned_occluded = c.occluded;
-}
-
 void add_counters(const StageCounters& c, StepReport& report) {
     report.pairs += c.pairs;
     report.ms(Phase::detection) += c.detection_ms;
@@ -77,12 +35,6 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
     }
 }
 
-/// Of the active bodies; the others have the same in both.
-template <class T>
-void copy_active(const Model& model, std::span<const T> from, std::span<T> to) {
-    for (const std::int32_t i : model.active) to[at(i)] = from[at(i)];
-}
-
 } // namespace
 
 Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
@@ -90,14 +42,13 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
       substeps_(model.settings.substeps),
       time_step_(model.settings.time_step),
       options_(options),
-      team_(options.team),
+      workers_(options.team),
       state_(std::move(state)),
       scripts_(model_) {
-    for (int k = 0; k < team_.size(); ++k) workers_.push_back(std::make_unique<Worker>());
     state_.sleep.resize(model_.size());
     moved_.assign(model_.size(), state_.step == 0 ? 1 : 0);
     size_buffers();
-    team_.region([&] { prepare(); });
+    workers_.team.region([&] { prepare(); });
 }
 
 /// What is there for every body, and what depends on who is there.
@@ -115,20 +66,20 @@ void Stepper::size_buffers() {
 
 /// Everything that follows from the state.
 void Stepper::prepare() {
+    proved_step_ = -1;
     forget_moved_distances();
     mark_asleep();
-    pairs_.clear();
+    pairs_.table.clear();
     trajectories_.resize(model_);
-    team_.for_each("place bodies", model_.size(), kBodyGrain,
-                   [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
+    workers_.team.for_each("place bodies", model_.size(), kBodyGrain,
+                           [&](std::size_t i, int) { trajectories_.start(model_, i, state_.pose[i]); });
     measure_strays();
-    StepData d = data();
-    if (state_.step > 0) find_sleeping_contacts(d);
-    find_contacts(d, state_.step, search_, contacts_);
+    if (state_.step > 0) find_sleeping_contacts();
+    find_contacts(view(), pairs_, workers_, {state_.step}, search_, contacts_);
     contacts_step_ = state_.step;
     if (!note_rest_distances()) return;
-    pairs_.clear(); // of other lengths
-    find_contacts(d, state_.step, search_, contacts_);
+    pairs_.table.clear(); // of other lengths
+    find_contacts(view(), pairs_, workers_, {state_.step}, search_, contacts_);
 }
 
 /// Pairs of bodies that were placed closer than their rest distance keep that distance as their rest distance
@@ -154,20 +105,25 @@ bool Stepper::note_rest_distances() {
 
 QueryCounters Stepper::query_counters() const {
     QueryCounters sum;
-    for (const auto& worker : workers_) sum += worker->ccd.counters;
+    for (const Worker& worker : workers_.each) sum += worker.ccd.counters;
     return sum;
 }
 
-StepData Stepper::data() {
+StepView Stepper::view() const {
     const Settings& s = model_.settings;
     const double approach =
         s.approach_threshold >= 0 ? s.approach_threshold : 0.5 * length(model_.gravity) * s.time_step;
     const double angle_cos = sin_cos(s.proximity_angle * std::numbers::pi / 180).cos;
-    const StepView view{model_,          state_,        trajectories_,
-                        clusters_,       lists_.bounds, s.time_step,
-                        angle_cos,       approach,      options_.keep_candidates,
-                        options_.savings};
-    return {view, {clusters_, trajectories_, s.time_step}, pairs_, broadphase_, lists_, team_, workers_};
+    return {model_,
+            state_,
+            trajectories_,
+            clusters_,
+            pairs_.lists.bounds,
+            s.time_step,
+            angle_cos,
+            approach,
+            options_.keep_candidates,
+            options_.savings};
 }
 
 StepReport Stepper::step(const std::function<bool(Phase)>& observer) {
@@ -201,7 +157,7 @@ void Stepper::undo_step() {
     activity_ = before_.activity;
     inner_ = before_.inner;
     moved_ = before_.moved;
-    team_.region([&] { prepare(); });
+    workers_.team.region([&] { prepare(); });
 }
 
 void Stepper::observe(Phase phase) const {
@@ -220,85 +176,70 @@ void Stepper::advance(StepReport& report) {
     auto& [end, collided, half, next] = buffers_;
     FailsafeStats failsafe;
     {
-        const RecordedSpan recorded("step", team_);
-        StepData d = begin_step(report.step);
-        collisions(d, collided, report); // 1) v^n becomes v^
+        const RecordedSpan recorded("step", workers_.team);
+        begin_step(report.step);
+        collisions(collided, report); // 1) v^n becomes v^
         observe(Phase::collisions);
-        half_velocities(collided, half, report);        // 2) v^{n+1/2} = v^ + dt/2 a
-        half_static_contact(d, collided, half, report); // 3) on v^{n+1/2}; its contacts are those of the last stage 7
+        half_velocities(collided, half, report);     // 2) v^{n+1/2} = v^ + dt/2 a
+        half_static_contact(collided, half, report); // 3) on v^{n+1/2}; its contacts are those of the last stage 7
         observe(Phase::half_static_contact);
-        failsafe = move_bodies(d, half, report); // 4) x^{n+1} from x^n and v^{n+1/2}; 5) free of intersections
+        failsafe = move_bodies(half, report); // 4) x^{n+1} from x^n and v^{n+1/2}; 5) free of intersections
         observe(Phase::failsafe);
-        certify_end(d, end, report);
+        certify_end(end, report);
         new_velocities(collided, end, next, report); // 6) v^{n+1} = v^ + dt a
-        final_static_contact(d, end, next, report);  // 7) on v^{n+1}, contacts at x^{n+1}
+        final_static_contact(end, next, report);     // 7) on v^{n+1}, contacts at x^{n+1}
         observe(Phase::static_contact);
     }
-    team_.dismiss();
+    workers_.team.dismiss();
     commit(next, end, failsafe);
     report.min_distance = contacts_.min_distance;
 }
 
-StepData Stepper::begin_step(std::int64_t step) {
-    pairs_.start_step(team_, step);
+void Stepper::begin_step(std::int64_t step) {
+    pairs_.table.start_step(workers_.team, step);
     place_still();
     for (const std::int32_t i : model_.active) first_version_[at(i)] = trajectories_.version(at(i));
-    for (const auto& worker : workers_) worker->pushed.clear();
-    return data();
-}
-
-/// No search finds them: they are those that stage 7 of the step before found at its x^{n+1}, without those that were
-/// ahead or fell asleep (commit). At the start, and after edits, prepare() and refresh_changed() search for them.
-ContactSet& Stepper::contacts_at_start() {
-    FLOTILLA_ASSERT(contacts_step_ == state_.step);
-    return contacts_;
+    for (Worker& worker : workers_.each) worker.pushed.clear();
 }
 
 /// Stage 1.
-void Stepper::collisions(StepData& d, std::span<Motion> collided, StepReport& report) {
-    const PhaseWatch watch(report, Phase::collisions, team_);
+void Stepper::collisions(std::span<Motion> collided, StepReport& report) {
+    const PhaseWatch watch(report, Phase::collisions, workers_.team);
     start_trajectories(state_.motion); // x^n -> x(v^n)
-    wake_disturbed(d);
+    wake_disturbed();
     const ContactSet& known = contacts_at_start();
-    const StageCounters c = handle_collisions(d, {known.contacts, known.rest}, collisions_);
+    const StageCounters c =
+        handle_collisions(view(), movers(), pairs_, workers_, {known.contacts, known.rest}, collisions_);
     add_counters(c, report);
     report.collisions = c.impulses;
     if (c.limit) report.warnings |= kCollisionLimit;
-    copy_active<Motion>(model_, clusters_.motion(), collided);
+    copy_active<Motion>(clusters_.motion(), collided);
     open_account();
 }
 
 /// Stage 2.
 void Stepper::half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report) {
-    const PhaseWatch watch(report, Phase::half_velocity, team_);
-    copy_active<Motion>(model_, collided, half);
-    accelerate(model_, 0.5 * model_.settings.time_step, half);
+    const PhaseWatch watch(report, Phase::half_velocity, workers_.team);
+    set_half_velocities(collided, half);
 }
 
-/// Stage 3. Where islands cannot afford to be raised to their rest distance, once more without that.
-void Stepper::half_static_contact(StepData& d, std::span<const Motion> collided, std::span<Motion> half,
-                                  StepReport& report) {
-    const PhaseWatch watch(report, Phase::half_static_contact, team_);
-    static_contact(d, contacts_at_start(), half, state_.pose, false, report);
-    if (!mark_level(half)) return;
-    copy_active<Motion>(model_, collided, half);
+void Stepper::set_half_velocities(std::span<const Motion> collided, std::span<Motion> half) {
+    copy_active<Motion>(collided, half);
     accelerate(model_, 0.5 * model_.settings.time_step, half);
-    static_contact(d, contacts_at_start(), half, state_.pose, false, report);
-    level_.clear();
 }
 
 /// The end of stage 5: what is certified is committed.
-void Stepper::certify_end(StepData& d, std::span<Pose> end, StepReport& report) {
-    const PhaseWatch watch(report, Phase::certificate, team_);
-    certify(d);
+void Stepper::certify_end(std::span<Pose> end, StepReport& report) {
+    const PhaseWatch watch(report, Phase::certificate, workers_.team);
+    certify(view(), pairs_, workers_.team);
     for (const std::int32_t i : model_.active) end[at(i)] = trajectories_.end_pose(at(i));
 }
 
 /// Stage 6.
 void Stepper::new_velocities(std::span<const Motion> collided, std::span<const Pose> end, std::span<Motion> next,
                              StepReport& report) {
-    const PhaseWatch watch(report, Phase::velocity, team_);
-    copy_active<Motion>(model_, collided, next);
+    const PhaseWatch watch(report, Phase::velocity, workers_.team);
+    copy_active<Motion>(collided, next);
     accelerate(model_, model_.settings.time_step, next);
     if (has_scripts_)
         for (const std::int32_t i : model_.active)
@@ -308,31 +249,11 @@ void Stepper::new_velocities(std::span<const Motion> collided, std::span<const P
     drop_line_spin(end, next);
 }
 
-/// Stage 7.
-void Stepper::final_static_contact(StepData& d, std::span<const Pose> end, std::span<Motion> next, StepReport& report) {
-    const PhaseWatch watch(report, Phase::static_contact, team_);
-    find_contacts_at_end(d, report);
-    static_contact(d, contacts_, next, end, true, report);
-    settle_energy(next, end, report);
-    report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
-}
-
-/// They are what stage 3 of the next step starts with.
-void Stepper::find_contacts_at_end(StepData& d, StepReport& report) {
-    const PhaseWatch detection(report, Phase::static_detection, team_);
-    note_strays(report.step);
-    contacts_.list_pairs(start_pairs_);
-    find_contacts(d, report.step, search_, contacts_);
-    contacts_step_ = report.step;
-    contacts_.mark_processed(start_pairs_);
-    set_counters(contacts_.counters, report);
-}
-
 /// What the stages read of bodies that stand still: once for as long as the same ones do. The stages themselves see
 /// active bodies only.
 void Stepper::place_still() {
-    if (placed_version_ == lists_.still_version) return;
-    placed_version_ = lists_.still_version;
+    if (placed_version_ == pairs_.lists.still_version) return;
+    placed_version_ = pairs_.lists.still_version;
     const std::size_t n = model_.size();
     auto& [end, collided, half, next] = buffers_;
     clusters_.resize(model_);
@@ -356,68 +277,27 @@ void Stepper::place_still() {
 
 void Stepper::start_trajectories(std::span<const Motion> motion) {
     const std::vector<std::int32_t>& active = model_.active;
-    team_.for_each("start clusters", active.size(), kBodyGrain,
-                   [&](std::size_t k, int) { clusters_.start(at(active[k]), trajectories_, motion[at(active[k])]); });
+    workers_.team.for_each("start clusters", active.size(), kBodyGrain, [&](std::size_t k, int) {
+        clusters_.start(at(active[k]), trajectories_, motion[at(active[k])]);
+    });
     if (has_scripts_) scripts_.move(model_, state_, trajectories_, clusters_);
-    team_.for_each("move bodies", active.size(), kBodyGrain, [&](std::size_t k, int) {
+    workers_.team.for_each("move bodies", active.size(), kBodyGrain, [&](std::size_t k, int) {
         if (model_.bodies[at(active[k])].movable())
             clusters_.evolve(active[k], model_.settings.time_step, trajectories_);
     });
 }
 
-void Stepper::static_contact(StepData& d, ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
-                             bool final_stage, StepReport& report) {
-    const PhaseWatch watch(report, Phase::static_response, team_);
-    if (looks_ahead_) copy_active<Motion>(model_, motion, before_solve_);
-    StaticStageStats stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
-    report.iterations += stats.solve.iterations;
-    const StepEnd at = final_stage ? StepEnd::end : StepEnd::start;
-    const int rounds = !looks_ahead_ ? 0 : final_stage ? 1 : kLooksAhead;
-    for (int k = 0; k < rounds && add_contacts_ahead(d, at, static_.bodies, ahead_, contacts); ++k) {
-        if (!final_stage) join_contacts();
-        copy_active<Motion>(model_, before_solve_, motion);
-        stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
-        report.iterations += stats.solve.iterations;
-    }
-    if (!final_stage) { // what an earlier solve reported that mark_level() discarded is forgotten
-        report.residual = 0;
-        report.warnings &= ~std::uint32_t{kStaticLimit | kStaticLetOff};
-    }
-    report.residual = std::max(report.residual, stats.solve.residual);
-    if (final_stage) report.contacts = stats.contacts;
-    if (stats.solve.unsolved_islands > stats.solve.let_off_islands) report.warnings |= kStaticLimit;
-    if (stats.solve.let_off_islands > 0) report.warnings |= kStaticLetOff;
-}
-
-StaticStageStats Stepper::solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
-                                            std::span<const Pose> poses, bool final_stage, const StepReport& report) {
-    // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1
-    // ended by its limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up
-    // would accelerate for ever.
-    const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
-    // Stage 3 carries half a step's gravity, stage 7 a whole one's: impulses taken over from the other stage are scaled
-    // by that.
-    const StaticStageStats stats = solve_static_contact(
-        model_, contacts, poses, motion, final_stage ? state_.warm_final : state_.warm_half,
-        final_stage ? state_.warm_half : state_.warm_final,
-        {final_stage, keep_approach, final_stage ? 2.0 : 0.5, report.step, lists_.still_version, state_.motion,
-         state_.pose, level_, &team_, options_.tuning, options_.savings.normal_rows},
-        static_);
-    contact_visits_ += stats.solve.visits;
-    return stats;
-}
-
 /// Stages 4 and 5. What could not go as far as its half velocity says is tried again with half of it.
-FailsafeStats Stepper::move_bodies(StepData& d, std::span<Motion> half, StepReport& report) {
+FailsafeStats Stepper::move_bodies(std::span<Motion> half, StepReport& report) {
     slowed_.assign(model_.size(), 0);
     for (int halvings = 0;; ++halvings) {
-        candidate_end_states(half, report);                             // 4
-        const DynamicContactStats dynamic = dynamic_contact(d, report); // 5: dynamic contact
-        const PhaseWatch watch(report, Phase::failsafe, team_);
-        FailsafeStats failsafe = run_failsafe(d); // 5: the failsafe
+        candidate_end_states(half, report);                          // 4
+        const DynamicContactStats dynamic = dynamic_contact(report); // 5: dynamic contact
+        const PhaseWatch watch(report, Phase::failsafe, workers_.team);
+        FailsafeStats failsafe = run_failsafe(view(), movers(), pairs_, workers_); // 5: the failsafe
         add_counters(failsafe.counters, report);
         if (halvings < kMostHalvings && slow_down(half)) continue;
-        hold_overdrawn(d, failsafe);
+        hold_overdrawn(failsafe);
         record_failsafe(dynamic, failsafe, report);
         if (!failsafe.delayed_scripts.empty() && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)
             throw BlockedScripts(failsafe.delayed_scripts);
@@ -427,13 +307,13 @@ FailsafeStats Stepper::move_bodies(StepData& d, std::span<Motion> half, StepRepo
 
 /// Stage 4, equations 3 and 4.
 void Stepper::candidate_end_states(std::span<const Motion> half, StepReport& report) {
-    const PhaseWatch watch(report, Phase::position, team_);
+    const PhaseWatch watch(report, Phase::position, workers_.team);
     start_trajectories(half);
 }
 
-DynamicContactStats Stepper::dynamic_contact(StepData& d, StepReport& report) {
-    const PhaseWatch watch(report, Phase::dynamic_contact, team_);
-    const DynamicContactStats stats = handle_dynamic_contact(d);
+DynamicContactStats Stepper::dynamic_contact(StepReport& report) {
+    const PhaseWatch watch(report, Phase::dynamic_contact, workers_.team);
+    const DynamicContactStats stats = handle_dynamic_contact(view(), movers(), pairs_, workers_);
     add_counters(stats.counters, report);
     return stats;
 }
@@ -480,7 +360,7 @@ void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, 
         state_.motion[at(i)] = motion[at(i)];
         state_.pose[at(i)] = end[at(i)];
     }
-    ++state_.step;
+    proved_step_ = ++state_.step;
     state_.time = static_cast<double>(state_.step) * model_.settings.time_step;
     trajectories_.advance(model_.active);
     if (looks_ahead_)

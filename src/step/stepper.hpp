@@ -13,11 +13,14 @@
 #include "dynamic_contact/dynamic_contact.hpp"
 #include "failsafe/failsafe.hpp"
 #include "islands/sleeping.hpp"
+#include "pair/contact_search.hpp"
+#include "static_contact/solve_contacts.hpp"
+#include "static_contact/targets.hpp"
+#include "static_contact/warm_impulses.hpp"
 #include "step/certificate.hpp"
 #include "step/energy_account.hpp"
 #include "step/look_ahead.hpp"
 #include "step/scripts.hpp"
-#include "step/static_stage.hpp"
 
 namespace flotilla {
 
@@ -127,7 +130,10 @@ class Stepper {
     /// Whether small bodies may look for contacts ahead (look_ahead.hpp), and whether scripts run.
     [[nodiscard]] bool looks_ahead() const { return looks_ahead_; }
     [[nodiscard]] bool has_scripts() const { return has_scripts_; }
-    [[nodiscard]] Team& team() { return team_; }
+    /// How the last inner step proved two bodies apart. Known until something is edited; a pure function of what the
+    /// step left, so that it costs nothing where nobody asks.
+    [[nodiscard]] ProofWay proved_by(std::int32_t a, std::int32_t b) const;
+    [[nodiscard]] Team& team() { return workers_.team; }
 
   private:
     void size_buffers();
@@ -138,17 +144,18 @@ class Stepper {
     void mark_changed(std::int32_t body);
     void wake_neighbours(std::int32_t body);
     void refresh_changed();
-    void search_changed(StepData& d);
+    void search_changed();
     void take_woken_contacts();
     void forget_pairs_of(std::int32_t body);
     void place_still();
-    void find_sleeping_contacts(StepData& d);
+    void find_sleeping_contacts();
     void measure_strays();
     void note_strays(std::int64_t step);
     void advance(StepReport& report);
     void make_inner_steps(StepReport& report);
-    StepData data();
-    void wake_disturbed(StepData& d);
+    [[nodiscard]] StepView view() const;
+    [[nodiscard]] Movers movers() { return {clusters_, trajectories_, model_.settings.time_step}; }
+    void wake_disturbed();
     void mark_asleep();
     void put_to_sleep();
     /// Whether neither body moves until something wakes it.
@@ -156,27 +163,33 @@ class Stepper {
         return !model_.bodies[static_cast<std::size_t>(a)].movable() &&
                !model_.bodies[static_cast<std::size_t>(b)].movable();
     }
-    StepData begin_step(std::int64_t step);
+    /// Of the active bodies; the others have the same in both.
+    template <class T>
+    void copy_active(std::span<const T> from, std::span<T> to) const {
+        for (const std::int32_t i : model_.active) to[static_cast<std::size_t>(i)] = from[static_cast<std::size_t>(i)];
+    }
+    void begin_step(std::int64_t step);
     /// Every body on its own, with the given motion, and evolved to its candidate end state: stage 1 begins so with
     /// v^n, stage 4 is this with v^{n+1/2}.
     void start_trajectories(std::span<const Motion> motion);
-    void collisions(StepData& d, std::span<Motion> collided, StepReport& report);
+    void collisions(std::span<Motion> collided, StepReport& report);
     void half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
+    void set_half_velocities(std::span<const Motion> collided, std::span<Motion> half);
     ContactSet& contacts_at_start();
-    void half_static_contact(StepData& d, std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
-    FailsafeStats move_bodies(StepData& d, std::span<Motion> half, StepReport& report);
+    void half_static_contact(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
+    FailsafeStats move_bodies(std::span<Motion> half, StepReport& report);
     void candidate_end_states(std::span<const Motion> half, StepReport& report);
-    DynamicContactStats dynamic_contact(StepData& d, StepReport& report);
-    void certify_end(StepData& d, std::span<Pose> end, StepReport& report);
+    DynamicContactStats dynamic_contact(StepReport& report);
+    void certify_end(std::span<Pose> end, StepReport& report);
     void new_velocities(std::span<const Motion> collided, std::span<const Pose> end, std::span<Motion> next,
                         StepReport& report);
-    void final_static_contact(StepData& d, std::span<const Pose> end, std::span<Motion> next, StepReport& report);
-    void find_contacts_at_end(StepData& d, StepReport& report);
+    void final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report);
+    void find_contacts_at_end(StepReport& report);
     /// Stages 3 and 7 (`final_stage`).
-    void static_contact(StepData& d, ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
-                        bool final_stage, StepReport& report);
-    StaticStageStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
-                                       std::span<const Pose> poses, bool final_stage, const StepReport& report);
+    void static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
+                        StepReport& report);
+    ContactSolveStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
+                                        std::span<const Pose> poses, bool final_stage, const StepReport& report);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;
     [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
@@ -188,7 +201,7 @@ class Stepper {
     bool mark_level(std::span<const Motion> half);
     std::span<const std::int32_t> overdrawn();
     bool slow_down(std::span<Motion> half);
-    void hold_overdrawn(StepData& d, FailsafeStats& failsafe);
+    void hold_overdrawn(FailsafeStats& failsafe);
     void join_pushed();
     void join_contacts();
     void settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report);
@@ -202,9 +215,7 @@ class Stepper {
     int substeps_;
     double time_step_; ///< s, of all inner steps together
     StepperOptions options_;
-    Team team_;
     Workers workers_;
-    ListBuffers lists_; ///< kept between steps
     State state_;
     struct Before {
         State state;
@@ -228,8 +239,8 @@ class Stepper {
     bool has_scripts_ = false;
     Trajectories trajectories_;
     Clusters clusters_;
-    PairTable pairs_;
     KeptPairs broadphase_;
+    PairBook pairs_{broadphase_}; ///< kept between steps
     /// What one step hands from stage to stage; kept, so that a steady scene allocates nothing.
     struct StepBuffers {
         std::vector<Pose> end;
@@ -237,7 +248,15 @@ class Stepper {
     };
     StepBuffers buffers_;
     CollisionScratch collisions_;
-    StaticStageScratch static_;
+    /// What a solve of stages 3 and 7 is made of; the last one's, until the next.
+    struct StaticBuffers {
+        VelocityArrays velocities;
+        ContactTargets targets;
+        std::vector<Vec3> impulses;       ///< N s, on b, by contact of `targets`
+        std::vector<std::int32_t> stored; ///< of `targets`, those whose impulses are kept
+        ContactScratch solver;
+    };
+    StaticBuffers static_;
     std::int64_t contact_visits_ = 0;
     EnergyAccount energy_;
     std::vector<Vec3> way_;            ///< m, displacements of centres of mass in the step
@@ -271,6 +290,7 @@ class Stepper {
     std::vector<std::uint8_t> failsafe_bodies_; ///< those that a failsafe event of the step touched, as flags
     std::vector<std::uint8_t> disturbed_;       ///< bodies that may not fall asleep
     std::vector<std::uint64_t> first_version_;  ///< of the bodies' end states in this step
+    std::int64_t proved_step_ = -1;             ///< the step of which proved_by() knows; -1: of none
     std::vector<BodyActivity> activity_;
 };
 

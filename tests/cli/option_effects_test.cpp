@@ -203,6 +203,9 @@ Options::Rows Options::picture_rows() {
         const std::string text = option;
         rows[text.substr(0, text.find(' '))] = {small, small + option, png};
     }
+    const std::string step = small + "--step 20 ", out = " --output " + at("q.png");
+    rows["--lines"] = {step, step + "--lines proofs", png};
+    rows["--quiet"] = {step + out, step + "--quiet" + out, lines_with("to make step")};
     return rows;
 }
 

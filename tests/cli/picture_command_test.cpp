@@ -139,7 +139,16 @@ TEST(PictureCommand, ShowsContactsAndPairsOfAStep) {
     EXPECT_NE(r.err.find("step 4, t = "), std::string::npos) << r.err;
     EXPECT_NE(r.err.find("pairs: 2 with an impulse (red)"), std::string::npos) << r.err;
     EXPECT_EQ(png_size(bytes_of(out)), (std::array{64, 48}));
-    for (const char* bad : {" --step -1", " --step x", " --step 4 --frame 1", " --step 4 --camera-frame 1"})
+    const std::string contacts = bytes_of(out);
+    const CommandOutput proofs =
+        run_flotilla("picture " + scene + " --step 4 --lines proofs --quiet --output " + out + kSmall);
+    EXPECT_EQ(proofs.exit_code, 0) << proofs.err;
+    EXPECT_NE(proofs.err.find("by a query (blue)"), std::string::npos) << proofs.err;
+    EXPECT_EQ(proofs.err.find("step 4 of 4"), std::string::npos) << proofs.err;
+    EXPECT_NE(r.err.find("step 4 of 4"), std::string::npos) << r.err;
+    EXPECT_NE(bytes_of(out), contacts);
+    for (const char* bad : {" --lines proofs", " --step 4 --lines hints", " --step -1", " --step x",
+                            " --step 4 --frame 1", " --step 4 --camera-frame 1"})
         EXPECT_EQ(run_flotilla("picture " + scene + bad + " --output " + out + kSmall).exit_code, 2) << bad;
 }
 

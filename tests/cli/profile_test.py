@@ -63,7 +63,7 @@ class Profile(unittest.TestCase):
     def test_names_are_those_that_the_source_has(self):
         for name, wanted in [("flotilla::(anonymous namespace)::run<flotilla::Vec<8>, 3>", "run"),
                              ("flotilla::Clusters::evolve", "Clusters::evolve"),
-                             ("flotilla::certify(flotilla::StepData&)::{lambda(unsigned long, int)#1}", "certify::lambda")]:
+                             ("flotilla::certify(flotilla::StepView const&, flotilla::PairBook&, flotilla::Team&)::{lambda(unsigned long, int)#1}", "certify::lambda")]:
             self.assertEqual(profile.plain(name), wanted)
 
     def test_stages_are_called_what_functions_of_the_source_are(self):

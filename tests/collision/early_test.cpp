@@ -51,14 +51,15 @@ TEST_P(EarlyCollisions, FindingRecordsNothing) {
     for (const Way& way : kWays) {
         SCOPED_TRACE(way.name);
         OnePair world(way, GetParam());
-        StepData data = world.data();
+        const StepView view = world.view();
+        Worker& worker = world.workers()[0];
         PairRecord& pair = world.record();
-        const CollisionFinding found = find_collision(data, data.worker(0), pair, pair.cache);
+        const CollisionFinding found = find_collision(view, worker, pair, pair.cache);
         EXPECT_EQ(found.urgent.has_value(), way.calls);
         EXPECT_EQ(found.processed, way.processed);
         EXPECT_EQ(world.verdict_now(), Verdict::open);
         EXPECT_FALSE(pair.processed);
-        const CollisionFinding again = find_collision(data, data.worker(0), pair, pair.cache);
+        const CollisionFinding again = find_collision(view, worker, pair, pair.cache);
         EXPECT_EQ(again.urgent.has_value(), way.calls);
         EXPECT_EQ(again.hit.toi, found.hit.toi);
         EXPECT_EQ(again.verdict, found.verdict);
@@ -70,9 +71,8 @@ TEST_P(EarlyCollisions, ClosingEarlyDoesWhatTheTurnWouldDo) {
     for (const Way& way : kWays) {
         SCOPED_TRACE(way.name);
         OnePair early(way, GetParam()), in_turn(way, GetParam());
-        StepData a = early.data(), b = in_turn.data();
-        EXPECT_EQ(close_calm(a, a.worker(0), early.record()), !way.calls);
-        EXPECT_EQ(find_hits(b, b.worker(0), in_turn.record()), way.calls);
+        EXPECT_EQ(close_calm(early.view(), early.workers()[0], early.record()), !way.calls);
+        EXPECT_EQ(find_hits(in_turn.view(), in_turn.workers()[0], in_turn.record()), way.calls);
         EXPECT_EQ(in_turn.record().processed, way.processed);
         if (way.calls) {
             EXPECT_EQ(early.verdict_now(), Verdict::open) << "its turn comes as ever";
@@ -88,14 +88,15 @@ TEST_P(EarlyCollisions, ClosingEarlyDoesWhatTheTurnWouldDo) {
 // An operation before the pair's turn moves the body: the turn finds the pair open, and what was expected is void.
 TEST_P(EarlyCollisions, WhatWasExpectedIsVoidWhereABodyMovesBeforeTheTurn) {
     OnePair world(kWays[2], GetParam());
-    StepData data = world.data();
+    const StepView view = world.view();
+    Worker& worker = world.workers()[0];
     PairRecord& pair = world.record();
-    ASSERT_TRUE(close_calm(data, data.worker(0), pair));
+    ASSERT_TRUE(close_calm(view, worker, pair));
     ASSERT_TRUE(pair.processed);
-    data.movers.trajectories.set_end(0, make_pose(world.model().shape_of(0), {0.3, 0.1, 2}, {}), {});
+    world.movers().trajectories().set_end(0, make_pose(world.model().shape_of(0), {0.3, 0.1, 2}, {}), {});
     EXPECT_EQ(world.verdict_now(), Verdict::open);
     pair.processed.withdraw();
-    EXPECT_FALSE(find_hits(data, data.worker(0), pair));
+    EXPECT_FALSE(find_hits(view, worker, pair));
     EXPECT_FALSE(pair.processed) << "where it is now it is near nothing";
 }
 

@@ -116,9 +116,8 @@ std::pair<double, bool> near_plate(SceneDescription s, double gap, double veloci
                                                                                                             velocity};
     add_body(s, add_shape(s, make_plate(4, 4)), BodyType::fixed, {}, 0, 1);
     StageWorld world(s);
-    StepData data = world.data();
     CollisionScratch scratch;
-    handle_collisions(data, {}, scratch);
+    handle_collisions(world.view(), world.movers(), world.book(), world.workers(), {}, scratch);
     const PairRecord* record = world.pairs().find(0, 1);
     return {world.velocity(0).z, record != nullptr && record->processed};
 }

@@ -12,9 +12,8 @@
 namespace flotilla::test {
 
 inline StageCounters collide(StageWorld& world) {
-    StepData data = world.data();
     CollisionScratch scratch;
-    return handle_collisions(data, {}, scratch);
+    return handle_collisions(world.view(), world.movers(), world.book(), world.workers(), {}, scratch);
 }
 
 /// Tests of each way.

@@ -14,8 +14,7 @@ using test::proved_apart;
 using test::StageWorld;
 
 DynamicContactStats run(StageWorld& world) {
-    StepData data = world.data();
-    return handle_dynamic_contact(data);
+    return handle_dynamic_contact(world.view(), world.movers(), world.book(), world.workers());
 }
 
 /// Octahedra and boxes in turn along x with the given masses and velocities, `gap` apart.

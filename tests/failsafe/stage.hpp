@@ -11,8 +11,7 @@
 namespace flotilla::test {
 
 inline FailsafeStats run_failsafe_of(StageWorld& world) {
-    StepData data = world.data();
-    return run_failsafe(data);
+    return run_failsafe(world.view(), world.movers(), world.book(), world.workers());
 }
 
 /// Pairs of triangles of different bodies, one of them movable, that meet at the end poses. Exact.

@@ -141,6 +141,34 @@ def test_pictures_of_everything(falling, folder, tmp_path):
         flotilla.picture(world, tmp_path / "x.png", breadth=100)
 
 
+def test_pictures_of_steps(falling, folder, tmp_path):
+    world = flotilla.World(falling)
+    world.step(STEPS)
+    small = {"width": 64, "height": 48, "sun_samples": 1, "sky_samples": 4}
+    file, steps = tmp_path / "scene.json", []
+    flotilla.write_scene(falling, file)
+    reports = [flotilla.write_step_picture(world, tmp_path / "0.png", **small),
+               flotilla.write_step_picture(folder, tmp_path / "1.png", STEPS, **small),
+               flotilla.write_step_picture(file, tmp_path / "2.png", step=STEPS, **small,
+                                           progress=lambda done, total: steps.append((done, total)))]
+    assert steps == [(k + 1, STEPS) for k in range(STEPS)]
+    for k, r in enumerate(reports):
+        assert (r.step, r.bodies, r.contacts) == (STEPS, 2, len(world.contacts))
+        assert (tmp_path / f"{k}.png").read_bytes() == (tmp_path / "0.png").read_bytes()
+    of_world = reports[0]
+    pairs = of_world.loaded_pairs + of_world.sleeping_pairs + of_world.touching_pairs + of_world.near_pairs
+    assert pairs == (of_world.proved_by_query + of_world.proved_by_boxes + of_world.proved_by_cluster
+                     + of_world.proved_by_rest + of_world.not_proved)
+    flotilla.write_step_picture(world, tmp_path / "proofs.png", lines="proofs", **small)
+    with pytest.raises(flotilla.InputError, match="lines"):
+        flotilla.write_step_picture(world, tmp_path / "x.png", lines="hints")
+    for arguments, options in (((world, tmp_path / "x.png", 3), {}), ((file, tmp_path / "x.png"), {}),
+                               ((world, tmp_path / "x.png"), {"breadth": 100}),
+                               ((world, tmp_path / "x.png"), {"width": "wide"})):
+        with pytest.raises(TypeError):
+            flotilla.write_step_picture(*arguments, **options)
+
+
 def test_runs_are_compared(falling, folder, tmp_path):
     flotilla.run(falling, tmp_path / "same", steps=STEPS, executor="serial")
     assert flotilla.compare_runs(folder, tmp_path / "same").same_bits

@@ -117,6 +117,52 @@ TEST_F(StepPictures, OfBodiesInTheAirShowBoxesThatMeetAlone) {
     EXPECT_EQ(r.loaded_pairs + r.sleeping_pairs + r.touching_pairs, 0U);
 }
 
+std::size_t shown_pairs(const StepPictureReport& r) {
+    return r.loaded_pairs + r.sleeping_pairs + r.touching_pairs + r.near_pairs;
+}
+
+TEST_F(StepPictures, TellHowPairsWereProvedApart) {
+    const World world = stepped(boats_, 40);
+    const StepPictureReport r = write_step_picture(world, output_, small(), PairLines::proofs);
+    const std::string proofs = bytes_of(output_);
+    EXPECT_NE(proofs, picture_of(world));
+    EXPECT_GT(r.proved_by_query, 0U);
+    EXPECT_EQ(r.not_proved, 0U);
+    EXPECT_EQ(r.proved_by_query + r.proved_by_boxes + r.proved_by_cluster + r.proved_by_rest, shown_pairs(r));
+    EXPECT_EQ(r.proved_by_cluster + r.proved_by_rest, 0U) << "the failsafe had nothing to do";
+
+    const StepPictureReport before = write_step_picture(World(boats_), output_, small());
+    EXPECT_EQ(before.not_proved, shown_pairs(before)) << "no step was made";
+}
+
+TEST_F(StepPictures, TellOfClustersThatTheFailsafeMade) {
+    SceneDescription scene = boats_;
+    scene.settings.collision_iterations = scene.settings.dynamic_iterations = 0; // the failsafe has it all
+    scene.settings.rigidification = Rigidification::rigid;
+    World world = stepped(scene, 20);
+    std::size_t of_clusters = 0;
+    while (world.steps() < 32) {
+        const std::int64_t merges = world.step().merges;
+        const StepPictureReport r = write_step_picture(world, output_, small());
+        EXPECT_EQ(r.proved_by_query + r.proved_by_boxes + r.proved_by_cluster + r.proved_by_rest, shown_pairs(r));
+        if (merges == 0) EXPECT_EQ(r.proved_by_cluster, 0U) << r.step;
+        of_clusters += r.proved_by_cluster;
+    }
+    EXPECT_GT(of_clusters, 0U);
+}
+
+TEST_F(StepPictures, SayHowFarTheStepIs) {
+    run(boats_, 30, {}, 12); // checkpoints after steps 24 and 30
+    std::vector<std::pair<std::int64_t, std::int64_t>> said;
+    StepPictureOptions options;
+    options.progress = [&](std::int64_t done, std::int64_t total) { said.emplace_back(done, total); };
+    static_cast<void>(write_step_picture(run_, 3, output_, small(), options));
+    EXPECT_EQ(said, (std::vector<std::pair<std::int64_t, std::int64_t>>{{1, 3}, {2, 3}, {3, 3}}));
+    said.clear();
+    static_cast<void>(write_step_picture(run_, 32, output_, small(), options));
+    EXPECT_EQ(said, (std::vector<std::pair<std::int64_t, std::int64_t>>{{1, 2}, {2, 2}})) << "from the checkpoint";
+}
+
 TEST_F(StepPictures, OfARunAreThoseOfTheWorldFromStartAndCheckpoint) {
     run(boats_, 30, {}, 12); // checkpoints after steps 24 and 30
     for (const int step : {0, 20, 27, 30}) EXPECT_EQ(picture_of_run(step), picture_of(stepped(boats_, step))) << step;

@@ -3,13 +3,13 @@
 // do. SI units.
 #pragma once
 
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include "broadphase/kept_pairs.hpp"
 #include "mesh/primitives.hpp"
-#include "pair/step_data.hpp"
+#include "pair/impulses.hpp"
+#include "pair/pair_lists.hpp"
 #include "scene/scene.hpp"
 #include "state/build_model.hpp"
 #include "step/certificate.hpp"
@@ -25,10 +25,9 @@ class StageWorld {
     explicit StageWorld(const SceneDescription& description, int threads = 1)
         : model_(inner_model(make_model(build_scene(description)))),
           state_(initial_state(build_scene(description), model_)),
-          team_(TeamOptions{.threads = threads}) {
-        for (int k = 0; k < team_.size(); ++k) workers_.push_back(std::make_unique<Worker>());
+          workers_(TeamOptions{.threads = threads}) {
         trajectories_.start(model_, state_.pose);
-        pairs_.start_step(team_, 1);
+        book_.table.start_step(workers_.team, 1);
         clusters_.start(model_, trajectories_, state_.motion);
         Scripts(model_).move(model_, state_, trajectories_, clusters_);
         for (const std::int32_t i : model_.active)
@@ -37,20 +36,22 @@ class StageWorld {
     StageWorld(const StageWorld&) = delete;
     StageWorld& operator=(const StageWorld&) = delete;
 
-    [[nodiscard]] StepData data() {
+    [[nodiscard]] StepView view() const {
         const Settings& s = model_.settings;
         const double approach =
             s.approach_threshold >= 0 ? s.approach_threshold : 0.5 * length(model_.gravity) * s.time_step;
         const double angle_cos = sin_cos(s.proximity_angle * scenario::kPi / 180).cos;
-        const StepView view{model_, state_, trajectories_, clusters_, lists_.bounds, s.time_step, angle_cos, approach};
-        return {view, {clusters_, trajectories_, s.time_step}, pairs_, broadphase_, lists_, team_, workers_};
+        return {model_, state_, trajectories_, clusters_, book_.lists.bounds, s.time_step, angle_cos, approach};
     }
+    [[nodiscard]] Movers movers() { return {clusters_, trajectories_, dt()}; }
+    [[nodiscard]] PairBook& book() { return book_; }
+    [[nodiscard]] Workers& workers() { return workers_; }
 
     [[nodiscard]] const Model& model() const { return model_; }
     [[nodiscard]] const State& state() const { return state_; }
     [[nodiscard]] const Trajectories& trajectories() const { return trajectories_; }
     [[nodiscard]] Clusters& clusters() { return clusters_; }
-    [[nodiscard]] PairTable& pairs() { return pairs_; }
+    [[nodiscard]] PairTable& pairs() { return book_.table; }
     [[nodiscard]] double dt() const { return model_.settings.time_step; }
     [[nodiscard]] double mass(std::int32_t body) const { return model_.bodies[at(body)].mass; }
     [[nodiscard]] Vec3 velocity(std::int32_t body) const { return clusters_.motion()[at(body)].velocity; }
@@ -90,19 +91,16 @@ class StageWorld {
 
     Model model_;
     State state_;
-    Team team_;
     Workers workers_;
-    ListBuffers lists_;
     Trajectories trajectories_;
     Clusters clusters_;
-    PairTable pairs_;
     KeptPairs broadphase_;
+    PairBook book_{broadphase_};
 };
 
 inline bool proved_apart(StageWorld& world) {
-    StepData data = world.data();
     try {
-        certify(data);
+        certify(world.view(), world.book(), world.workers().team);
     } catch (const CertificateError&) {
         return false;
     }

@@ -550,6 +550,22 @@ class PictureReport:
     time: Final[float]
     bodies: Final[int]
 
+class StepPictureReport:
+    step: Final[int]
+    time: Final[float]
+    bodies: Final[int]
+    contacts: Final[int]
+    loaded_pairs: Final[int]
+    sleeping_pairs: Final[int]
+    touching_pairs: Final[int]
+    near_pairs: Final[int]
+    largest_impulse: Final[float]
+    proved_by_query: Final[int]
+    proved_by_boxes: Final[int]
+    proved_by_cluster: Final[int]
+    proved_by_rest: Final[int]
+    not_proved: Final[int]
+
 class InitialIntersection:
     body_a: Final[str]
     body_b: Final[str]
@@ -676,6 +692,11 @@ def verify(
     source: Path, poses: Path = "", *, threads: int = 0, motion: str = "automatic", distance: bool = True,
     max_faults: int = 1000, progress: Callable[[float], object] | None = None
 ) -> VerifyReport: ...
+
+def write_step_picture(
+    source: World | Path, output: Path, step: int | None = None, *, lines: str = "contacts",
+    progress: Callable[[int, int], object] | None = None, **kwargs: Any
+) -> StepPictureReport: ...
 
 def sweep_metrics() -> list[SweepMetric]: ...
 

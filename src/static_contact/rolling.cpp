@@ -1,12 +1,26 @@
 // SPDX-License-Identifier: MIT
-#include "step/rolling.hpp"
+#include "static_contact/rolling.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/index.hpp"
+#include "state/loads.hpp"
+
 namespace flotilla {
 namespace {
+
+/// A body that rolls over another one, as the lowest of their contacts sees it.
+struct RollingMotion {
+    Vec3 turn;  ///< rad/s, of b relative to a
+    Vec3 along; ///< unit, tangential: where the contacts move, seen from the centre of mass of the body that rolls
+    double speed = 0;     ///< m/s, of that
+    double arm = 0;       ///< m, from the centre of mass
+    double gravity = 0;   ///< m/s^2
+    double time_step = 0; ///< s
+    RollingBands bands{};
+};
 
 /// Contacts by height above the lowest one and by place along the way that they move.
 class RollingPair {
@@ -19,8 +33,10 @@ class RollingPair {
 
     [[nodiscard]] double height(std::size_t i) const { return pair_[i].distance - lowest_.distance; }
     [[nodiscard]] double place(std::size_t i) const { return dot(pair_[i].point - lowest_.point, motion_.along); }
-    [[nodiscard]] bool carries(std::size_t i) const { return !(height(i) > motion_.band); }
-    [[nodiscard]] bool alike(std::size_t i) const { return dot(pair_[i].normal, lowest_.normal) >= motion_.angle_cos; }
+    [[nodiscard]] bool carries(std::size_t i) const { return !(height(i) > motion_.bands.carries); }
+    [[nodiscard]] bool alike(std::size_t i) const {
+        return dot(pair_[i].normal, lowest_.normal) >= motion_.bands.angle_cos;
+    }
 
     /// On the way down, in the direction in which the body rolls.
     [[nodiscard]] bool ahead(std::size_t i, std::size_t carrier) const {
@@ -58,8 +74,8 @@ class RollingPair {
     double tilt_; ///< rad/s
 };
 
-} // namespace
-
+/// Where one side of a pair lands in the step, moves its contacts to the place of the mean load. `lowest`: the nearest
+/// contact; `arcs`: by contact, changed.
 void share_load(std::span<const Contact> contacts, std::size_t lowest, const RollingMotion& motion,
                 std::span<ArcContact> arcs) {
     const RollingPair pair(contacts, lowest, motion);
@@ -81,6 +97,34 @@ void share_load(std::span<const Contact> contacts, std::size_t lowest, const Rol
         arcs[i].shift = dot(was, n) * n + (load - pair.place(i)) * motion.along;
         arcs[i].approach += dot(n, cross(motion.turn, arcs[i].shift - was));
     }
+}
+
+} // namespace
+
+bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const RollingBands& bands,
+                  const VelocityArrays& bodies, std::span<ArcContact> arcs) {
+    const double dt = model.settings.time_step;
+    const Contact& c = pair.front();
+    const auto point = [&](const Contact& x, std::int32_t body) {
+        return TurningPoint{bodies.angular_velocity[at(body)], x.point - bodies.position[at(body)]};
+    };
+    for (std::size_t i = 0; i < pair.size(); ++i)
+        arcs[i] = meet_on_arcs(point(pair[i], c.a), point(pair[i], c.b), pair[i].normal, dt);
+    const auto lower = [](const Contact& x, const Contact& y) { return x.distance < y.distance; };
+    const auto lowest = static_cast<std::size_t>(std::min_element(pair.begin(), pair.end(), lower) - pair.begin());
+    if (!(arcs[lowest].apart > 0)) return false;
+    const Vec3& n = pair[lowest].normal;
+    const TurningPoint a = point(pair[lowest], c.a), b = point(pair[lowest], c.b);
+    const TurningPoint& roller = 2 * dot(n, arc_acceleration(b.omega, b.arm)) >= arcs[lowest].apart ? b : a;
+    const Vec3 way = cross(roller.omega, roller.arm), along = way - dot(way, n) * n;
+    const double speed = length(along);
+    // What moves less than static contact leaves undone does not roll.
+    if (!(speed * dt > bands.still)) return false;
+    share_load(
+        pair, lowest,
+        {b.omega - a.omega, along / speed, speed, length(roller.arm), most_acceleration(model, c.a, c.b), dt, bands},
+        arcs);
+    return true;
 }
 
 } // namespace flotilla

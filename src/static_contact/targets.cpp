@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/targets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/index.hpp"
+#include "base/rotation.hpp"
+#include "state/loads.hpp"
+#include "static_contact/rolling.hpp"
+
+namespace flotilla {
+namespace {
+
+// The dead band of equation 16, m/s: targets within it are zero, others lose it. A target below the tolerance asks for
+// less than a solve may leave undone, and would cost many sweeps: bodies that touch at many points cannot approach each
+// other a little at some of them and not at others, and contacts that hold more than the tiny target allows hand their
+// load to the others so slowly that the sweeps never end. So a contact within tolerance * time step of its rest
+// distance (8 um at the defaults) is at rest, and a farther one may come that near. The band is at most a share of the
+// rest distance, which scales with the bodies: what keeps small ones off each other must not be lost. A rolling body is
+// not at rest: the side that lands next would brake it from where the band begins, so a tolerance above the default one
+// (Settings::tolerance_share) widens no band there.
+double rest_band(double rest, double time_step, double tolerance, const ContactTuning& tuning) {
+    return std::min(tolerance, tuning.most_of_rest * rest / time_step);
+}
+
+double equation_16(double gap, double time_step, double band) { // gap: to the rest distance, m
+    const double target = gap / time_step;
+    return target > 0 ? std::max(target - band, 0.0) : std::min(target + band, 0.0);
+}
+
+/// rad/s, without what the body's own torque added in the step.
+Vec3 turn_before(const Model& model, const VelocityArrays& bodies, std::int32_t body) {
+    const Vec3& omega = bodies.angular_velocity[at(body)];
+    const Vec3 torque = turning_torque(model, at(body));
+    return torque == Vec3{} ? omega : omega - model.settings.time_step * (bodies.inverse_inertia[at(body)] * torque);
+}
+
+/// The approach, m/s, that a pair which stage 1 has not seen takes into the next step. Stage 5 may have kept the bodies
+/// from moving as far as their velocities say, which count the whole acceleration of the step: a body that is held up
+/// would go on accelerating. What they keep is the approach that they began the step with and what gravity adds on the
+/// way that they really made.
+double kept_approach(const Model& model, const Contact& c, std::span<const Pose> start, std::span<const Pose> end,
+                     const VelocityArrays& bodies) {
+    const auto gained = [&](std::int32_t body) {
+        return bodies.inverse_mass[at(body)] > 0 ? acceleration(model, at(body)) : Vec3{};
+    };
+    const auto before = [&](std::int32_t body) {
+        const Vec3 added = model.settings.time_step * gained(body);
+        return (bodies.velocity[at(body)] - added) +
+               cross(turn_before(model, bodies, body), c.point - bodies.position[at(body)]);
+    };
+    const auto start_of = [&](std::int32_t body) { // of the body's point that is at the contact now
+        const Pose &from = start[at(body)], &to = end[at(body)];
+        return from.com + rotate(from.rotation * conjugate(to.rotation), c.point - to.com);
+    };
+    const double approach = std::max(0.0, -dot(c.normal, before(c.b) - before(c.a)));
+    const double way = std::max(0.0, dot(c.normal, start_of(c.b) - start_of(c.a)));
+    const double pull = std::max({std::abs(dot(c.normal, model.gravity)), std::abs(dot(c.normal, gained(c.a))),
+                                  std::abs(dot(c.normal, gained(c.b)))});
+    return std::sqrt(approach * approach + 2 * pull * way);
+}
+
+/// The targets of a set's contacts, pair by pair.
+class PairTargets {
+  public:
+    PairTargets(const Model& model, const ContactSet& set, const VelocityArrays& bodies, const TargetInput& input,
+                ContactTargets& out)
+        : model_(model),
+          set_(set),
+          bodies_(bodies),
+          input_(input),
+          out_(out),
+          dt_(model.settings.time_step),
+          angle_cos_(sin_cos(model.settings.proximity_angle * std::numbers::pi / 180).cos),
+          most_slip_(input.tuning.most_slip * length(model.gravity) * dt_) {}
+
+    /// Of the pair whose contacts are those from `first` to `end`.
+    void set_pair(std::size_t first, std::size_t end) const {
+        for (std::size_t i = first; i < end; ++i) {
+            out_.contacts[i] = set_.contacts[i];
+            out_.contacts[i].tolerance = tolerance(i);
+        }
+        const double share = std::max(1.0, model_.settings.tolerance_share);
+        const std::span<const Contact> pair = std::span(out_.contacts).subspan(first, end - first);
+        const bool rolls = arcs_of_pair(model_, pair, {dt_ * band(first, 1), dt_ * band(first, share), angle_cos_},
+                                        bodies_, std::span(out_.arcs).subspan(first, end - first));
+        for (std::size_t i = first; i < end; ++i) set(i, band(i, rolls ? share : 1));
+    }
+
+  private:
+    /// m/s (Settings::static_tolerance).
+    [[nodiscard]] double tolerance(std::size_t i) const {
+        const Settings& s = model_.settings;
+        const Contact& c = set_.contacts[i];
+        if (s.static_tolerance >= 0) return s.static_tolerance;
+        const double moves = input_.tuning.of_rest * set_.rest[i] / dt_;
+        double gravity = length(model_.gravity) * dt_;
+        if (!(gravity > 0)) gravity = most_acceleration(model_, c.a, c.b) * dt_;
+        return s.tolerance_share * (gravity > 0 ? std::min(moves, input_.tuning.of_gravity * gravity) : moves);
+    }
+
+    /// m/s, of a contact whose tolerance is set, that being `widened` times what a band may be.
+    [[nodiscard]] double band(std::size_t i, double widened) const {
+        return rest_band(set_.rest[i], dt_, out_.contacts[i].tolerance / widened, input_.tuning);
+    }
+
+    void set(std::size_t i, double band) const {
+        Contact& c = out_.contacts[i];
+        const ArcContact& arcs = out_.arcs[i];
+        const double full = equation_16(set_.rest[i] - (c.distance - arcs.closer), dt_, band) + arcs.approach;
+        // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
+        // there.
+        const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
+        c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full + together;
+        if (input_.keep_approach && set_.processed[i] == 0)
+            c.target = std::min(c.target, -kept_approach(model_, c, input_.start, input_.poses, bodies_));
+        c.point += arcs.shift;
+        c.sticks = model_.settings.tangents == Tangents::random &&
+                   sticks(c, std::min(most_slip_, set_.rest[i] / dt_), bodies_, out_.last);
+    }
+
+    [[nodiscard]] bool stays_level(const Contact& c) const {
+        return !input_.level.empty() && (input_.level[at(c.a)] != 0 || input_.level[at(c.b)] != 0);
+    }
+
+    const Model& model_;
+    const ContactSet& set_;
+    const VelocityArrays& bodies_;
+    const TargetInput& input_;
+    ContactTargets& out_;
+    double dt_;        ///< s
+    double angle_cos_; ///< of theta_proximity
+    double most_slip_; ///< m/s, of a contact that sticks
+};
+
+} // namespace
+
+void set_targets(Team* team, const Model& model, const ContactSet& set, const VelocityArrays& bodies,
+                 const TargetInput& input, ContactTargets& out) {
+    constexpr std::size_t kContactGrain = 256; // contacts of a task
+    if (model.settings.tangents == Tangents::random) out.last.load(team, model, bodies, input.last_motion);
+    out.contacts.resize(set.size());
+    out.arcs.resize(set.size());
+    const PairTargets targets(model, set, bodies, input, out);
+    for_each(team, "select contacts", set.size(), kContactGrain, [&](std::size_t i) {
+        if (i > 0 && set.pair(i - 1) == set.pair(i)) return;
+        std::size_t end = i + 1;
+        while (end < set.size() && set.pair(end) == set.pair(i)) ++end;
+        targets.set_pair(i, end);
+    });
+}
+
+} // namespace flotilla

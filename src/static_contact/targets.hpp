@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// Targets of contacts: the velocities that stages 3 and 7 ask for, equation 16, and how nearly.
+//
+// Stage 3 asks for (d_rest - d)/dt; stage 7 for its minimum with 0, so that velocities which are kept do not gain from
+// it. Around that: a dead band, arcs of turning bodies (response/arc.hpp, rolling.hpp), and in stage 7 the approach
+// that pairs keep for their bounce in the next step.
+//
+// Reads: the contacts, the velocities at their poses. Writes: ContactTargets alone.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "parallel/team.hpp"
+#include "proximity/contact_set.hpp"
+#include "response/arc.hpp"
+#include "static_contact/contact_tuning.hpp"
+#include "static_contact/sticking.hpp"
+#include "static_contact/velocity_arrays.hpp"
+
+namespace flotilla {
+
+/// What targets depend on, beside contacts and velocities.
+struct TargetInput {
+    bool final_stage = false; ///< stage 7
+    /// Pairs that stage 1 did not process keep the approach that their motion in the step gave them, for the bounce of
+    /// the next step.
+    bool keep_approach = false;
+    std::span<const Pose> start;         ///< x^n
+    std::span<const Pose> poses;         ///< of the contacts: x^n, or x^{n+1} in stage 7
+    std::span<const Motion> last_motion; ///< v^n: which contacts stick
+    /// By body: contacts do not raise it to its rest distance; may be empty: of none.
+    std::span<const std::uint8_t> level;
+    ContactTuning tuning{};
+};
+
+/// Kept between steps, so that a steady scene allocates nothing.
+struct ContactTargets {
+    std::vector<Contact> contacts; ///< those of a set, with targets and tolerances, moved to where arcs bring them
+    std::vector<ArcContact> arcs;  ///< by contact
+    LastVelocities last;
+};
+
+/// Fills `out` with the contacts of the set. `bodies`: at input.poses.
+void set_targets(Team* team, const Model& model, const ContactSet& set, const VelocityArrays& bodies,
+                 const TargetInput& input, ContactTargets& out);
+
+} // namespace flotilla

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/velocity_arrays.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/index.hpp"
+#include "state/loads.hpp"
+#include "state/locked_rotation.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr std::size_t kBodyGrain = 64; // bodies of a task
+
+} // namespace
+
+void VelocityArrays::load(Team* team, const Model& model, std::uint64_t version, std::span<const Pose> poses,
+                          std::span<const Motion> motion) {
+    const std::size_t n = model.size();
+    position.resize(n);
+    velocity.resize(n);
+    angular_velocity.resize(n);
+    loaded_angular_velocity.resize(n);
+    inverse_mass.resize(n);
+    inverse_inertia.resize(n);
+    inertia.resize(n);
+    locked.resize(n);
+    const bool all = std::exchange(still_version, version) != version;
+    for_each(team, "load velocities", all ? n : model.active.size(), kBodyGrain, [&](std::size_t k) {
+        const std::size_t i = all ? k : at(model.active[k]);
+        const RigidShape& shape = model.shape_of(i);
+        const bool movable = model.bodies[i].movable();
+        position[i] = poses[i].com;
+        velocity[i] = motion[i].velocity;
+        inverse_mass[i] = movable ? model.bodies[i].inverse_mass : 0.0;
+        const AxisLocks locks = model.bodies[i].locked;
+        const WorldInertia world = movable ? world_inertia(shape, locks.rotation, poses[i].rotation) : WorldInertia{};
+        inverse_inertia[i] = world.inverse;
+        inertia[i] = locks.rotation == 0 ? world.tensor : free_block(locks.rotation, world.tensor);
+        locked[i] = movable ? locks.translation : AxisMask{0};
+        angular_velocity[i] = movable ? inverse_inertia[i] * motion[i].momentum : motion[i].momentum;
+        loaded_angular_velocity[i] = angular_velocity[i];
+    });
+}
+
+void VelocityArrays::set_rest_speeds(const Model& model, const ContactTuning& tuning) {
+    rest_speed.clear();
+    const auto driven = [&](std::int32_t i) { return model.bodies[at(i)].driven(); };
+    if (std::none_of(model.active.begin(), model.active.end(), driven)) return;
+    rest_speed.assign(model.size(), 0);
+    for (const std::int32_t i : model.active)
+        if (driven(i))
+            rest_speed[at(i)] = tuning.rest_speed * most_acceleration(model, at(i)) * model.settings.time_step;
+}
+
+void VelocityArrays::store(Team* team, const Model& model, std::span<Motion> motion) const {
+    for_each(team, "store velocities", model.active.size(), kBodyGrain, [&](std::size_t k) {
+        const std::size_t i = at(model.active[k]);
+        if (!model.bodies[i].movable()) return;
+        motion[i].velocity = velocity[i];
+        if (angular_velocity[i] != loaded_angular_velocity[i])
+            motion[i].momentum += inertia[i] * (angular_velocity[i] - loaded_angular_velocity[i]);
+    });
+}
+
+} // namespace flotilla

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Bodies as stages 3 and 7 see them: velocities to be changed, and the inertia of the poses where the contacts are.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "parallel/team.hpp"
+#include "state/model.hpp"
+#include "static_contact/solver_state.hpp"
+
+namespace flotilla {
+
+struct VelocityArrays {
+    std::vector<Vec3> position, velocity, angular_velocity;
+    std::vector<double> inverse_mass;
+    std::vector<Mat3> inverse_inertia;
+    std::vector<Mat3> inertia; ///< with locked axes the block of the free ones
+    std::vector<AxisMask> locked;
+    std::vector<double> rest_speed; ///< m/s, see ContactBodies; empty where no body has loads of its own
+
+    std::vector<Vec3> loaded_angular_velocity; ///< of the active bodies
+    std::uint64_t still_version = 0;           ///< of the bodies loaded that stand still
+
+    /// Of the active bodies, and of those that stand still where these are of another version.
+    void load(Team* team, const Model& model, std::uint64_t version, std::span<const Pose> poses,
+              std::span<const Motion> motion);
+    void set_rest_speeds(const Model& model, const ContactTuning& tuning);
+    /// Writes back; a momentum changes only where the angular velocity did, so that untouched bodies keep theirs to the
+    /// bit.
+    void store(Team* team, const Model& model, std::span<Motion> motion) const;
+    /// What the solver changes.
+    [[nodiscard]] ContactBodies bodies() {
+        return {position, velocity, angular_velocity, inverse_mass, inverse_inertia, locked, rest_speed};
+    }
+};
+
+} // namespace flotilla
