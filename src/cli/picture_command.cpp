@@ -44,7 +44,7 @@ void print(const std::string& output, const StepPictureReport& r, PairLines line
               << r.contacts << " contact points, largest impulse " << r.largest_impulse << " N s; ";
     if (lines == PairLines::proofs) {
         std::cerr << "pairs proved apart: " << r.proved_by_query << " by a query (blue), " << r.proved_by_boxes
-                  << " by boxes of their ways (green), " << r.proved_by_cluster << " as members of a cluster (red), "
+                  << " by their swept boxes (green), " << r.proved_by_cluster << " as members of a cluster (red), "
                   << r.proved_by_rest << " where they stood before (violet); " << r.not_proved
                   << " not to be proved (grey)\n";
         return;
