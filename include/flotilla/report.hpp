@@ -25,7 +25,7 @@ enum class Phase : std::uint8_t {
     certificate,         ///< end-of-step check
     detection,           ///< of collisions, dynamic contact and failsafe: time of all threads together
     response,            ///< of collisions, dynamic contact and failsafe: time of all threads together
-    static_detection,    ///< proximities of stages 3 and 7
+    static_detection,    ///< contact search of stage 7
     static_response,     ///< contact solves of stages 3 and 7
 };
 inline constexpr std::size_t kNumPhases = 13;

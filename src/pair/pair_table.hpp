@@ -111,7 +111,8 @@ struct alignas(64) PairRecord {
 };
 static_assert(sizeof(PairRecord) == 128 && sizeof(PairCache) == 40, "the distances of the cache end the first line");
 
-/// What is known of the pair at its present end states. Verdict::apart is the one proof there is of a pair.
+/// What is known of the pair at its present end states. Of verdicts, apart alone is a proof: way b
+/// of four (README.md).
 [[nodiscard]] inline Verdict verdict(const Trajectories& trajectories, const PairRecord& pair) {
     const auto version = [&](std::int32_t body) { return trajectories.version(static_cast<std::size_t>(body)); };
     return pair.verdict.at(version(pair.a), version(pair.b));

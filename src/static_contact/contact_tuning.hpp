@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The numbers of static contact that change results and that neither the paper nor a setting gives, but for those of
-// the exact solver: what it is a share or a multiple of, why it is as it is, and under which name
+// the exact solver, of the order of sums, and kSameAngle (src/CONSTANTS.md): what it is a share or a multiple of, why it is as it is, and under which name
 // bench/results/ablation.md has what happens without it. Names are of one glossary (README.md): a look is an evaluation
 // of the residual, parked contacts are inactive, a jam is an over-constrained island.
 //
@@ -42,7 +42,7 @@ struct ContactTuning {
     int looks_at_jam = 2, pairs_of_jam = 2;
     /// In such an island: for each `load_per_tolerance` rest speeds of lambda_n W_nn, the change of approach that its
     /// normal impulse makes, a contact may miss its target by one more tolerance, at most `most_let_off`; 0: by none.
-    /// Without that deep piles were never solved: contacts that carry ten to a hundred times a body's weight and are
+    /// Without that deep piles often ended unsolved: contacts that carry ten to a hundred times a body's weight and are
     /// some um farther apart than their rest distance hand their load to the others of their pair by one violation a
     /// sweep, 2e-4 of 27 m/s. Row: let-off.
     double load_per_tolerance = 5, most_let_off = 10;
@@ -93,7 +93,7 @@ struct ContactTuning {
     /// of each.
     int bodies_factorised_soon = 8;
 
-    // --- tolerances and targets (step/static_stage.cpp) ---
+    // --- tolerances and targets (targets.cpp) ---
 
     /// The share of the rest distance that a target's dead band takes at most. Row: band.
     double most_of_rest = 0.02;

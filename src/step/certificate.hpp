@@ -2,7 +2,7 @@
 // The end-of-step check: every pair is proved apart in one of four ways, and no other
 // (src/pair/README.md#the-four-ways-to-be-proved).
 //   a  The bounds that both bodies sweep in the step, widened by the separation, do not overlap.
-//   b  The continuous query found no hit for the end states that both have now.
+//   b  The continuous query found no hit for the end states that both have now, or bounds say that it would find none.
 //   c  Both are movable members of one cluster, proved against each other before it moved by a common translation, or
 //      rigidly from x^n by less than two radians on straight paths (response/cluster.cpp), and nearer at x^n than twice
 //      the rounding floor of their coordinates only with a proof of their own (failsafe).
