@@ -14,8 +14,8 @@ namespace {
 // step.
 constexpr double kPushSeparations = 4;
 
-// So many impulses share out the tries of such targets, whatever the limit: more than half of them at the exact one gain
-// nothing where it does not end the hit, 50,000 of 100,000 cost 40 s.
+// So many impulses share out the tries of such targets, whatever the limit: where the exact one does not end the hit,
+// 50,000 tries of it do not either, and cost 40 s.
 constexpr int kMostTries = 20;
 
 // A contact's impulse turns a body by dt I^-1 (r x l), and its point then moves by that turn times r: as long as the
