@@ -246,6 +246,7 @@ class PairCheck {
         const auto between = [&](double t) { return path_b_.center(t) - path_a_.center(t); };
         const Vec3 from = between(begin), along = between(end) - from;
         const double square = length_sq(along);
+        if (!std::isfinite(square)) return false;
         const double nearest = square > 0 ? std::clamp(-dot(from, along) / square, 0.0, 1.0) : 0;
         // Rounding: of the centres and of what is made of them, a few u M.
         const double error = (path_a_.position_error() + path_b_.position_error()) +
@@ -295,8 +296,9 @@ Bounds swept_bounds(const Bodies& bodies, std::size_t body) {
     Bounds bounds = merged(bodies.from.boxes[body][0], bodies.to.boxes[body][0]);
     const BodyPath& path = *bodies.paths[body];
     // A whole turn or more reaches no farther than the diameter.
-    const double reach = std::min(path.deviation(1), 2 * bodies.scene.shape_of(body).radius) +
-                         2 * path.position_error() + kSweepRounding * path.max_abs();
+    double reach = std::min(path.deviation(1), 2 * bodies.scene.shape_of(body).radius) + 2 * path.position_error() +
+                   kSweepRounding * path.max_abs();
+    if (std::isnan(reach)) reach = std::numeric_limits<double>::infinity(); // a path beyond numbers may be anywhere
     for (std::size_t k = 0; k < 3; ++k) bounds.low[k] -= reach, bounds.high[k] += reach;
     return bounds;
 }

@@ -157,8 +157,11 @@ BodyPath::BodyPath(std::span<const Vec3> x0, std::span<const Vec3> x1, const Vec
     angle_ = length(turn);
     max_abs_ = std::max(max_component(abs(c0)), max_component(abs(c1))) + radius;
     const Mat3 r = matrix(rotation_from_vector(turn));
-    for (std::size_t i = 0; i < x0.size(); ++i)
-        mismatch_ = std::max(mismatch_, length(vertex(i, 1, r, {x1[i], x1[i]})));
+    for (std::size_t i = 0; i < x0.size(); ++i) {
+        const double missed = length(vertex(i, 1, r, {x1[i], x1[i]}));
+        if (!(missed <= mismatch_) && !std::isnan(mismatch_))
+            mismatch_ = missed; // not a number stays so: nothing is proved
+    }
     // Rounding of x0 - c0 and of the product: a few u r; of the matrix: its angle t |w| is known to 2 u |w|, its
     // entries to 16 u more; three coordinates. The centre's interpolation is in kSweepRounding. The path's end and the
     // recorded end differ by the mismatch, which is spread over the path.

@@ -241,6 +241,11 @@ TEST(AuditMotion, NeverProvesWhatIsBeyondNumbers) {
     const std::vector<Pose> from{pose({}), pose({0, 0, 0.5})};
     for (const double turn : {1e154, 1e200, 1e308})
         EXPECT_FALSE(motion(scene, from, from, Motion::rigid, {{turn, 0, 0}, {}}).passages.empty()) << turn;
+    // The way between both places is beyond numbers, though each of them is one.
+    const std::vector<Pose> far{pose({-1.7e308, 0, 0}), pose({0, 0, 0.5})};
+    const std::vector<Pose> there{pose({1.7e308, 0, 0}, {0, 0, 1}), pose({0, 0, 0.5})};
+    const auto report = motion(scene, far, there, Motion::rigid, {{0, 0, 1}, {}});
+    EXPECT_FALSE(report.passages.empty() && report.bad_paths.empty());
 }
 
 TEST(AuditMotion, ReportsATurnThatDoesNotLeadToTheNextFrame) {
