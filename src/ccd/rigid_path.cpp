@@ -55,12 +55,13 @@ class SegmentedPath {
   private:
     /// The same for the segments of a block, which share one search for near features. The chords of a segment are
     /// within `gap_` of the arcs, and these are within the gap of a block of its own chords: features that these keep
-    /// farther apart than both gaps and what a hit can be found at have none.
+    /// farther apart than both gaps, the rounding of placed ends and what a hit can be found at have none.
     std::optional<PairHit> in_block(int begin, const HitOptions& options) {
         if (balls_apart(begin, begin + kBlock, options.separation)) return std::nullopt;
         const BodyMotion a = chord(0, begin, begin + kBlock, 2), b = chord(1, begin, begin + kBlock, 2);
         const double gap = both_gaps(*motion_[0], *motion_[1], segments_ / kBlock);
-        const double apart = kNodeReach * options.separation + (gap + gap_);
+        const double placed = place_rounding(motion_[0]->max_abs()) + place_rounding(motion_[1]->max_abs());
+        const double apart = kNodeReach * options.separation + (gap + gap_) + placed;
         const bool shared =
             most_queries_ > 0 && find_near_features(a, b, apart, most_queries_, scratch_, scratch_.near_);
         if (!shared) most_queries_ = 0;
