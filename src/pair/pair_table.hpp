@@ -111,8 +111,7 @@ struct alignas(64) PairRecord {
 };
 static_assert(sizeof(PairRecord) == 128 && sizeof(PairCache) == 40, "the distances of the cache end the first line");
 
-/// What is known of the pair at its present end states. Of verdicts, apart alone is a proof: way b
-/// of four (README.md).
+/// What is known of the pair at its present end states. Of verdicts, apart alone is a proof: way b of four (README.md).
 [[nodiscard]] inline Verdict verdict(const Trajectories& trajectories, const PairRecord& pair) {
     const auto version = [&](std::int32_t body) { return trajectories.version(static_cast<std::size_t>(body)); };
     return pair.verdict.at(version(pair.a), version(pair.b));
