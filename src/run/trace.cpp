@@ -70,10 +70,11 @@ void add_notes(const TraceOptions& options, const CostModel& costs, TraceReport&
         report.notes.emplace_back(
             "the machine of the run was too busy to measure what threads cost: see --assume-costs");
     if (report.covered < kTraceCoverage && report.steps > 0) {
-        char text[128];
-        std::snprintf(
-            text, sizeof text, "tasks and serial stretches are below %.0f %% of the CPU time: %s", 100 * kTraceCoverage,
-            report.threads > 1 ? "the rest is waiting and recording" : "something in the steps is not recorded");
+        char text[160];
+        std::snprintf(text, sizeof text, "tasks and serial stretches are below %.0f %% of the CPU time: %s",
+                      100 * kTraceCoverage,
+                      report.threads > 1 ? "the rest is waiting and recording"
+                                         : "the rest is recording, or something in the steps is not recorded");
         report.notes.emplace_back(text);
     }
 }
