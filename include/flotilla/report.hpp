@@ -131,8 +131,9 @@ struct ContactState {
     Vec3 point;                          ///< m, world
     Vec3 normal;                         ///< unit, from a to b
     double distance = 0;                 ///< m
-    /// On b, N s, world; of the last step's stage 7, zero where that left the contact out. a got its opposite. With
-    /// substeps that of the last inner one times their number: divided by the time step, it is the force.
+    /// On b, N s, world: the force at the end of the last step times the time step. It is that of stage 7, twice with
+    /// velocity_update: trapezoidal, times the number of substeps; zero where stage 7 left the contact out. a got its
+    /// opposite.
     Vec3 impulse;
     /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse
     /// is that of the step in which the island fell asleep.

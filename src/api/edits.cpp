@@ -217,7 +217,8 @@ BodyId World::Impl::operator()(const edits::AddBody& edit) {
     Motion motion;
     if (added.dynamic())
         motion = {body.velocity,
-                  free_part(added.locked.rotation, turned(shape.inertia, body.rotation) * body.angular_velocity)};
+                  free_part(added.locked.rotation,
+                            angular_momentum(turned(shape.principal, body.rotation), body.angular_velocity))};
     stepper->add_body(added, pose, motion);
     if (added.scripted())
         body.position = body.keyframes.front().position, body.rotation = body.keyframes.front().rotation;

@@ -333,7 +333,8 @@ const std::shared_ptr<std::vector<ContactState>>& World::Impl::contacts() {
     const auto bodies = [](const auto& x) { return std::pair(x.a, x.b); };
     std::span<const WarmImpulse> solved = state.warm_final,
                                  waiting = state.waiting_final; // all lists are sorted by bodies
-    const double substeps = stepper->substeps();
+    const bool half = stepper->model().settings.velocity_update == VelocityUpdate::trapezoidal;
+    const double of_step = (half ? 2 : 1) * stepper->substeps(); // a whole step's, of stage 7's
     const auto add = [&](const Contact& c, bool sleeps) {
         std::span<const WarmImpulse>& list = sleeps ? waiting : solved;
         const auto first =
@@ -341,7 +342,7 @@ const std::shared_ptr<std::vector<ContactState>>& World::Impl::contacts() {
         list = list.subspan(static_cast<std::size_t>(first - list.begin()));
         ContactState contact{c.a, c.b, c.point, c.normal, c.distance, {}, sleeps};
         for (auto w = list.begin(); w != list.end() && bodies(*w) == bodies(c); ++w)
-            if (w->feature_key == c.feature_key) contact.impulse = substeps * w->impulse;
+            if (w->feature_key == c.feature_key) contact.impulse = of_step * w->impulse;
         out.push_back(contact);
     };
     auto sleeper = asleep.begin();

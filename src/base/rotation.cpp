@@ -36,6 +36,21 @@ double cos_series(double x2) {
     return one_minus + (((1.0 - one_minus) - half) + (x2 * x2) * p);
 }
 
+/// The angle in [0, pi/2] with this sine and cosine, to a few ulp: from an approximation to 5e-3 by two Newton steps of
+/// third order.
+double angle_of(const SinCos& unit) {
+    const bool steep = unit.sin > unit.cos;
+    const double ratio = steep ? unit.cos / unit.sin : unit.sin / unit.cos;
+    const double about = ratio / (1 + 0.28 * ratio * ratio);
+    double angle = steep ? kHalfPi1 - about : about;
+    for (int i = 0; i < 2; ++i) {
+        const SinCos at = sin_cos(angle);
+        const double off = unit.sin * at.cos - unit.cos * at.sin;
+        angle += off + off * off * off / 6;
+    }
+    return angle;
+}
+
 } // namespace
 
 SinCos sin_cos(double x) {
@@ -81,7 +96,7 @@ Vec3 rotation_vector(const Quat& q) {
     const Vec3 v = q.w < 0 ? Vec3{-q.x, -q.y, -q.z} : Vec3{q.x, q.y, q.z};
     const double s = length(v);
     if (s < 1e-9) return 2.0 * v;
-    return (2.0 * std::atan2(s, std::abs(q.w)) / s) * v;
+    return (2.0 * angle_of({s, std::abs(q.w)}) / s) * v;
 }
 
 Mat3 matrix(const Quat& q) {

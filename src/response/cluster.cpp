@@ -146,7 +146,8 @@ void Clusters::gather(Cluster& c, const Trajectories& trajectories) const {
         const Mat3 r = cross_matrix(trajectories.start_pose(at(i)).com - c.com0);
         tensor = tensor + (inertia_[at(i)].tensor + model_->bodies[at(i)].mass * (r * transpose(r)));
     }
-    c.inertia = {tensor, c.locked.rotation == 0 ? inverse(tensor) : free_inverse(c.locked.rotation, tensor)};
+    c.inertia = {tensor, c.locked.rotation == 0 ? inverse(tensor) : free_inverse(c.locked.rotation, tensor),
+                 c.locked.rotation == 0 ? principal_form(tensor) : PrincipalInertia{}};
 }
 
 void Clusters::set_rigid(Cluster& c, const Trajectories& trajectories) {

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "state/build_model.hpp"
 
-#include "state/rotation_step.hpp"
+#include <algorithm>
+#include <array>
 
 namespace flotilla {
 namespace {
 
-/// Inverse of a symmetric positive definite matrix from its principal form: R diag(1/d) R^T. That of a line
-/// (MassProperties::line).
-Mat3 inverse_of(const MassProperties& m) {
-    if (m.line != Vec3{}) return (1 / m.principal_inertia.z) * identity();
-    const Mat3 r = matrix(m.principal_axes);
-    const Vec3& d = m.principal_inertia;
-    return r * (diagonal({1 / d.x, 1 / d.y, 1 / d.z}) * transpose(r));
+/// In the mesh's own axes where those are principal ones, so that what is symmetric stays so to the bit. The inverse of
+/// a line: MassProperties::line.
+PrincipalInertia principal_of(const MassProperties& m) {
+    const std::array<double, 9>& t = m.inertia.m;
+    const bool diagonal = t[1] == 0 && t[2] == 0 && t[5] == 0 && m.line == Vec3{};
+    const Vec3 d = diagonal ? Vec3{t[0], t[4], t[8]} : m.principal_inertia;
+    const double least = m.line == Vec3{} ? 0 : d.z;
+    return {diagonal ? Quat{} : m.principal_axes,
+            d,
+            {1 / std::max(d.x, least), 1 / std::max(d.y, least), 1 / std::max(d.z, least)}};
 }
 
 } // namespace
@@ -32,7 +36,7 @@ RigidShape make_shape(const Shape& shape) {
     if (shape.mass) {
         out.mass = shape.mass->mass;
         out.inertia = shape.mass->inertia;
-        out.inverse_inertia = inverse_of(*shape.mass);
+        out.principal = principal_of(*shape.mass);
         out.line = shape.mass->line;
     }
     return out;
@@ -89,7 +93,7 @@ Motion make_motion(const Model& model, std::size_t body, const Quat& rotation, c
                    const Vec3& angular_velocity) {
     if (!model.bodies[body].dynamic()) return {};
     return {velocity, free_part(model.bodies[body].locked.rotation,
-                                turned(model.shape_of(body).inertia, rotation) * angular_velocity)};
+                                angular_momentum(turned(model.shape_of(body).principal, rotation), angular_velocity))};
 }
 
 State initial_state(const Scene& scene, const Model& model) {

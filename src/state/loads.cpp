@@ -15,9 +15,8 @@ double most_of_torque(const Model& model, std::size_t i) {
     const Vec3 torque = turning_torque(model, i);
     if (torque == Vec3{}) return 0;
     const RigidShape& shape = model.shape_of(i);
-    double sum = 0;
-    for (const double x : shape.inverse_inertia.m) sum += x * x;
-    return std::sqrt(sum) * length(torque) * shape.radius;
+    const Vec3& inverse = shape.principal.inverse;
+    return std::max({inverse.x, inverse.y, inverse.z}) * length(torque) * shape.radius;
 }
 
 /// J, by which the energy of a body turning freely under its torque grows in the step beyond torque . turn.

@@ -8,7 +8,7 @@ namespace flotilla {
 namespace {
 
 constexpr int kMaxCorrections = 40;
-constexpr double kEnergyTolerance = 4 * std::numeric_limits<double>::epsilon(); // as in rotation_step.cpp
+constexpr double kEnergyTolerance = 4 * std::numeric_limits<double>::epsilon(); // of the energy
 constexpr double kMostCorrection = 0.5; // rad at a time: beyond, the slope says little
 
 /// A body with two free axes and a constant momentum about them, by the rotation vector w from the start of the step.
@@ -68,8 +68,9 @@ Vec3 keep_energy(const PlaneTurn& body, double energy, Vec3 w) {
 } // namespace
 
 WorldInertia world_inertia(const RigidShape& shape, AxisMask locked, const Quat& rotation) {
-    const Mat3 tensor = turned(shape.inertia, rotation);
-    return {tensor, locked == 0 ? turned(shape.inverse_inertia, rotation) : free_inverse(locked, tensor)};
+    WorldInertia out = world_inertia(turned(shape.principal, rotation));
+    if (locked != 0) out.inverse = free_inverse(locked, out.tensor);
+    return out;
 }
 
 RotationStep rotate_locked(const WorldInertia& inertia, AxisMask locked, const Vec3& momentum, double dt) {

@@ -23,7 +23,7 @@ namespace flotilla {
 /// Whichever of the two it is.
 [[nodiscard]] inline RotationStep rotate_free(const WorldInertia& inertia, AxisMask locked, const Vec3& momentum,
                                               double dt) {
-    return locked == 0 ? rotate_for(inertia, momentum, dt) : rotate_locked(inertia, locked, momentum, dt);
+    return locked == 0 ? rotate_for(inertia.principal, momentum, dt) : rotate_locked(inertia, locked, momentum, dt);
 }
 
 /// The orientation nearest to `rotation` that is a turn of `start` about the only free axis; `start` itself where none

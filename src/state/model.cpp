@@ -52,7 +52,7 @@ PairLengths pair_lengths(const Model& model, const State& state, std::int32_t a,
 }
 
 Vec3 angular_velocity(const RigidShape& shape, const Quat& rotation, const Vec3& momentum) {
-    return rotate(rotation, shape.inverse_inertia * rotate(conjugate(rotation), momentum));
+    return angular_velocity(turned(shape.principal, rotation), momentum);
 }
 
 Vec3 angular_velocity(const Model& model, std::size_t body, const Quat& rotation, const Vec3& momentum) {

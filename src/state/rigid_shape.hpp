@@ -5,6 +5,7 @@
 #include "geometry/support.hpp"
 #include "mesh/bvh.hpp"
 #include "mesh/topology.hpp"
+#include "state/rotation_step.hpp"
 
 namespace flotilla {
 
@@ -12,17 +13,17 @@ struct RigidShape {
     TriangleMesh mesh; ///< vertices in the mesh's own coordinates, m
     Topology topology;
     Bvh bvh;
-    Box box;                 ///< of the mesh, in its own coordinates, m
-    Vec3 center_of_mass;     ///< mesh coordinates
-    double mass = 0;         ///< kg; 0 where the shape has none (static and scripted bodies only)
-    Mat3 inertia;            ///< about the centre of mass, mesh axes, kg m^2
-    Mat3 inverse_inertia;    ///< zero where the shape has no mass
-    Vec3 line;               ///< MassProperties::line
-    SupportPoints outline;   ///< of the vertices, mesh coordinates
-    double size = 0;         ///< m, diameter of the bounding sphere
-    double extent = 0;       ///< m, which the lengths of its pairs go by (Shape::extent)
-    double longest_edge = 0; ///< m, of a triangle
-    double radius = 0;       ///< m, largest distance of a vertex from the centre of mass, rounded up
+    Box box;                    ///< of the mesh, in its own coordinates, m
+    Vec3 center_of_mass;        ///< mesh coordinates
+    double mass = 0;            ///< kg; 0 where the shape has none (static and scripted bodies only)
+    Mat3 inertia;               ///< about the centre of mass, mesh axes, kg m^2
+    PrincipalInertia principal; ///< of `inertia`
+    Vec3 line;                  ///< MassProperties::line
+    SupportPoints outline;      ///< of the vertices, mesh coordinates
+    double size = 0;            ///< m, diameter of the bounding sphere
+    double extent = 0;          ///< m, which the lengths of its pairs go by (Shape::extent)
+    double longest_edge = 0;    ///< m, of a triangle
+    double radius = 0;          ///< m, largest distance of a vertex from the centre of mass, rounded up
 };
 
 } // namespace flotilla

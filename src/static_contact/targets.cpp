@@ -2,6 +2,7 @@
 #include "static_contact/targets.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -114,6 +115,8 @@ class PairTargets {
         // there.
         const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
         c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full + together;
+        if (input_.all_level && full + together > 0) // whoever comes first
+            std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed);
         if (input_.keep_approach && set_.processed[i] == 0)
             c.target = std::min(c.target, -kept_approach(model_, c, input_.start, input_.poses, bodies_));
         c.point += arcs.shift;
@@ -122,7 +125,8 @@ class PairTargets {
     }
 
     [[nodiscard]] bool stays_level(const Contact& c) const {
-        return !input_.level.empty() && (input_.level[at(c.a)] != 0 || input_.level[at(c.b)] != 0);
+        return input_.all_level ||
+               (!input_.level.empty() && (input_.level[at(c.a)] != 0 || input_.level[at(c.b)] != 0));
     }
 
     const Model& model_;
@@ -143,6 +147,7 @@ void set_targets(Team* team, const Model& model, const ContactSet& set, const Ve
     if (model.settings.tangents == Tangents::random) out.last.load(team, model, bodies, input.last_motion);
     out.contacts.resize(set.size());
     out.arcs.resize(set.size());
+    out.would_raise = false;
     const PairTargets targets(model, set, bodies, input, out);
     for_each(team, "select contacts", set.size(), kContactGrain, [&](std::size_t i) {
         if (i > 0 && set.pair(i - 1) == set.pair(i)) return;

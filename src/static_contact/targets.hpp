@@ -31,6 +31,7 @@ struct TargetInput {
     std::span<const Motion> last_motion; ///< v^n: which contacts stick
     /// By body: contacts do not raise it to its rest distance; may be empty: of none.
     std::span<const std::uint8_t> level;
+    bool all_level = false; ///< of none at all
     ContactTuning tuning{};
 };
 
@@ -38,6 +39,7 @@ struct TargetInput {
 struct ContactTargets {
     std::vector<Contact> contacts; ///< those of a set, with targets and tolerances, moved to where arcs bring them
     std::vector<ArcContact> arcs;  ///< by contact
+    bool would_raise = false;      ///< whether all_level made a difference
     LastVelocities last;
 };
 

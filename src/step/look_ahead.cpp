@@ -28,10 +28,8 @@ double proximity_angle(const Model& model) { return model.settings.proximity_ang
 /// its radius of gyration k to the side of the centre of mass, by g dt^2 / (4 k).
 Reach reach_of_gravity(const Model& model, std::size_t i) {
     const double dt = model.settings.time_step;
-    double sum = 0;
-    for (const double x : model.shape_of(i).inverse_inertia.m) sum += x * x;
-    const double gyration =
-        1 / std::sqrt(model.bodies[i].mass * std::sqrt(sum)); // the least one, or up to a quarter less
+    const Vec3& inverse = model.shape_of(i).principal.inverse;
+    const double gyration = 1 / std::sqrt(model.bodies[i].mass * std::max({inverse.x, inverse.y, inverse.z}));
     return {fall_in_step(model, i), std::min(0.25 * most_acceleration(model, i) * dt * dt / gyration, kMostTurn)};
 }
 

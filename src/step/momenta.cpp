@@ -14,12 +14,13 @@ constexpr std::size_t kBodyGrain = 16; // bodies of a task
 
 } // namespace
 
-/// Angular momentum turns with the body where contact turned it. v^{n+1} has the angular momentum of v^, which belongs
-/// to the orientation that the body would have reached alone. Contact in stages 3 and 5 may have turned it otherwise,
-/// and with the momentum kept in the world its energy would be that of another orientation: for a bar of aspect 1,000
-/// many times as much. The further turn is O(dt^2) where contact acts steadily, so the momentum turned with it is as
-/// exact as the scheme, and the energy is kept.
-void Stepper::turn_momenta(std::span<const Motion> collided, std::span<Motion> motion) {
+/// Angular momentum turns with the body where contact turned it. What v^{n+1} begins with, `kept`, has an angular
+/// momentum that belongs to the orientation which the body would have reached by it alone. Contact in stages 3 and 5
+/// may have turned it otherwise, and with the momentum kept in the world its energy would be that of another
+/// orientation: for a bar of aspect 1,000 many times as much. The further turn is O(dt^2) where contact acts steadily,
+/// so the momentum turned with it is as exact as the scheme, and the energy is kept. `accelerated`: the part of the
+/// step whose torques `kept` has in it.
+void Stepper::turn_momenta(std::span<const Motion> kept, double accelerated, std::span<Motion> motion) {
     const double dt = model_.settings.time_step;
     workers_.team.for_each("turn momenta", model_.active.size(), kBodyGrain, [&](std::size_t k, int) {
         const std::size_t i = at(model_.active[k]);
@@ -27,17 +28,17 @@ void Stepper::turn_momenta(std::span<const Motion> collided, std::span<Motion> m
         const Cluster& c = clusters_[clusters_.of(i)];
         const Body& body = model_.bodies[i];
         if (num_free(body.locked.rotation) < 2) return; // about a hinge a momentum is that of any orientation
-        const Vec3& before = collided[i].momentum;
+        const Vec3& before = kept[i].momentum;
         const bool driven = body.torque != Vec3{};
         const Vec3 added = driven ? dt * turning_torque(model_, i) : Vec3{};
-        const Vec3 mean = driven ? before + 0.5 * added : before;
+        const Vec3 mean = driven ? before + (0.5 - accelerated) * added : before;
         if (c.members.size() == 1 && c.rung == Rung::free && clusters_.motion()[i].momentum == mean) return;
         const Quat &start = state_.pose[i].rotation, &end = trajectories_.end_pose(i).rotation;
         const WorldInertia inertia = world_inertia(model_.shape_of(i), body.locked.rotation, start);
         const Quat alone = normalized(rotate_free(inertia, body.locked.rotation, mean, dt).rotation * start);
         const Vec3 turned_on = rotate(end, rotate(conjugate(alone), before));
         motion[i].momentum = body.locked.rotation == 0 ? turned_on : within_energy(i, before, turned_on);
-        if (driven) motion[i].momentum += added;
+        if (driven) motion[i].momentum += (1 - accelerated) * added;
     });
 }
 
@@ -88,11 +89,11 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         for (std::int32_t m : c.members) {
             const auto i = static_cast<std::size_t>(m);
             const Pose& start = trajectories_.start_pose(i);
-            const Mat3 inertia = turned(model_.shape_of(i).inertia, end[i].rotation);
+            const PrincipalInertia inertia = turned(model_.shape_of(i).principal, end[i].rotation);
             const Body& body = model_.bodies[i];
             const Vec3 way = end[i].com - start.com, &turn = trajectories_.turn(i);
             made.push_back({way / dt + 0.5 * dt * acceleration(model_, i),
-                            free_part(body.locked.rotation, inertia * (turn / dt))});
+                            free_part(body.locked.rotation, angular_momentum(inertia, turn / dt))});
             if (body.torque != Vec3{}) made.back().momentum += 0.5 * dt * turning_torque(model_, i);
             planned += kinetic(i, motion[i]);
             real += kinetic(i, made.back());

@@ -47,13 +47,25 @@ ContactSolveOptions solve_options(const Model& model, const StepperOptions& opti
 
 } // namespace
 
-/// Stage 3. Where islands cannot afford to be raised to their rest distance, once more without that.
-void Stepper::half_static_contact(std::span<const Motion> collided, std::span<Motion> half, StepReport& report) {
+/// Stage 3. First without raising anything, which is what v^{n+1} keeps of it; then, where that leaves bodies too near,
+/// with it; and where islands cannot afford to be raised once more without.
+void Stepper::half_static_contact(std::span<const Motion> collided, std::span<Motion> half, std::span<Motion> kept,
+                                  StepReport& report) {
     const PhaseWatch watch(report, Phase::half_static_contact, workers_.team);
-    static_contact(contacts_at_start(), half, state_.pose, false, report);
+    if (model_.settings.velocity_update == VelocityUpdate::trapezoidal) {
+        copy_active<Motion>(half, kept);
+        static_contact(contacts_at_start(), kept, state_.pose, ContactStage::kept, report);
+        add_script_work(kept, state_.pose);
+        if (!static_.targets.would_raise) return copy_active<Motion>(kept, half);
+    }
+    const double residual = report.residual;
+    const std::uint32_t warnings = report.warnings;
+    static_contact(contacts_at_start(), half, state_.pose, ContactStage::half, report);
     if (!mark_level(half)) return;
     set_half_velocities(collided, half);
-    static_contact(contacts_at_start(), half, state_.pose, false, report);
+    report.residual = residual; // what a solve reported that is discarded is forgotten
+    report.warnings = warnings;
+    static_contact(contacts_at_start(), half, state_.pose, ContactStage::half, report);
     level_.clear();
 }
 
@@ -68,7 +80,7 @@ ContactSet& Stepper::contacts_at_start() {
 void Stepper::final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report) {
     const PhaseWatch watch(report, Phase::static_contact, workers_.team);
     find_contacts_at_end(report);
-    static_contact(contacts_, next, end, true, report);
+    static_contact(contacts_, next, end, ContactStage::final, report);
     settle_energy(next, end, report);
     report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
 }
@@ -85,10 +97,11 @@ void Stepper::find_contacts_at_end(StepReport& report) {
 }
 
 void Stepper::static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
-                             bool final_stage, StepReport& report) {
+                             ContactStage stage, StepReport& report) {
     const PhaseWatch watch(report, Phase::static_response, workers_.team);
+    const bool final_stage = stage == ContactStage::final;
     if (looks_ahead_) copy_active<Motion>(motion, before_solve_);
-    ContactSolveStats stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
+    ContactSolveStats stats = solve_contacts_at(contacts, motion, poses, stage, report);
     report.iterations += stats.iterations;
     const StepEnd at = final_stage ? StepEnd::end : StepEnd::start;
     const int rounds = !looks_ahead_ ? 0 : final_stage ? 1 : kLooksAhead;
@@ -97,12 +110,8 @@ void Stepper::static_contact(ContactSet& contacts, std::span<Motion> motion, std
          ++k) {
         if (!final_stage) join_contacts();
         copy_active<Motion>(before_solve_, motion);
-        stats = solve_contacts_at(contacts, motion, poses, final_stage, report);
+        stats = solve_contacts_at(contacts, motion, poses, stage, report);
         report.iterations += stats.iterations;
-    }
-    if (!final_stage) { // what an earlier solve reported that mark_level() discarded is forgotten
-        report.residual = 0;
-        report.warnings &= ~std::uint32_t{kStaticLimit | kStaticLetOff};
     }
     report.residual = std::max(report.residual, stats.residual);
     if (final_stage) report.contacts = static_cast<std::int64_t>(contacts.size());
@@ -112,7 +121,9 @@ void Stepper::static_contact(ContactSet& contacts, std::span<Motion> motion, std
 
 /// Targets, equation 16; the warm start; the solve, equations 15 to 22; and the impulses stored for the next step.
 ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
-                                             std::span<const Pose> poses, bool final_stage, const StepReport& report) {
+                                             std::span<const Pose> poses, ContactStage stage,
+                                             const StepReport& report) {
+    const bool final_stage = stage == ContactStage::final;
     std::vector<WarmImpulse>& own = final_stage ? state_.warm_final : state_.warm_half;
     const std::vector<WarmImpulse>& other = final_stage ? state_.warm_half : state_.warm_final;
     auto& [velocities, targets, impulses, stored, solver] = static_;
@@ -123,10 +134,13 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     // would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
     set_targets(&workers_.team, model_, contacts, velocities,
-                {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, options_.tuning}, targets);
-    // Stage 3 carries half a step's gravity, stage 7 a whole one's: impulses taken over from the other stage are scaled
-    // by that.
-    load_warm(&workers_.team, targets.contacts, {own, other, final_stage ? 2.0 : 0.5}, impulses);
+                {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, stage == ContactStage::kept,
+                 options_.tuning},
+                targets);
+    // Stage 3 carries half a step's gravity; stage 7 the other half, or a whole one's: impulses taken over from the
+    // other stage are scaled by that.
+    const double of_half = model_.settings.velocity_update == VelocityUpdate::trapezoidal ? 1 : 2;
+    load_warm(&workers_.team, targets.contacts, {own, other, final_stage ? of_half : 1 / of_half}, impulses);
     ContactSolveOptions options = solve_options(model_, options_);
     options.team = &workers_.team;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);

@@ -173,21 +173,21 @@ void Stepper::observe(Phase phase) const {
 
 /// One inner step: section 2 of the paper.
 void Stepper::advance(StepReport& report) {
-    auto& [end, collided, half, next] = buffers_;
+    auto& [end, collided, half, kept, next] = buffers_;
     FailsafeStats failsafe;
     {
         const RecordedSpan recorded("step", workers_.team);
         begin_step(report.step);
         collisions(collided, report); // 1) v^n becomes v^
         observe(Phase::collisions);
-        half_velocities(collided, half, report);     // 2) v^{n+1/2} = v^ + dt/2 a
-        half_static_contact(collided, half, report); // 3) on v^{n+1/2}; its contacts are those of the last stage 7
+        half_velocities(collided, half, report);           // 2) v^{n+1/2} = v^ + dt/2 a
+        half_static_contact(collided, half, kept, report); // 3) on v^{n+1/2}; its contacts are the last stage 7's
         observe(Phase::half_static_contact);
         failsafe = move_bodies(half, report); // 4) x^{n+1} from x^n and v^{n+1/2}; 5) free of intersections
         observe(Phase::failsafe);
         certify_end(end, report);
-        new_velocities(collided, end, next, report); // 6) v^{n+1} = v^ + dt a
-        final_static_contact(end, next, report);     // 7) on v^{n+1}, contacts at x^{n+1}
+        new_velocities(collided, kept, end, next, report); // 6) v^{n+1} = v^{n+1/2} + dt/2 a, or v^ + dt a
+        final_static_contact(end, next, report);           // 7) on v^{n+1}, contacts at x^{n+1}
         observe(Phase::static_contact);
     }
     workers_.team.dismiss();
@@ -235,16 +235,22 @@ void Stepper::certify_end(std::span<Pose> end, StepReport& report) {
     for (const std::int32_t i : model_.active) end[at(i)] = trajectories_.end_pose(at(i));
 }
 
-/// Stage 6.
-void Stepper::new_velocities(std::span<const Motion> collided, std::span<const Pose> end, std::span<Motion> next,
-                             StepReport& report) {
+/// Stage 6. The paper's v^ + dt a leaves all that contact does in the step to stage 7, at its end: what swings or rolls
+/// then loses energy at 1/2 w^2 dt, where w is its frequency. With what stage 3 did at the start, less what brought
+/// bodies to their rest distance, contact acts half at either end, as gravity does (the velocity Verlet scheme; for
+/// constraints RATTLE, Andersen 1983).
+void Stepper::new_velocities(std::span<const Motion> collided, std::span<const Motion> kept, std::span<const Pose> end,
+                             std::span<Motion> next, StepReport& report) {
     const PhaseWatch watch(report, Phase::velocity, workers_.team);
-    copy_active<Motion>(collided, next);
-    accelerate(model_, model_.settings.time_step, next);
+    const bool trapezoidal = model_.settings.velocity_update == VelocityUpdate::trapezoidal;
+    const std::span<const Motion> from = trapezoidal ? kept : collided;
+    const double accelerated = trapezoidal ? 0.5 : 0; // of the step
+    copy_active<Motion>(from, next);
+    accelerate(model_, (1 - accelerated) * model_.settings.time_step, next);
     if (has_scripts_)
         for (const std::int32_t i : model_.active)
             if (!model_.bodies[at(i)].movable()) next[at(i)] = clusters_.motion()[at(i)];
-    turn_momenta(collided, next);
+    turn_momenta(from, accelerated, next);
     held_velocities(collided, next, end, report);
     drop_line_spin(end, next);
 }
@@ -255,10 +261,10 @@ void Stepper::place_still() {
     if (placed_version_ == pairs_.lists.still_version) return;
     placed_version_ = pairs_.lists.still_version;
     const std::size_t n = model_.size();
-    auto& [end, collided, half, next] = buffers_;
+    auto& [end, collided, half, kept, next] = buffers_;
     clusters_.resize(model_);
     end = state_.pose;
-    collided = half = next = state_.motion;
+    collided = half = kept = next = state_.motion;
     first_version_.resize(n);
     way_.resize(n);
     before_solve_.resize(n);

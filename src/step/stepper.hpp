@@ -176,24 +176,27 @@ class Stepper {
     void half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
     void set_half_velocities(std::span<const Motion> collided, std::span<Motion> half);
     ContactSet& contacts_at_start();
-    void half_static_contact(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
+    void half_static_contact(std::span<const Motion> collided, std::span<Motion> half, std::span<Motion> kept,
+                             StepReport& report);
     FailsafeStats move_bodies(std::span<Motion> half, StepReport& report);
     void candidate_end_states(std::span<const Motion> half, StepReport& report);
     DynamicContactStats dynamic_contact(StepReport& report);
     void certify_end(std::span<Pose> end, StepReport& report);
-    void new_velocities(std::span<const Motion> collided, std::span<const Pose> end, std::span<Motion> next,
-                        StepReport& report);
+    void new_velocities(std::span<const Motion> collided, std::span<const Motion> kept, std::span<const Pose> end,
+                        std::span<Motion> next, StepReport& report);
     void final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report);
     void find_contacts_at_end(StepReport& report);
-    /// Stages 3 and 7 (`final_stage`).
-    void static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses, bool final_stage,
+    /// Of stage 3 for what v^{n+1} keeps of it, which nothing raises to its rest distance; of stage 3; of stage 7.
+    enum class ContactStage : std::uint8_t { kept, half, final };
+    void static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses, ContactStage stage,
                         StepReport& report);
     ContactSolveStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
-                                        std::span<const Pose> poses, bool final_stage, const StepReport& report);
+                                        std::span<const Pose> poses, ContactStage stage, const StepReport& report);
+    void add_script_work(std::span<const Motion> motion, std::span<const Pose> poses);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;
     [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
-    void turn_momenta(std::span<const Motion> collided, std::span<Motion> motion);
+    void turn_momenta(std::span<const Motion> kept, double accelerated, std::span<Motion> motion);
     void drop_line_spin(std::span<const Pose> end, std::span<Motion> motion) const;
     void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                          StepReport& report);
@@ -244,7 +247,7 @@ class Stepper {
     /// What one step hands from stage to stage; kept, so that a steady scene allocates nothing.
     struct StepBuffers {
         std::vector<Pose> end;
-        std::vector<Motion> collided, half, next;
+        std::vector<Motion> collided, half, kept, next;
     };
     StepBuffers buffers_;
     CollisionScratch collisions_;

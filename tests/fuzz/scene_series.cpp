@@ -45,6 +45,7 @@ void draw_settings(Draws& draws, Settings& settings) {
     one_of_two(draws, s.ccd, CcdMethod::cubic);
     one_of_two(draws, s.trajectory, Trajectory::rigid);
     one_of_two(draws, s.tangents, Tangents::random);
+    one_of_two(draws, s.velocity_update, VelocityUpdate::end);
     one_of_two(draws, s.contact_solver, ContactSolver::pgs);
     one_of_two(draws, s.contact_solver, ContactSolver::exact_few);
     one_of_two(draws, s.rigidification, Rigidification::rigid);

@@ -20,7 +20,7 @@ bool members_proved(Trajectory trajectory, double angle) {
     shape.radius = bounding_radius(shape.mesh, {});
     shape.mass = 1;
     shape.inertia = {{0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1}};
-    shape.inverse_inertia = {{10, 0, 0, 0, 10, 0, 0, 0, 10}};
+    shape.principal = {{}, {0.1, 0.1, 0.1}, {10, 10, 10}};
     model.shapes.push_back(shape);
     model.bodies.resize(2);
     for (Body& b : model.bodies) b.mass = b.inverse_mass = 1;

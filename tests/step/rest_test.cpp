@@ -168,7 +168,7 @@ TEST(Rest, PilesTakeFewSweeps) {
 
 /// A thin roof with a right angle hangs over the upper edge of a fixed blade. Every contact is a corner of the blade
 /// between two walls at the same distance; with one of them only, the roof slides down the other until dynamic contact
-/// stops it, every step.
+/// stops it, every step. It begins a tenth of a millimetre aside, and swings by that for ever.
 SceneDescription roof_on_blade() {
     SceneDescription scene = empty_scene();
     const auto roof = add_shape(
@@ -178,7 +178,7 @@ SceneDescription roof_on_blade() {
         14);
     const auto blade =
         add_shape(scene, {{{0, -0.3, 0}, {0, 0.3, 0}, {0, -0.3, -2}, {0, 0.3, -2}}, {{0, 1, 3}, {0, 3, 2}}});
-    add_body(scene, roof, BodyType::dynamic, {0.001, 0.013, 0.0072});
+    add_body(scene, roof, BodyType::dynamic, {0.0001, 0.013, 0.0072});
     add_body(scene, blade, BodyType::fixed, {});
     return scene;
 }

@@ -112,6 +112,7 @@ const std::map<std::string_view, Effect>& effects() {
         {"sleeping", {"false", library("stack"), 40}},
         {"trajectory", {"rigid", library("turning-strip"), 20}},
         {"ccd", {"cubic", edge_on_edge, 5}},
+        {"velocity_update", {"end", block, 10}},
         {"contact_solver", {"pgs", tower, 10}},
         {"tangents", {"random", block, 20}},
         {"rigidification", {"rigid", left_to_the_failsafe, 10}},

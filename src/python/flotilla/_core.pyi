@@ -46,6 +46,7 @@ class Settings:
     ccd: str
     contact_solver: str
     tangents: str
+    velocity_update: str
     rigidification: str
     unsatisfiable_script: str
     initial_overlap: str
