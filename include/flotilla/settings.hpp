@@ -76,8 +76,8 @@ struct Settings {
     int dynamic_pair_iterations = 20; ///< impulses per pair and sweep
     int static_iterations = 1000;     ///< sweeps of projected Gauss-Seidel
     /// Largest constraint violation of a contact that a solve may leave, m/s; not figure 20's 1e-6, see preset().
-    /// Targets of equation 16 below it count as zero. Negative: 1/2048 of what gravity adds in a step, and at most what
-    /// moves a pair of bodies by 1/1024 of its rest distance in one.
+    /// Targets of equation 16 below it count as zero. Negative: 1/4096 of what gravity adds in a step, and at most what
+    /// moves a pair of bodies by 1/2048 of its rest distance in one.
     double static_tolerance = -1;
     /// Of that tolerance, where none is given in m/s. Below 1 only static_iterations ends a solve above it.
     double tolerance_share = 1;
@@ -130,7 +130,7 @@ void set_setting(Settings& settings, std::string_view key, std::string_view valu
 ///    the end of a step.
 ///  - balanced: `Settings{}`, figure 20 with Coulomb's cone, warm start and a tolerance that goes by gravity and the
 ///    bodies' sizes: figure 20's 1e-6 m/s is never reached in a pile within 1000 sweeps and only means "always run to
-///    the limit". 2e-4 m/s, that of boats at 1/24 s, lets a resting contact creep by at most 0.2 mm per second. In a
+///    the limit". 1e-4 m/s, that of boats at 1/24 s, lets a resting contact creep by at most 0.1 mm per second. In a
 ///    tower the errors of all contacts below add up: the top of 20 blocks sways by about 0.4 mm at up to 15 times the
 ///    tolerance.
 ///  - accurate: four inner steps, tight tolerance, rotating trajectories certified, no sleeping.

@@ -45,7 +45,7 @@ struct ContactTuning {
     /// normal impulse makes, a contact may miss its target by one more tolerance, at most `most_let_off`; 0: by none.
     /// Without that deep piles often ended unsolved: contacts that carry ten to a hundred times a body's weight and are
     /// some um farther apart than their rest distance hand their load to the others of their pair by one violation a
-    /// sweep, 2e-4 of 27 m/s. Row: let-off.
+    /// sweep, 1e-4 of 27 m/s. Row: let-off.
     double load_per_tolerance = 5, most_let_off = 10;
     /// Rest speed, in what gravity adds in a step: an island is at rest if its kinetic energy on entry is at most 1/2 m
     /// v^2 at this speed. A body that is held up has 1 before the solve. Row: rest.
@@ -100,7 +100,7 @@ struct ContactTuning {
     double most_of_rest = 0.02;
     /// The tolerance, as a share of what gravity adds in a step, and of a rest distance a step (`static_tolerance` in
     /// `flotilla plan --settings` says what it costs). No row.
-    double of_gravity = 1.0 / 2048, of_rest = 1.0 / 1024;
+    double of_gravity = 1.0 / 4096, of_rest = 1.0 / 2048;
     /// Slip, as a share of what gravity adds in a step: contacts that slide by less keep their random tangents. Only
     /// the paper's pyramids have such.
     double most_slip = 0.1;

@@ -115,8 +115,10 @@ class PairTargets {
         // there.
         const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
         c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full + together;
-        if (input_.all_level && full + together > 0) // whoever comes first
-            std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed);
+        if (input_.all_level && full + together > 0)
+            std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed); // whoever comes first
+        else if (input_.all_level)
+            c.target = full + together;
         if (input_.keep_approach && set_.processed[i] == 0)
             c.target = std::min(c.target, -kept_approach(model_, c, input_.start, input_.poses, bodies_));
         c.point += arcs.shift;

@@ -10,7 +10,7 @@ TEST(Bowl, TwentyBoatsComeToRest) { expect_boats_come_to_rest(22, 1, 500); }
 TEST(Bowl, WhatEndsAboveTheToleranceOfContactsIsAWarning) {
     const SceneDescription scene = make_scene("boats-in-bowl", 80, 1);
     World world(scene);
-    const double tolerance = kGravity * scene.settings.time_step / 2048;
+    const double tolerance = kGravity * scene.settings.time_step / 4096;
     int let_off = 0, limited = 0;
     while (world.steps() < 90) {
         const StepReport r = world.step();

@@ -47,7 +47,7 @@ TEST(Sleeping, ATowerFallsAsleepAndStandsStill) {
 
 TEST(Sleeping, KeepsTheLiftThatWasWrittenDown) {
     SceneDescription scene = tower(4);
-    for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.bodies[i].velocity = {0, 0, -3};
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.bodies[i].velocity = {0, 0, -5};
     World world(scene);
     double awake = 0; // of the step before
     for (int n = 0; n < 240; ++n) {
