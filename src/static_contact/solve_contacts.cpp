@@ -6,6 +6,7 @@
 
 #include "base/assert.hpp"
 #include "static_contact/assemble.hpp"
+#include "static_contact/divided_sweeps.hpp"
 #include "static_contact/exact_islands.hpp"
 #include "static_contact/island_energy.hpp"
 #include "static_contact/shock.hpp"
@@ -134,6 +135,34 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     sweep_and_measure({false, options.momentum});
 }
 
+// Small islands, each by the rank that owns its first body.
+void solve_small_divided(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
+    Division& division = *options.team->division();
+    ByteWriter own;
+    for (const std::int32_t k : s.small_islands) {
+        Island& island = s.islands[static_cast<std::size_t>(k)];
+        const std::int32_t first = s.island_bodies[static_cast<std::size_t>(island.first_body)];
+        const std::int32_t payer = s.bodies[static_cast<std::size_t>(first)];
+        if (division.owner(payer) != division.rank()) continue;
+        {
+            const CostOf cost(division, payer);
+            solve_island(island, bodies, options, s);
+        }
+        own.add(k);
+        write_solved(own, island, s);
+    }
+    const GatheredBytes told = gather_bytes(division.ranks(), own.take());
+    division.log_loop(told.all.size());
+    for (int rank = 0; rank < division.size(); ++rank) {
+        if (rank == division.rank()) continue;
+        for (auto in = reader_of(told.of(rank)); !in.rest().empty();) {
+            std::int32_t k = 0;
+            in.read(k);
+            read_solved(in, s.islands[static_cast<std::size_t>(k)], s);
+        }
+    }
+}
+
 // Large islands one after another, each on all threads; small ones side by side. No island writes what another one
 // reads.
 void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
@@ -145,6 +174,7 @@ void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& optio
             s.small_islands.push_back(static_cast<std::int32_t>(k));
     }
     if (s.small_islands.empty()) return;
+    if (options.team->division() != nullptr) return solve_small_divided(bodies, options, s);
     options.team->for_each("small islands", s.small_islands.size(), 1, [&](std::size_t i, int) {
         solve_island(s.islands[static_cast<std::size_t>(s.small_islands[i])], bodies, options, s);
     });

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "pair/divided_sweep.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <tuple>
+
+#include "base/index.hpp"
+
+namespace flotilla {
+namespace {
+
+/// The last colour takes all pairs that find none free: its tasks may share clusters.
+constexpr std::uint8_t kChain = kColors - 1;
+
+} // namespace
+
+DividedSweep::DividedSweep(const Division& division, const SweepBuffers& buffers, const SharedSweep& shared)
+    : division_(division), buffers_(buffers), shared_(shared) {
+    find_waves();
+}
+
+void DividedSweep::find_waves() {
+    const auto& tasks = buffers_.tasks;
+    const auto color = [&](const SweepBuffers::SweepTask& t) { return buffers_.color[at(t.place)]; };
+    std::vector<std::size_t> wave_of(tasks.size());
+    for (std::size_t t = 0; t < tasks.size(); ++t) {
+        const bool goes_on = t > 0 && tasks[t].round == tasks[t - 1].round && color(tasks[t]) == color(tasks[t - 1]) &&
+                             color(tasks[t]) != kChain;
+        if (!goes_on) waves_.push_back({own_.size(), own_.size()});
+        wave_of[t] = waves_.size() - 1;
+        const auto [a, b] = buffers_.things[at(tasks[t].place)];
+        if (!division_.owns(a, b)) continue;
+        own_.push_back(static_cast<std::int32_t>(t));
+        pairs_.push_back(tasks[t].place);
+        waves_.back().end_own = own_.size();
+    }
+    std::sort(pairs_.begin(), pairs_.end());
+    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+    find_transfers(wave_of);
+}
+
+/// Backwards through the tasks, with the rank of the next task that uses each cluster.
+void DividedSweep::find_transfers(const std::vector<std::size_t>& wave_of) {
+    const int rank = division_.rank();
+    std::vector<std::int32_t> next(buffers_.used_colors.size(), -1);
+    for (std::size_t t = buffers_.tasks.size(); t-- > 0;) {
+        const auto& things = buffers_.things[at(buffers_.tasks[t].place)];
+        const int owner = division_.owner(things[0], things[1]);
+        for (const std::int32_t cluster : things) {
+            if (cluster < 0) continue;
+            const std::int32_t user = std::exchange(next[at(cluster)], owner);
+            if (user < 0 && owner == rank) last_.push_back(cluster);
+            if (user < 0 || user == owner) continue;
+            if (owner == rank) out_.push_back({wave_of[t], user, cluster});
+            if (user == rank) in_.push_back({wave_of[t], owner, cluster});
+        }
+    }
+    const auto order = [](const Transfer& x, const Transfer& y) {
+        return std::tie(x.wave, x.partner, x.cluster) < std::tie(y.wave, y.partner, y.cluster);
+    };
+    if (division_.log() != nullptr) begin_log(wave_of);
+    std::sort(out_.begin(), out_.end(), order);
+    std::sort(in_.begin(), in_.end(), order);
+}
+
+std::span<const DividedSweep::Transfer> DividedSweep::of_wave(const std::vector<Transfer>& all,
+                                                              std::size_t wave) const {
+    const auto [begin, end] = std::ranges::equal_range(all, wave, {}, &Transfer::wave);
+    return {begin, end};
+}
+
+void DividedSweep::hand_on(std::size_t wave) {
+    const std::span<const Transfer> out = of_wave(out_, wave), in = of_wave(in_, wave);
+    if (out.empty() && in.empty()) return;
+    const Clusters& clusters = shared_.movers.clusters();
+    ByteWriter writer;
+    std::size_t size = 0;
+    for (const Transfer& t : out) write_cluster(writer, clusters, shared_.movers.trajectories(), t.cluster);
+    for (const Transfer& t : in) size += size_of_cluster(clusters, t.cluster);
+    std::vector<std::byte> sent = writer.take(), received(size);
+    const auto messages = [&](std::span<const Transfer> transfers, std::span<std::byte> bytes) {
+        std::vector<RankMessage> list;
+        std::size_t begin = 0, end = 0;
+        for (std::size_t k = 0; k < transfers.size(); ++k) {
+            end += size_of_cluster(clusters, transfers[k].cluster);
+            if (k + 1 < transfers.size() && transfers[k + 1].partner == transfers[k].partner) continue;
+            list.push_back({transfers[k].partner, bytes.subspan(begin, end - begin)});
+            begin = end;
+        }
+        return list;
+    };
+    division_.ranks().prepare(messages(out, sent), messages(in, received))->run();
+    std::span<const std::byte> rest = received;
+    for (const Transfer& t : in) {
+        read_cluster(rest, t.cluster, shared_.movers);
+        rest = rest.subspan(size_of_cluster(clusters, t.cluster));
+    }
+}
+
+void DividedSweep::write_own(ByteWriter& out) const {
+    out.add(static_cast<std::uint64_t>(pairs_.size()));
+    for (const std::int32_t place : pairs_) {
+        out.add(place);
+        out.add(RecordState(shared_.record(at(place))));
+        if (!shared_.result) continue;
+        const std::span<const std::byte> result = shared_.result(at(place));
+        out.add_bytes(result.data(), result.size());
+    }
+    out.add(static_cast<std::uint64_t>(last_.size()));
+    for (const std::int32_t cluster : last_) {
+        out.add(cluster);
+        write_cluster(out, shared_.movers.clusters(), shared_.movers.trajectories(), cluster);
+    }
+}
+
+void DividedSweep::read_other(std::span<const std::byte> bytes, CountedWork& counted) {
+    auto in = reader_of(bytes);
+    std::uint64_t pairs = 0, clusters = 0;
+    in.read(pairs);
+    for (; pairs > 0; --pairs) {
+        std::int32_t place = 0;
+        RecordState state;
+        in.read(place), in.read(state);
+        state.put(shared_.record(at(place)));
+        if (!shared_.result) continue;
+        for (std::byte& byte : shared_.result(at(place))) in.read(byte);
+    }
+    in.read(clusters);
+    for (; clusters > 0; --clusters) {
+        std::int32_t cluster = 0;
+        in.read(cluster);
+        read_cluster(in.rest(), cluster, shared_.movers);
+        in.skip(size_of_cluster(shared_.movers.clusters(), cluster));
+    }
+    CountedWork other;
+    other.read(in);
+    counted.add(other);
+}
+
+void DividedSweep::begin_log(const std::vector<std::size_t>& wave_of) {
+    for (std::size_t t = 0; t < wave_of.size(); ++t)
+        logged_.push_back({wave_of[t], buffers_.things[at(buffers_.tasks[t].place)], 0});
+    for (const std::int32_t cluster : last_) {
+        const std::int32_t first = shared_.movers.clusters()[cluster].members.front();
+        versions_.push_back(shared_.movers.trajectories().version(at(first)));
+    }
+}
+
+void DividedSweep::log_task(std::int32_t task) {
+    logged_[at(task)].ns = std::exchange(division_.log()->items, {}).front().ns;
+}
+
+void DividedSweep::log() const {
+    LoggedSweep sweep{logged_, 0, 0, told_};
+    const Clusters& clusters = shared_.movers.clusters();
+    for (std::size_t k = 0; k < last_.size(); ++k) {
+        const std::int32_t first = clusters[last_[k]].members.front();
+        if (shared_.movers.trajectories().version(at(first)) != versions_[k]) ++sweep.changed;
+        sweep.cluster_bytes = size_of_cluster(clusters, last_[k]);
+    }
+    division_.log()->sections.emplace_back(std::move(sweep));
+}
+
+void DividedSweep::share(Workers& workers, const CountedWork& before) {
+    CountedWork counted(workers);
+    ByteWriter out;
+    write_own(out);
+    counted.write(out);
+    const GatheredBytes told = gather_bytes(division_.ranks(), out.take());
+    told_ = told.all.size();
+    for (int rank = 0; rank < division_.size(); ++rank)
+        if (rank != division_.rank()) read_other(told.of(rank), counted);
+    counted.add(before);
+    counted.give(workers[0]);
+}
+
+} // namespace flotilla
