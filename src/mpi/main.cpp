@@ -8,6 +8,7 @@
 #include <flotilla/build_info.hpp>
 
 #include "cli/run_action.hpp"
+#include "mpi/model_command.hpp"
 #include "mpi/run_command.hpp"
 #include "mpi/session.hpp"
 
@@ -25,6 +26,7 @@ int parse_and_run(int argc, char** argv) {
                          "Print version and commit, and exit");
     const std::vector<std::string> command_line(argv, argv + argc);
     cli::Action action;
+    mpi::register_model(app, action);
     mpi::register_run(app, action, session, command_line);
     try {
         app.parse(argc, argv);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// flotilla-mpi run: an ensemble of runs over ranks.
+// flotilla-mpi run: one scene over ranks, or an ensemble of runs.
 #pragma once
 
 #include <string>

@@ -2,7 +2,9 @@
 // MPI from its start to its end, and what ranks say to each other outside of a step.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace flotilla::mpi {
 
@@ -20,6 +22,9 @@ class Session {
 
     /// Rank 0's value, on every rank.
     [[nodiscard]] std::int64_t from_first(std::int64_t value) const;
+    void from_first(std::vector<std::byte>& bytes) const;
+    /// Ends the processes of all ranks, where others wait for what this one cannot do.
+    [[noreturn]] void abort(int exit_code) const;
     /// Ends MPI: from here on ranks are processes that share a machine or a file system, and nothing else.
     void end();
 
