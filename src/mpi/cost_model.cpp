@@ -16,25 +16,34 @@ namespace {
 constexpr double kNanosecond = 1e-9;
 constexpr std::size_t kSizeBytes = 8; // that a rank tells of the size of what it will tell
 
-/// How many pieces go from whom to whom after each stage. users(k, use) calls use(stage, piece, rank) for what the k-th
-/// of `size` things uses, in their order.
+/// How many pieces go from whom to whom after each stage, and for which.
 class NextUsers {
   public:
-    explicit NextUsers(std::size_t pieces) : next_(pieces, -1) {}
+    struct Handed {
+        std::size_t pieces = 0, needed = 0;
+    };
 
-    /// The things from the last to the first.
+    explicit NextUsers(std::size_t pieces) : next_(pieces) {}
+
+    /// A stage of a rank uses a piece; from the last use to the first.
     void use(std::size_t stage, std::int32_t piece, int rank) {
-        const int user = std::exchange(next_[at(piece)], rank);
-        if (user >= 0 && user != rank) ++handed_[{stage, rank, user}];
+        const User user = std::exchange(next_[at(piece)], {rank, stage});
+        if (user.rank < 0 || user.rank == rank) return;
+        Handed& handed = handed_[{stage, rank, user.rank}];
+        handed.needed = handed.pieces++ == 0 ? user.stage : std::min(handed.needed, user.stage);
     }
     template <class Work>
     void for_all(Work&& work) const {
-        for (const auto& [key, pieces] : handed_) work(std::get<0>(key), std::get<1>(key), std::get<2>(key), pieces);
+        for (const auto& [key, handed] : handed_) work(std::get<0>(key), std::get<1>(key), std::get<2>(key), handed);
     }
 
   private:
-    std::vector<int> next_;
-    std::map<std::tuple<std::size_t, int, int>, std::size_t> handed_;
+    struct User {
+        int rank = -1;
+        std::size_t stage = 0;
+    };
+    std::vector<User> next_;
+    std::map<std::tuple<std::size_t, int, int>, Handed> handed_;
 };
 
 } // namespace
@@ -97,10 +106,10 @@ void CostModel::add(const LoggedSweep& sweep) {
         for (const std::int32_t cluster : task.clusters)
             if (cluster >= 0) users.use(task.wave, cluster, owners_[payer]);
     }
-    users.for_all([&](std::size_t wave, int from, int to, std::size_t n) {
-        stages[wave].handed.push_back({from, to, n});
+    users.for_all([&](std::size_t wave, int from, int to, const NextUsers::Handed& h) {
+        stages[wave].handed.push_back({from, to, h.pieces, h.needed});
     });
-    for (const Stage& stage : stages) pass(stage, sweep.cluster_bytes, place_, 1);
+    pass(stages, sweep.cluster_bytes, place_, 1);
     gather_unknown(sweep.bytes);
     const double others = static_cast<double>(sweep.changed) * (1 - 1.0 / ranks_);
     for (double& clock : clock_) clock += others * place_;
@@ -134,13 +143,13 @@ void CostModel::add(const LoggedContacts& contacts) {
             seen[at(body)] = true;
         }
     }
-    users.for_all([&](std::size_t color, int from, int to, std::size_t n) {
-        colors[color].handed.push_back({from, to, n});
+    users.for_all([&](std::size_t color, int from, int to, const NextUsers::Handed& h) {
+        colors[color].handed.push_back({from, to, h.pieces, color + 1}); // ranks wait for them at once
     });
     // All sweeps begin and end together, so one is like another.
     const std::vector<double> before(clock_.size(), *std::max_element(clock_.begin(), clock_.end()));
     clock_ = before;
-    for (const Stage& color : colors) pass(color, contacts.body_bytes, 0, contacts.sweeps);
+    pass(colors, contacts.body_bytes, 0, contacts.sweeps);
     const double sweep = *std::max_element(clock_.begin(), clock_.end()) - before.front();
     clock_.assign(clock_.size(), before.front() + static_cast<double>(contacts.sweeps) * sweep);
     gather(kSizeBytes * at(ranks_) + bodies * contacts.body_bytes, contacts.sweeps);
@@ -152,22 +161,33 @@ void CostModel::add(const LoggedContacts& contacts) {
     if (contacts.impulse_bytes > 0) gather_unknown(contacts.impulse_bytes);
 }
 
-/// Moves the clocks on by one of `times` equal passes, and counts what is said in all of them.
-void CostModel::pass(const Stage& stage, std::size_t piece_bytes, double piece_seconds, std::int64_t times) {
-    if (stage.work.empty()) return;
-    for (std::size_t r = 0; r < clock_.size(); ++r) clock_[r] += stage.work[r];
-    std::vector<double> arrived = clock_;
-    std::vector<std::int64_t> received(clock_.size());
-    for (const Handed& h : stage.handed) {
-        const auto bytes = static_cast<double>(h.pieces * piece_bytes);
-        const double arrival = clock_[at(h.from)] + network_.latency + bytes / network_.bandwidth;
-        arrived[at(h.to)] = std::max(arrived[at(h.to)], arrival);
-        received[at(h.to)] += static_cast<std::int64_t>(h.pieces);
-        messages_[at(h.from)] += times;
-        bytes_[at(h.from)] += times * static_cast<std::int64_t>(h.pieces * piece_bytes);
+/// Moves the clocks on by one of `times` equal passes through the stages, and counts what is said in all of them.
+void CostModel::pass(std::span<const Stage> stages, std::size_t piece_bytes, double piece_seconds, std::int64_t times) {
+    struct Arrival {
+        double time;
+        int to;
+        std::size_t pieces;
+    };
+    std::vector<std::vector<Arrival>> needed(stages.size() + 1);
+    for (std::size_t k = 0; k <= stages.size(); ++k) {
+        std::vector<std::size_t> placed(clock_.size());
+        for (const Arrival& a : needed[k]) {
+            clock_[at(a.to)] = std::max(clock_[at(a.to)], a.time);
+            placed[at(a.to)] += a.pieces;
+        }
+        if (k == stages.size()) return;
+        const Stage& stage = stages[k];
+        for (std::size_t r = 0; r < clock_.size(); ++r)
+            clock_[r] += piece_seconds * static_cast<double>(placed[r]) + (stage.work.empty() ? 0 : stage.work[r]);
+        for (const Handed& h : stage.handed) {
+            const std::size_t bytes = h.pieces * piece_bytes;
+            const double arrival =
+                clock_[at(h.from)] + network_.latency + static_cast<double>(bytes) / network_.bandwidth;
+            needed[std::min(h.needed, stages.size())].push_back({arrival, h.to, h.pieces});
+            messages_[at(h.from)] += times;
+            bytes_[at(h.from)] += times * static_cast<std::int64_t>(bytes);
+        }
     }
-    for (std::size_t r = 0; r < clock_.size(); ++r)
-        clock_[r] = arrived[r] + piece_seconds * static_cast<double>(received[r]);
 }
 
 void CostModel::gather(std::size_t bytes, std::int64_t times) {

@@ -50,12 +50,14 @@ class CostModel {
     /// A step that is not `counted` tells what bodies cost, and nothing else.
     void add(const LoggedStep& step, bool counted = true);
     [[nodiscard]] int ranks() const { return ranks_; }
+    [[nodiscard]] const Network& network() const { return network_; }
     [[nodiscard]] const ModelTotals& totals() const { return totals_; }
 
   private:
     struct Handed {
         int from = 0, to = 0;
         std::size_t pieces = 0; ///< clusters, or bodies
+        std::size_t needed = 0; ///< the stage whose work waits for them
     };
     /// Packets of one colour, or tasks of one wave: what ranks do, and what they hand on afterwards.
     struct Stage {
@@ -66,7 +68,7 @@ class CostModel {
     void add(const LoggedLoop& loop);
     void add(const LoggedSweep& sweep);
     void add(const LoggedContacts& contacts);
-    void pass(const Stage& stage, std::size_t piece_bytes, double piece_seconds, std::int64_t times);
+    void pass(std::span<const Stage> stages, std::size_t piece_bytes, double piece_seconds, std::int64_t times);
     void gather(std::size_t bytes, std::int64_t times = 1);
     void gather_unknown(std::size_t bytes, std::int64_t times = 1);
     void count(std::int32_t body, double seconds);

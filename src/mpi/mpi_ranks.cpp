@@ -28,8 +28,7 @@ int as_count(std::size_t bytes) {
     return static_cast<int>(bytes);
 }
 
-/// Of one pair of ranks messages arrive in the order in which they were sent, and both go through their exchanges in
-/// the same order: one tag does.
+/// Of one pair of ranks messages are received in the order in which they were sent: one tag does.
 constexpr int kTag = 0;
 
 class PersistentExchange : public RankExchange {
@@ -51,12 +50,12 @@ class PersistentExchange : public RankExchange {
     PersistentExchange(const PersistentExchange&) = delete;
     PersistentExchange& operator=(const PersistentExchange&) = delete;
 
-    void run() override {
+    void start() override {
         traffic_.messages += messages_;
         traffic_.bytes += bytes_;
         MPI_Startall(static_cast<int>(requests_.size()), requests_.data());
-        MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
     }
+    void wait() override { MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE); }
 
   private:
     RankTraffic& traffic_;

@@ -40,61 +40,85 @@ void DividedSweep::find_waves() {
     find_transfers(wave_of);
 }
 
-/// Backwards through the tasks, with the rank of the next task that uses each cluster.
+/// Backwards through the tasks, with the rank and the wave of the next one that uses each cluster.
 void DividedSweep::find_transfers(const std::vector<std::size_t>& wave_of) {
+    struct User {
+        int rank = -1;
+        std::size_t wave = 0;
+    };
     const int rank = division_.rank();
-    std::vector<std::int32_t> next(buffers_.used_colors.size(), -1);
+    std::vector<User> next(buffers_.used_colors.size());
     for (std::size_t t = buffers_.tasks.size(); t-- > 0;) {
         const auto& things = buffers_.things[at(buffers_.tasks[t].place)];
         const int owner = division_.owner(things[0], things[1]);
         for (const std::int32_t cluster : things) {
             if (cluster < 0) continue;
-            const std::int32_t user = std::exchange(next[at(cluster)], owner);
-            if (user < 0 && owner == rank) last_.push_back(cluster);
-            if (user < 0 || user == owner) continue;
-            if (owner == rank) out_.push_back({wave_of[t], user, cluster});
-            if (user == rank) in_.push_back({wave_of[t], owner, cluster});
+            const User user = std::exchange(next[at(cluster)], {owner, wave_of[t]});
+            if (user.rank < 0 && owner == rank) last_.push_back(cluster);
+            if (user.rank < 0 || user.rank == owner) continue;
+            if (owner == rank) out_.push_back({wave_of[t], user.wave, user.rank, cluster});
+            if (user.rank == rank) in_.push_back({wave_of[t], user.wave, owner, cluster});
         }
     }
+    if (division_.log() != nullptr) begin_log(wave_of);
     const auto order = [](const Transfer& x, const Transfer& y) {
         return std::tie(x.wave, x.partner, x.cluster) < std::tie(y.wave, y.partner, y.cluster);
     };
-    if (division_.log() != nullptr) begin_log(wave_of);
     std::sort(out_.begin(), out_.end(), order);
     std::sort(in_.begin(), in_.end(), order);
+    sent_ = messages_of(out_);
+    received_ = messages_of(in_);
+    for (Message& message : received_) receive(message);
+    std::stable_sort(received_.begin(), received_.end(),
+                     [](const Message& x, const Message& y) { return x.needed < y.needed; });
 }
 
-std::span<const DividedSweep::Transfer> DividedSweep::of_wave(const std::vector<Transfer>& all,
-                                                              std::size_t wave) const {
-    const auto [begin, end] = std::ranges::equal_range(all, wave, {}, &Transfer::wave);
-    return {begin, end};
+std::vector<DividedSweep::Message> DividedSweep::messages_of(std::span<const Transfer> transfers) {
+    std::vector<Message> messages;
+    for (std::size_t begin = 0, end = 0; begin < transfers.size(); begin = end) {
+        Message& message = messages.emplace_back();
+        message.needed = transfers[begin].needed;
+        for (; end < transfers.size() && transfers[end].wave == transfers[begin].wave &&
+               transfers[end].partner == transfers[begin].partner;
+             ++end)
+            message.needed = std::min(message.needed, transfers[end].needed);
+        message.transfers = transfers.subspan(begin, end - begin);
+    }
+    return messages;
+}
+
+/// Begins to.
+void DividedSweep::receive(Message& message) {
+    std::size_t size = 0;
+    for (const Transfer& t : message.transfers) size += size_of_cluster(shared_.movers.clusters(), t.cluster);
+    message.bytes.resize(size);
+    const RankMessage from{message.transfers.front().partner, message.bytes};
+    message.exchange = division_.ranks().prepare({}, std::span(&from, 1));
+    message.exchange->start();
+}
+
+void DividedSweep::take(std::size_t wave) {
+    for (; next_received_ < received_.size() && received_[next_received_].needed <= wave; ++next_received_) {
+        Message& message = received_[next_received_];
+        message.exchange->wait();
+        std::span<const std::byte> rest = message.bytes;
+        for (const Transfer& t : message.transfers) {
+            read_cluster(rest, t.cluster, shared_.movers);
+            rest = rest.subspan(size_of_cluster(shared_.movers.clusters(), t.cluster));
+        }
+    }
 }
 
 void DividedSweep::hand_on(std::size_t wave) {
-    const std::span<const Transfer> out = of_wave(out_, wave), in = of_wave(in_, wave);
-    if (out.empty() && in.empty()) return;
-    const Clusters& clusters = shared_.movers.clusters();
-    ByteWriter writer;
-    std::size_t size = 0;
-    for (const Transfer& t : out) write_cluster(writer, clusters, shared_.movers.trajectories(), t.cluster);
-    for (const Transfer& t : in) size += size_of_cluster(clusters, t.cluster);
-    std::vector<std::byte> sent = writer.take(), received(size);
-    const auto messages = [&](std::span<const Transfer> transfers, std::span<std::byte> bytes) {
-        std::vector<RankMessage> list;
-        std::size_t begin = 0, end = 0;
-        for (std::size_t k = 0; k < transfers.size(); ++k) {
-            end += size_of_cluster(clusters, transfers[k].cluster);
-            if (k + 1 < transfers.size() && transfers[k + 1].partner == transfers[k].partner) continue;
-            list.push_back({transfers[k].partner, bytes.subspan(begin, end - begin)});
-            begin = end;
-        }
-        return list;
-    };
-    division_.ranks().prepare(messages(out, sent), messages(in, received))->run();
-    std::span<const std::byte> rest = received;
-    for (const Transfer& t : in) {
-        read_cluster(rest, t.cluster, shared_.movers);
-        rest = rest.subspan(size_of_cluster(clusters, t.cluster));
+    for (; next_sent_ < sent_.size() && sent_[next_sent_].transfers.front().wave == wave; ++next_sent_) {
+        Message& message = sent_[next_sent_];
+        ByteWriter writer;
+        for (const Transfer& t : message.transfers)
+            write_cluster(writer, shared_.movers.clusters(), shared_.movers.trajectories(), t.cluster);
+        message.bytes = writer.take();
+        const RankMessage to{message.transfers.front().partner, message.bytes};
+        message.exchange = division_.ranks().prepare(std::span(&to, 1), {});
+        message.exchange->start();
     }
 }
 
@@ -163,6 +187,7 @@ void DividedSweep::log() const {
 }
 
 void DividedSweep::share(Workers& workers, const CountedWork& before) {
+    for (Message& message : sent_) message.exchange->wait();
     CountedWork counted(workers);
     ByteWriter out;
     write_own(out);

@@ -6,6 +6,8 @@
 #include <ctime>
 #include <numeric>
 
+#include "parallel/wait.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -120,6 +122,8 @@ void Division::begin_step(std::span<const Vec3> positions, std::span<const std::
     for (std::size_t k = 0; k < all.size(); ++k) sums[k % own.size()] += all[k];
     owners_.begin_step(positions, active, sums);
 }
+
+std::int64_t Division::clock() const { return log_ != nullptr ? thread_ns() : now_ns(); }
 
 std::int64_t thread_ns() {
     timespec time{};

@@ -21,8 +21,15 @@ struct RankMessage {
 class RankExchange {
   public:
     virtual ~RankExchange() = default;
-    /// Sends and receives all of them. The partners exchange at the same place among their own calls.
-    virtual void run() = 0;
+    /// Begins to send and receive all of them. Of two ranks the first message that one begins to send is the first that
+    /// the other begins to receive, and so on.
+    virtual void start() = 0;
+    /// Until what was started is sent and received.
+    virtual void wait() = 0;
+    void run() {
+        start();
+        wait();
+    }
 };
 
 /// What a rank said to others since the beginning.

@@ -41,6 +41,7 @@ class DividedSweeps {
     /// After the last sweep: the impulses that the rows hold.
     void share_impulses(PackedContacts& packed);
 
+    [[nodiscard]] std::int64_t clock() const { return division_.clock(); }
     /// Of this rank's packets, in a sweep and in an evaluation.
     void add_sweep(std::int64_t ns) { ++sweeps_, ns_ += ns; }
     void add_evaluation(std::int64_t ns) { ++evaluations_, evaluation_ns_ += ns; }

@@ -61,10 +61,10 @@ double SweepEngine::sweep_divided(double m) {
     double worst = 0;
     std::int64_t ns = 0;
     for (std::size_t c = 0; c < divided_->num_colors(); ++c) {
-        const std::int64_t begin = thread_ns();
+        const std::int64_t begin = divided_->clock();
         for (const auto& packets : divided_->own(c))
             worst = std::max(worst, flotilla::sweep(cone_, view(packets, m), options_.isa));
-        ns += thread_ns() - begin;
+        ns += divided_->clock() - begin;
         divided_->hand_on(c);
     }
     divided_->add_sweep(ns);

@@ -194,13 +194,13 @@ class IslandSweeps {
     void evaluate_divided(double load_share) {
         Seen& seen = engine_.crew().seen[0];
         double residual = 0;
-        const std::int64_t begin = thread_ns();
+        const std::int64_t begin = engine_.divided()->clock();
         for (const auto& packets : engine_.divided()->own())
             residual = std::max(residual, residual_of(packets, load_share));
         note_changes(0);
         for (const auto& packets : engine_.divided()->own())
             residual = std::max(residual, activate_violated_of(packets));
-        engine_.divided()->add_evaluation(thread_ns() - begin);
+        engine_.divided()->add_evaluation(engine_.divided()->clock() - begin);
         seen.residual = engine_.divided()->share_found(residual, packets_, violated_);
         if (jams_) seen.violated = count_violated(packets_);
     }
