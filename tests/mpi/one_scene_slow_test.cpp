@@ -7,12 +7,12 @@ namespace flotilla::test {
 namespace {
 
 TEST(OneSceneOverRanksSlow, Boats252HaveTheHashesOfOneProcess) {
-    const OneScene pile(make_scene("boats-in-bowl", 252, 1), 120);
+    const OneScene pile(make_scene("boats-in-bowl", 252, 1), 80);
     for (int ranks = 1; ranks <= 4; ++ranks) pile.expect_same_on(ranks);
 }
 
 TEST(OneSceneOverRanksSlow, Piles64HaveTheHashesOfOneProcess) {
-    const OneScene piles(scenario::piles_of_boxes(64), 120);
+    const OneScene piles(scenario::piles_of_boxes(64), 80);
     for (int ranks = 1; ranks <= 4; ++ranks) piles.expect_same_on(ranks);
 }
 

@@ -11,7 +11,7 @@ namespace flotilla::test {
 /// More ranks than cores, each on whatever core is free, also as root. `options`: of mpirun.
 inline std::string ranks_line(int ranks, const std::string& arguments, const std::string& options = "") {
     return "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 " FLOTILLA_MPIRUN
-           " --oversubscribe --bind-to none " +
+           " --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 " +
            options + " -np " + std::to_string(ranks) + " " FLOTILLA_MPI_COMMAND " " + arguments;
 }
 
