@@ -136,8 +136,10 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
 }
 
 // Small islands, each by the rank that owns its first body.
-void solve_small_divided(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
-    Division& division = *options.team->division();
+void solve_small_divided(const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
+    Division& division = *of_all.team->division();
+    ContactSolveOptions options = of_all;
+    options.team = nullptr;
     ByteWriter own;
     for (const std::int32_t k : s.small_islands) {
         Island& island = s.islands[static_cast<std::size_t>(k)];
@@ -163,12 +165,21 @@ void solve_small_divided(const ContactBodies& bodies, const ContactSolveOptions&
     }
 }
 
+// Among ranks, whose sweeps of an island together wait for one another far longer than those of threads, an island is
+// large that has more than a quarter of all contacts: of several like it some ranks can each have one.
+bool is_large_among_ranks(const Island& island, const ContactScratch& s) {
+    constexpr std::size_t kShare = 4;
+    return is_large(island, s) && kShare * static_cast<std::size_t>(contacts_of(island, s)) > s.rows.size();
+}
+
 // Large islands one after another, each on all threads; small ones side by side. No island writes what another one
 // reads.
 void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();
+    const bool divided = options.team != nullptr && options.team->division() != nullptr;
     for (std::size_t k = 0; k < s.islands.size(); ++k) {
-        if (options.team == nullptr || is_large(s.islands[k], s))
+        const Island& island = s.islands[k];
+        if (options.team == nullptr || (divided ? is_large_among_ranks(island, s) : is_large(island, s)))
             solve_island(s.islands[k], bodies, options, s);
         else
             s.small_islands.push_back(static_cast<std::int32_t>(k));
