@@ -2,6 +2,7 @@
 #include "static_contact/divided_sweeps.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <tuple>
 #include <utility>
 
@@ -35,10 +36,11 @@ DividedSweeps::DividedSweeps(Division& division, std::span<const ContactPacket> 
     : division_(division), s_(scratch), packets_(packets), last_(at(division.size())) {
     find_owners();
     find_transfers();
+    size_buffers();
 }
 
 void DividedSweeps::log() const {
-    LoggedContacts contacts{{}, sweeps_, ns_, evaluations_, evaluation_ns_, sizeof(BodyVelocity), impulse_bytes_};
+    LoggedContacts contacts{{}, sweeps_, ns_, evaluations_, evaluation_ns_, sizeof(SentVelocity), impulse_bytes_};
     for (std::size_t p = 0; p < packets_.size(); ++p) {
         LoggedContacts::Packet& packet = contacts.packets.emplace_back();
         packet.color = static_cast<std::int32_t>(color_of_[p]);
@@ -110,7 +112,7 @@ void DividedSweeps::prepare(std::span<const Transfer> out, std::span<const Trans
         return std::span<const Transfer>(begin, end);
     };
     const auto fill = [](std::span<const Transfer> transfers, std::vector<std::int32_t>& bodies,
-                         std::vector<BodyVelocity>& buffer) {
+                         std::vector<SentVelocity>& buffer) {
         std::vector<RankMessage> messages;
         buffer.resize(transfers.size());
         std::size_t begin = 0;
@@ -139,29 +141,54 @@ std::span<const std::span<const ContactPacket>> DividedSweeps::own(std::size_t c
 void DividedSweeps::hand_on(std::size_t color) {
     Color& c = colors_[color];
     if (c.exchange == nullptr) return;
-    for (std::size_t k = 0; k < c.out.size(); ++k) c.sent[k] = s_.velocity[at(c.out[k])];
+    for (std::size_t k = 0; k < c.out.size(); ++k) c.sent[k] = sent(c.out[k]);
     c.exchange->run();
-    for (std::size_t k = 0; k < c.in.size(); ++k) s_.velocity[at(c.in[k])] = c.received[k];
+    for (std::size_t k = 0; k < c.in.size(); ++k) take(c.in[k], c.received[k]);
+}
+
+/// Room for what share_velocities() says: by rank its value, and linear and angular velocities of its last bodies.
+void DividedSweeps::size_buffers() {
+    std::size_t all = 0;
+    for (const auto& bodies : last_) {
+        sizes_.push_back(sizeof(double) + bodies.size() * sizeof(SentVelocity));
+        all += sizes_.back();
+    }
+    own_.resize(sizes_[at(division_.rank())]);
+    told_.resize(all);
+}
+
+DividedSweeps::SentVelocity DividedSweeps::sent(std::int32_t body) const {
+    return {s_.velocity[at(body)].linear, s_.velocity[at(body)].angular};
+}
+
+void DividedSweeps::take(std::int32_t body, const SentVelocity& velocity) {
+    s_.velocity[at(body)].linear = velocity.linear;
+    s_.velocity[at(body)].angular = velocity.angular;
 }
 
 double DividedSweeps::share_velocities(double worst) {
-    std::vector<std::size_t> sizes;
-    std::size_t all = 0;
-    for (const auto& bodies : last_) {
-        sizes.push_back(sizeof(double) + bodies.size() * sizeof(BodyVelocity));
-        all += sizes.back();
+    std::byte* to = own_.data();
+    std::memcpy(to, &worst, sizeof worst);
+    to += sizeof worst;
+    for (const std::int32_t body : last_[at(division_.rank())]) {
+        const SentVelocity velocity = sent(body);
+        std::memcpy(to, &velocity, sizeof velocity);
+        to += sizeof velocity;
     }
-    ByteWriter own;
-    own.add(worst);
-    for (const std::int32_t body : last_[at(division_.rank())]) own.add(s_.velocity[at(body)]);
-    std::vector<std::byte> told(all);
-    division_.ranks().gather(own.take(), sizes, told);
-    auto in = reader_of(told);
-    for (const auto& bodies : last_) {
+    division_.ranks().gather(own_, sizes_, told_);
+    const std::byte* from = told_.data();
+    for (std::size_t rank = 0; rank < last_.size(); from += sizes_[rank++]) {
+        if (rank == at(division_.rank())) continue;
         double of_rank = 0;
-        in.read(of_rank);
+        std::memcpy(&of_rank, from, sizeof of_rank);
         worst = std::max(worst, of_rank);
-        for (const std::int32_t body : bodies) in.read(s_.velocity[at(body)]);
+        const std::byte* next = from + sizeof of_rank;
+        for (const std::int32_t body : last_[rank]) {
+            SentVelocity velocity;
+            std::memcpy(&velocity, next, sizeof velocity);
+            take(body, velocity);
+            next += sizeof velocity;
+        }
     }
     return worst;
 }

@@ -47,10 +47,13 @@ class DividedSweeps {
     void add_evaluation(std::int64_t ns) { ++evaluations_, evaluation_ns_ += ns; }
 
   private:
+    struct SentVelocity {
+        Vec3 linear, angular;
+    };
     struct Color {
         std::size_t first_run = 0, end_run = 0;
         std::vector<std::int32_t> out, in; ///< bodies, by partner
-        std::vector<BodyVelocity> sent, received;
+        std::vector<SentVelocity> sent, received;
         std::unique_ptr<RankExchange> exchange; ///< null: nothing is handed on
     };
     struct Transfer {
@@ -61,6 +64,10 @@ class DividedSweeps {
 
     void find_owners();
     void find_transfers();
+    void size_buffers();
+    [[nodiscard]] SentVelocity sent(std::int32_t body) const;
+    void take(std::int32_t body, const SentVelocity& velocity);
+    void log() const;
     void prepare(std::span<const Transfer> out, std::span<const Transfer> in);
 
     Division& division_;
@@ -71,7 +78,8 @@ class DividedSweeps {
     std::vector<Color> colors_;
     std::vector<std::size_t> color_of_;           ///< by packet, the place in colors_
     std::vector<std::vector<std::int32_t>> last_; ///< bodies whose last packet is a rank's, by rank
-    void log() const;
+    std::vector<std::size_t> sizes_;              ///< by rank, of what it tells after a sweep
+    std::vector<std::byte> own_, told_;
 
     std::int64_t sweeps_ = 0, ns_ = 0, evaluations_ = 0, evaluation_ns_ = 0;
     std::size_t impulse_bytes_ = 0;
