@@ -98,7 +98,8 @@ class LoggedScene {
         if (!active.empty())
             place_ = std::min(place_, 1e-3 * report.phase_ms[static_cast<std::size_t>(Phase::position)] /
                                           static_cast<double>(active.size()));
-        const double untimed = divided - clock_cost_ * static_cast<double>(num_timed(log));
+        const double untimed =
+            divided - clock_cost_ * static_cast<double>(num_timed(log)) - 1e-9 * static_cast<double>(log.own_ns);
         for (CostModel& model : models) model.add({log, positions, active, alone, untimed, place_}, counted);
     }
     [[nodiscard]] std::size_t size() const { return alone_.size(); }

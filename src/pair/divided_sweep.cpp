@@ -163,12 +163,14 @@ void DividedSweep::read_other(std::span<const std::byte> bytes, CountedWork& cou
 }
 
 void DividedSweep::begin_log(const std::vector<std::size_t>& wave_of) {
+    const std::int64_t begin = thread_ns();
     for (std::size_t t = 0; t < wave_of.size(); ++t)
         logged_.push_back({wave_of[t], buffers_.things[at(buffers_.tasks[t].place)], 0});
     for (const std::int32_t cluster : last_) {
         const std::int32_t first = shared_.movers.clusters()[cluster].members.front();
         versions_.push_back(shared_.movers.trajectories().version(at(first)));
     }
+    division_.log()->own_ns += thread_ns() - begin;
 }
 
 void DividedSweep::log_task(std::int32_t task) {
@@ -176,6 +178,7 @@ void DividedSweep::log_task(std::int32_t task) {
 }
 
 void DividedSweep::log() const {
+    const std::int64_t begin = thread_ns();
     LoggedSweep sweep{logged_, 0, 0, told_};
     const Clusters& clusters = shared_.movers.clusters();
     for (std::size_t k = 0; k < last_.size(); ++k) {
@@ -184,6 +187,7 @@ void DividedSweep::log() const {
         sweep.cluster_bytes = size_of_cluster(clusters, last_[k]);
     }
     division_.log()->sections.emplace_back(std::move(sweep));
+    division_.log()->own_ns += thread_ns() - begin;
 }
 
 void DividedSweep::share(Workers& workers, const CountedWork& before) {

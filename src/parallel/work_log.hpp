@@ -54,6 +54,7 @@ using LoggedSection = std::variant<LoggedLoop, LoggedSweep, LoggedContacts>;
 struct WorkLog {
     std::vector<LoggedSection> sections; ///< of the step under way, in their order
     std::vector<LoggedItem> items;       ///< of the section under way
+    std::int64_t own_ns = 0;             ///< that it took to write all this, as far as that is much
 };
 
 } // namespace flotilla

@@ -40,6 +40,7 @@ DividedSweeps::DividedSweeps(Division& division, std::span<const ContactPacket> 
 }
 
 void DividedSweeps::log() const {
+    const std::int64_t begin = thread_ns();
     LoggedContacts contacts{{}, sweeps_, ns_, evaluations_, evaluation_ns_, sizeof(SentVelocity), impulse_bytes_};
     for (std::size_t p = 0; p < packets_.size(); ++p) {
         LoggedContacts::Packet& packet = contacts.packets.emplace_back();
@@ -49,6 +50,7 @@ void DividedSweeps::log() const {
         for_movable(packets_[p], s_, [&](std::int32_t body) { packet.bodies.push_back(s_.bodies[at(body)]); });
     }
     division_.log()->sections.emplace_back(std::move(contacts));
+    division_.log()->own_ns += thread_ns() - begin;
 }
 
 DividedSweeps::~DividedSweeps() {
