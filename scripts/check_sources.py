@@ -45,6 +45,9 @@ MODULES = {
     "run": ["api", "audit", "report", "picture", "trace"],
     "sweep": ["run"],
     "cli": [],
+    # Ranks: what it shares with the command, header by header.
+    "mpi": ["sweep", "cli/member_run", "cli/run_action", "cli/commands", "cli/scene_options", "cli/stop_request",
+            "cli/progress", "cli/value_checks"],
     "python": [],
 }
 # These see the library as an embedder does: any public header, no internal one.
@@ -84,6 +87,7 @@ LIBRARIES = {
     "report": ["nlohmann", "zlib"],
     "sweep": ["locks", "nlohmann"],
     "cli": ["cli11", "posix"],
+    "mpi": ["cli11", "mpi", "nlohmann", "posix"],
     "python": ["pybind11"],
 }
 LIBRARY_OF = [
@@ -93,6 +97,7 @@ LIBRARY_OF = [
     (r"nlohmann/", "nlohmann"),
     (r"(hdf5(_hl)?\.h|H5\w*\.h|hdf5/)", "hdf5"),
     (r"CLI/", "cli11"),
+    (r"mpi\.h$", "mpi"),
     (r"xxh\w*\.h$", "xxhash"),
     (r"png(conf)?\.h$", "png"),
     (r"zlib\.h$", "zlib"),

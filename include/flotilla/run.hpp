@@ -43,6 +43,8 @@ struct RunOptions {
     /// Made on the way, sorted by step: each after so many steps. What is refused ends the run with InputError or
     /// OverlapError, once what came before is written with a checkpoint. A resumed run needs the same.
     std::vector<Edit> edits;
+    /// Called with the World that the run steps, before its first step; may be empty.
+    std::function<void(World&)> begun;
     /// Called after every step; returning false ends the run early. Where there is a folder, the run can then be
     /// resumed. What this or another callback throws comes out of run_scene as it is, and leaves the folder like a run
     /// that was killed: whole, to be resumed.

@@ -73,6 +73,10 @@ class ByteReader {
         return static_cast<std::size_t>(size);
     }
     [[nodiscard]] std::span<const std::byte> rest() const { return bytes_; }
+    void skip(std::size_t size) {
+        if (size > bytes_.size()) fail_();
+        bytes_ = bytes_.subspan(size);
+    }
 
   private:
     void take(void* to, std::size_t size) {

@@ -17,7 +17,6 @@ namespace flotilla::cli {
 namespace {
 
 constexpr timespec kPoll{0, 20'000'000}; // between two looks at the process; its times are its own
-constexpr const char* kSelf = "/proc/self/exe";
 constexpr int kNoStart = 127;
 
 double seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
@@ -39,14 +38,15 @@ std::vector<std::string> unbound_environment() {
 }
 
 /// Between fork and exec of a process with several threads: calls of the system alone.
-[[noreturn]] void become(char* const* arguments, char* const* environment, int log, pid_t parent) {
+[[noreturn]] void become(const char* program, char* const* arguments, char* const* environment, int log, pid_t parent) {
+    ::setpgid(0, 0); // a signal to the group of who started it would reach it twice: the first is passed on
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (::getppid() != parent) ::_exit(kNoStart);
     const int nothing = ::open("/dev/null", O_RDONLY);
     ::dup2(nothing, STDIN_FILENO);
     ::dup2(log, STDOUT_FILENO);
     ::dup2(log, STDERR_FILENO);
-    ::execve(kSelf, arguments, environment);
+    ::execve(program, arguments, environment);
     ::_exit(kNoStart);
 }
 
@@ -54,8 +54,8 @@ std::vector<std::string> unbound_environment() {
 
 } // namespace
 
-ChildResult run_child(const std::vector<std::string>& arguments, const std::filesystem::path& log,
-                      const std::function<bool()>& stop) {
+ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                      const std::filesystem::path& log, const std::function<bool()>& stop) {
     std::vector<std::string> words{"flotilla"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<std::string> environment = unbound_environment();
@@ -63,7 +63,7 @@ ChildResult run_child(const std::vector<std::string>& arguments, const std::file
     const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file < 0) fail("cannot write " + log.string());
     const pid_t parent = ::getpid(), child = ::fork();
-    if (child == 0) become(argv.data(), envp.data(), file, parent);
+    if (child == 0) become(program.c_str(), argv.data(), envp.data(), file, parent);
     ::close(file);
     if (child < 0) fail("cannot start a run");
     int status = 0;

@@ -3,80 +3,20 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <atomic>
-#include <csignal>
-#include <cstdlib>
-#include <exception>
 #include <iostream>
-#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <sys/resource.h>
-
 #include <flotilla/build_info.hpp>
-#include <flotilla/error.hpp>
 #include <flotilla/names.hpp>
-#include <flotilla/world.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/run_action.hpp"
 
 namespace {
 
 using namespace flotilla;
-
-/// The limit on what the process may ask for, where there is one.
-std::string memory_limit_text() {
-    rlimit limit{};
-    if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return {};
-    return ": the process may have " + std::to_string(limit.rlim_cur >> 20) + " MiB (ulimit -v)";
-}
-
-/// Memory for the way out: where some is refused, destructors may need some all the same (a JSON document's lists what
-/// it holds), and one that throws ends the process.
-std::atomic<void*> g_reserve = nullptr;
-
-void keep_reserve() {
-    constexpr std::size_t kReserve = std::size_t{4}
-                                     << 20; // never touched: a JSON document of some 250,000 values needs it
-    g_reserve = std::malloc(kReserve);
-    if (g_reserve == nullptr) throw std::bad_alloc();
-    std::set_new_handler([] {
-        std::free(g_reserve.exchange(nullptr));
-        throw std::bad_alloc();
-    });
-}
-
-/// The one place where exceptions become exit codes.
-int run(const cli::Action& action) {
-    try {
-        const int code = action();
-        if (!std::cout.flush()) throw IoError("cannot write to standard output");
-        return code;
-    } catch (const OverlapError& e) {
-        std::cerr << "flotilla: " << e.what() << '\n';
-        return cli::kOverlap;
-    } catch (const ScriptError& e) {
-        std::cerr << "flotilla: " << e.what() << '\n';
-        return cli::kScript;
-    } catch (const BrokenPromise& e) {
-        std::cerr << "flotilla: " << e.what() << '\n';
-        return cli::kBrokenPromise;
-    } catch (const InputError& e) {
-        std::cerr << "flotilla: " << e.what() << '\n';
-        return cli::kBadInput;
-    } catch (const IoError& e) {
-        std::cerr << "flotilla: " << e.what() << '\n';
-        return cli::kIoFailure;
-    } catch (const std::bad_alloc&) {
-        std::cerr << "flotilla: not enough memory" << memory_limit_text() << '\n';
-        return cli::kInternalError;
-    } catch (const std::exception& e) {
-        std::cerr << "flotilla: internal error: " << e.what() << '\n';
-        return cli::kInternalError;
-    }
-}
 
 std::string version_text() {
     const BuildInfo build = build_info();
@@ -131,9 +71,5 @@ int parse_and_run(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow any more is an error of its write, like a full disk
-    return run([&] {
-        keep_reserve();
-        return parse_and_run(argc, argv);
-    });
+    return cli::run_action([&] { return parse_and_run(argc, argv); });
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -13,8 +12,8 @@
 #include <flotilla/error.hpp>
 #include <flotilla/sweep.hpp>
 
-#include "cli/child_process.hpp"
 #include "cli/commands.hpp"
+#include "cli/member_run.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/stop_request.hpp"
@@ -32,19 +31,6 @@ struct SweepArguments {
     bool quiet = false;
 };
 
-/// "key=a,b,..." taken apart; an empty value is left for the library to refuse.
-SweepAxis parse_axis(const std::string& text) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) throw InputError("--vary " + text + ": must be key=a,b,...");
-    SweepAxis axis{text.substr(0, equals), {}};
-    for (std::size_t begin = equals + 1; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        axis.values.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return axis;
-}
-
 SweepOptions resolve(const SweepArguments& arguments) {
     SweepOptions sweep = arguments.sweep;
     const SceneFileOptions options = arguments.options.resolve();
@@ -59,41 +45,6 @@ SweepOptions resolve(const SweepArguments& arguments) {
     }
     sweep.output = arguments.output;
     return sweep;
-}
-
-std::vector<std::string> command_of(const SweepMember& member, const std::string& time_limit) {
-    std::vector<std::string> words{"run",           member.scene.string(),
-                                   "--preset",      member.preset,
-                                   "--steps",       std::to_string(member.steps),
-                                   "--frame-every", std::to_string(member.frame_every),
-                                   "--threads",     std::to_string(member.threads),
-                                   "--output",      member.folder.string(),
-                                   "--resume",      "--quiet"};
-    for (const auto& [key, value] : member.overrides) {
-        words.emplace_back("--set");
-        words.push_back(key + "=" + value);
-    }
-    if (!time_limit.empty()) words.insert(words.end(), {"--time-limit", time_limit});
-    return words;
-}
-
-/// What a run said at last, without the command's name.
-std::string last_line(const std::filesystem::path& log) {
-    std::ifstream in(log);
-    std::string last;
-    for (std::string line; std::getline(in, line);)
-        if (!line.empty()) last = line;
-    const std::string name = "flotilla: ";
-    return last.starts_with(name) ? last.substr(name.size()) : last;
-}
-
-constexpr int kSignal = 128; // beyond it run_child gives signals
-
-SweepOutcome run_member(const SweepMember& member, const std::string& time_limit, const StopRequest& stop) {
-    const ChildResult child = run_child(command_of(member, time_limit), member.log, [&] { return stop.signalled(); });
-    if (child.exit_code > kSignal)
-        return {kInternalError, "ended by signal " + std::to_string(child.exit_code - kSignal), child.cpu};
-    return {child.exit_code, child.exit_code == kOk ? "" : last_line(member.log), child.cpu};
 }
 
 std::string three_digits(double value) {
@@ -154,8 +105,8 @@ int run_sweep(const SweepArguments& arguments) {
     SweepReport report;
     {
         std::unique_ptr<Progress> progress;
-        sweep.run = [&](const SweepMember& m) { return run_member(m, arguments.time_limit, stop); };
         sweep.stop = [&] { return stop.signalled(); };
+        sweep.run = [&](const SweepMember& m) { return run_member(kThisProgram, m, arguments.time_limit, sweep.stop); };
         sweep.note = [&](const std::string& text) {
             if (!arguments.quiet) say(text);
         };

@@ -6,7 +6,7 @@
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
 #include "collision/pair_hits.hpp"
-#include "pair/ordered_sweep.hpp"
+#include "pair/divided_sweep.hpp"
 #include "pair/progress.hpp"
 #include "parallel/compact.hpp"
 
@@ -135,18 +135,18 @@ class SequentialCollisions {
         const auto pair_of = [&](std::size_t i) { return list[i].pair; };
         const SweepPlan plan{sweep_order(view_, book_, workers_.team, list.size(), pair_of), counters_.sweeps % 2 != 0,
                              rounds};
-        run_sweep(
-            workers_, book_.lists.sweep, plan,
-            SweepOperation{"collide",
-                           [&](std::size_t i) { return verdict(view_.trajectories, *list[i].record) != Verdict::open; },
-                           [&](std::size_t i) { fetch_record(*list[i].record); },
-                           [&](std::size_t i, int round, Worker& worker) {
-                               const std::size_t r = at(round);
-                               take_largest_push(worker); // of operations before
-                               if (collide(view_, movers_, worker, list[i])) ++worker.hitting[r];
-                               worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));
-                               ++worker.work[r];
-                           }});
+        const SweepOperation operation{
+            "collide", [&](std::size_t i) { return verdict(view_.trajectories, *list[i].record) != Verdict::open; },
+            [&](std::size_t i) { fetch_record(*list[i].record); },
+            [&](std::size_t i, int round, Worker& worker) {
+                const std::size_t r = at(round);
+                take_largest_push(worker); // of operations before
+                if (collide(view_, movers_, worker, list[i])) ++worker.hitting[r];
+                worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));
+                ++worker.work[r];
+            }};
+        const SharedSweep shared{movers_, [&](std::size_t i) -> PairRecord& { return *list[i].record; }};
+        run_sweep(workers_, book_.lists.sweep, plan, operation, shared);
         collect(workers_, counters_);
         count_hitting(count);
         counters_.sweeps += std::ssize(scratch_.hitting);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "pair/ordered_sweep.hpp"
+#include "pair/divided_sweep.hpp"
 #include "pair/progress.hpp"
 
 namespace flotilla {
@@ -80,22 +80,30 @@ class DynamicContact {
         const int iterations = view_.model.settings.dynamic_pair_iterations;
         take_largest_push(workers_); // of other stages
         resolutions_.assign(clusters_.size(), {.resolved = true});
-        run_sweep(
-            workers_, book_.lists.sweep, plan,
-            SweepOperation{"dynamic contact",
-                           [&](std::size_t i) { return single && apart(view_.trajectories, *frozen.pairs[i].record); },
-                           [&](std::size_t i) {
-                               if (single) fetch_record(*frozen.pairs[i].record);
-                           },
-                           [&](std::size_t i, int, Worker& worker) {
-                               ++worker.counters.pairs;
-                               resolutions_[i] =
-                                   resolve_inelastic(view_, movers_, book_.table, worker, clusters_[i], iterations);
-                           }});
+        const SweepOperation operation{
+            "dynamic contact",
+            [&](std::size_t i) { return single && apart(view_.trajectories, *frozen.pairs[i].record); },
+            [&](std::size_t i) {
+                if (single) fetch_record(*frozen.pairs[i].record);
+            },
+            [&](std::size_t i, int, Worker& worker) {
+                ++worker.counters.pairs;
+                resolutions_[i] = resolve_inelastic(view_, movers_, book_.table, worker, clusters_[i], iterations);
+            }};
+        // Ranks tell one another of the pairs of bodies that are listed; a pair of larger clusters has several.
+        if (single)
+            run_sweep(workers_, book_.lists.sweep, plan, operation, shared_sweep(frozen));
+        else
+            run_here(workers_, book_.lists.sweep, plan, operation);
         collect(workers_, stats_.counters);
         const auto hits =
             std::count_if(resolutions_.begin(), resolutions_.end(), [](const Resolution& r) { return r.found; });
         progress_.add(static_cast<std::size_t>(hits), clusters_.size(), take_largest_push(workers_));
+    }
+
+    [[nodiscard]] SharedSweep shared_sweep(const FrozenList& frozen) {
+        return {movers_, [&](std::size_t i) -> PairRecord& { return *frozen.pairs[i].record; },
+                [&](std::size_t i) { return std::as_writable_bytes(std::span(&resolutions_[i], 1)); }};
     }
 
     /// Makes one rigid cluster of each two that did not resolve, in the order of the sweep; of those that meet a

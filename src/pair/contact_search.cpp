@@ -2,11 +2,12 @@
 #include "pair/contact_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <limits>
 
 #include "base/index.hpp"
-#include "pair/impulses.hpp"
+#include "pair/divided.hpp"
 #include "pair/neighbour_lists.hpp"
 #include "pair/pair_distance.hpp"
 #include "parallel/compact.hpp"
@@ -67,6 +68,70 @@ void append_pair(const StepView& view, const KnownFeatures& known, Worker& worke
                 record.processed, false);
 }
 
+/// What a rank found: of each of its pairs with contacts its place, and how many.
+struct FoundContacts {
+    std::vector<std::array<std::int32_t, 2>> counts;
+    ContactSet contacts;
+
+    void write(ByteWriter& out) const {
+        out.add(counts), out.add(contacts.contacts), out.add(contacts.rest), out.add(contacts.processed);
+        out.add(contacts.min_distance), out.add(contacts.counters);
+    }
+    template <class Reader>
+    void read(Reader&& in) {
+        in.read(counts), in.read(contacts.contacts), in.read(contacts.rest), in.read(contacts.processed);
+        in.read(contacts.min_distance), in.read(contacts.counters);
+        contacts.ahead.assign(contacts.size(), 0);
+    }
+};
+
+/// Joins what ranks found, in the order of the pairs.
+void join(const std::vector<FoundContacts>& found, ContactSet& out) {
+    out.clear();
+    out.counters = {};
+    std::vector<std::array<std::size_t, 2>> next(found.size()); // pair and contact, by rank
+    for (const FoundContacts& f : found) {
+        out.min_distance = std::min(out.min_distance, f.contacts.min_distance);
+        out.counters += f.contacts.counters;
+    }
+    for (;;) {
+        std::size_t rank = found.size();
+        for (std::size_t r = 0; r < found.size(); ++r)
+            if (next[r][0] < found[r].counts.size() &&
+                (rank == found.size() || found[r].counts[next[r][0]] < found[rank].counts[next[rank][0]]))
+                rank = r;
+        if (rank == found.size()) return;
+        auto& [pair, contact] = next[rank];
+        const std::size_t count = at(found[rank].counts[pair++][1]);
+        out.append(found[rank].contacts, contact, contact + count);
+        contact += count;
+    }
+}
+
+/// The contacts of the pairs, each searched for by the rank that owns it.
+void search_divided(const StepView& view, Workers& workers, const KnownFeatures& known,
+                    const std::vector<ListedPair>& pairs, ContactSet& out) {
+    Division& division = *workers.team.division();
+    FoundContacts own;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const CandidatePair& p = pairs[i].pair;
+        if (!owns(division, view.model, p)) continue;
+        const CostOf cost(division, Division::payer(shared_body(view.model, p.a), shared_body(view.model, p.b)));
+        const std::size_t before = own.contacts.size();
+        append_pair(view, known, workers[0], pairs[i], own.contacts);
+        if (const std::size_t count = own.contacts.size() - before; count > 0)
+            own.counts.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(count)});
+    }
+    own.contacts.counters = workers[0].proximity.counters;
+    ByteWriter bytes;
+    own.write(bytes);
+    const GatheredBytes told = gather_bytes(division.ranks(), bytes.take());
+    division.log_loop(told.all.size());
+    std::vector<FoundContacts> found(at(division.size()));
+    for (int rank = 0; rank < division.size(); ++rank) found[at(rank)].read(reader_of(told.of(rank)));
+    join(found, out);
+}
+
 /// The contacts of the pairs.
 void search_pairs(const StepView& view, Workers& workers, const std::vector<ListedPair>& pairs, std::int64_t step,
                   ContactSearchScratch& scratch, ContactSet& out) {
@@ -75,6 +140,7 @@ void search_pairs(const StepView& view, Workers& workers, const std::vector<List
     const std::size_t chunks = (pairs.size() + kGrain - 1) / kGrain;
     scratch.parts.resize(std::max(scratch.parts.size(), chunks));
     for (Worker& worker : workers.each) worker.proximity.counters = {}; // stage 1 counts as well
+    if (workers.team.division() != nullptr) return search_divided(view, workers, known, pairs, out);
     workers.team.for_chunks("contact points", pairs.size(), kGrain,
                             [&](std::size_t begin, std::size_t end, int thread) {
                                 ContactSet& part = scratch.parts[begin / kGrain];

@@ -6,8 +6,6 @@
 namespace flotilla {
 namespace {
 
-constexpr int kColors = 64; // the last takes all that find none free: a chain again
-
 /// Colours the list greedily and returns where the places of each colour begin in its order.
 std::array<std::int32_t, kColors + 1> color_greedily(std::size_t num_clusters, SweepBuffers& buffers) {
     const std::size_t size = buffers.things.size();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The run of a frozen sweep (README.md): the operations of a list in its order, side by side where they have no movable
-// cluster in common. run_sweep() is the loop over the list; what else is here makes it fast.
+// cluster in common. run_here() is the loop over the list; what else is here makes it fast.
 //
 // Why the bits are those of the plain loop. The list is fixed before the sweep. An operation (A, B) reads x^n, the
 // settings, the model, the end states and velocities of the members of A and B and the records of their pairs; it
@@ -17,6 +17,7 @@
 #include <bit>
 #include <span>
 
+#include "pair/divided.hpp"
 #include "pair/pair_lists.hpp"
 #include "pair/worker.hpp"
 
@@ -35,11 +36,17 @@ template <class Close>
 void close_early(const StepView& view, Workers& workers, FrozenList& list, Close&& close) {
     constexpr std::size_t kFew = 8, kGrain = 64; // one pair in so many is open; pairs of a task
     if (list.num_open == 0 || list.num_open * kFew > list.pairs.size()) return;
+    const auto closes = [&](std::size_t i, int thread) {
+        PairRecord& record = *list.pairs[i].record;
+        return !apart(view.trajectories, record) && close(record, workers[thread]);
+    };
+    if (workers.team.division() != nullptr) {
+        list.num_open -= close_divided(PairWork::queries, view, workers.team, list.pairs, closes);
+        return;
+    }
     std::atomic<std::size_t> closed = 0;
     workers.team.for_each("examine", list.pairs.size(), kGrain, [&](std::size_t i, int thread) {
-        PairRecord& record = *list.pairs[i].record;
-        if (!apart(view.trajectories, record) && close(record, workers[thread]))
-            closed.fetch_add(1, std::memory_order_relaxed);
+        if (closes(i, thread)) closed.fetch_add(1, std::memory_order_relaxed);
     });
     list.num_open -= closed;
 }
@@ -56,6 +63,8 @@ struct SweepPlan {
         return static_cast<std::size_t>(order[backwards != (round % 2 != 0) ? size() - 1 - i : i]);
     }
 };
+
+inline constexpr int kColors = 64; ///< the last takes all that find none free: a chain again
 
 /// The order of a list whose `things` are in the buffers: by colours, and in a colour as listed. No two pairs of a
 /// colour share a movable cluster, so that as many operations wait for one another as there are colours, some tens; in
@@ -133,9 +142,9 @@ void run_as_tasks(Workers& workers, SweepBuffers& buffers, const SweepPlan& plan
     });
 }
 
-/// Runs a sweep that sweep_order() planned. The list must not change meanwhile.
+/// Runs a sweep that sweep_order() planned, all of it in this process. The list must not change meanwhile.
 template <class Operation>
-void run_sweep(Workers& workers, SweepBuffers& buffers, const SweepPlan& plan, const Operation& operation) {
+void run_here(Workers& workers, SweepBuffers& buffers, const SweepPlan& plan, const Operation& operation) {
     if (workers.team.alone() && workers.team.recorder() == nullptr)
         run_plain(workers[0], plan, operation);
     else

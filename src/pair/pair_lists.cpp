@@ -7,6 +7,7 @@
 
 #include "base/index.hpp"
 #include "geometry/rounding.hpp"
+#include "pair/divided.hpp"
 #include "pair/pair_distance.hpp"
 #include "parallel/compact.hpp"
 
@@ -164,16 +165,20 @@ const std::vector<CandidatePair>& waking_pairs(const StepView& view, PairBook& b
 FrozenList freeze(const StepView& view, PairBook& book, Team& team, ListReach reach) {
     // In stage 1 pairs are closed ahead of their turn only where that is not to be left out.
     const bool closes = reach == ListReach::separation || view.savings.calm_pairs;
+    const bool divided = closes && team.division() != nullptr;
     std::atomic<std::size_t> closed = 0;
     const auto wanted = [&](const CandidatePair& p, PairRecord* pair) {
         if (view.clusters.of(at(p.a)) == view.clusters.of(at(p.b))) return false;
         if (pair == nullptr) return true;
         pair->processed.confirm();
         if (apart(view.trajectories, *pair)) return false;
-        if (closes && close_by_bounds(view, *pair, reach)) closed.fetch_add(1, std::memory_order_relaxed);
+        if (closes && !divided && close_by_bounds(view, *pair, reach)) closed.fetch_add(1, std::memory_order_relaxed);
         return true;
     };
     const std::vector<ListedPair>& listed = list_pairs(view, book, team, swept_pairs(view, book, team, reach), wanted);
+    if (divided)
+        closed = close_divided(PairWork::bounds, view, team, listed,
+                               [&](std::size_t i, int) { return close_by_bounds(view, *listed[i].record, reach); });
     return {listed, listed.size() - closed};
 }
 

@@ -26,6 +26,8 @@
 
 namespace flotilla {
 
+class Division;
+
 struct TeamOptions {
     int threads = 1;
     /// Regions take fewer threads where others work: one among the workers of another parallel region, and at most what
@@ -58,6 +60,10 @@ class Team {
     [[nodiscard]] TaskRecorder* recorder() const {
         return recorder_ != nullptr && recorder_->active() ? recorder_ : nullptr;
     }
+
+    /// Among whose ranks the expensive loops are divided. Null, as at first: this process does all.
+    void divide(Division* division) { division_ = division; }
+    [[nodiscard]] Division* division() const { return division_; }
 
     /// Calls work() in a parallel region; sections called outside of one open one each. Throws what work throws.
     template <class Work>
@@ -131,6 +137,7 @@ class Team {
     bool in_region_ = false;
     int rest_ = 0, rest_left_ = 0; ///< regions without helpers: of the next rest, and of the present one
     TaskRecorder* recorder_ = nullptr;
+    Division* division_ = nullptr;
     struct alignas(64) PaddedTimes {
         ThreadTimes value;
     };

@@ -117,6 +117,14 @@ void Clusters::evolve(std::int32_t id, double dt, Trajectories& trajectories) {
     if (c.members.size() > 1 && !keeps_apart) c.internal_proved = false;
 }
 
+void Clusters::take(std::int32_t id, const ClusterChange& change) {
+    Cluster& c = (*this)[id];
+    c.velocity = change.velocity;
+    c.momentum = change.momentum;
+    c.internal_proved = change.internal_proved;
+    work_[at(id)] = change.work;
+}
+
 /// Takes the rounding out of what does not move.
 void Clusters::keep_locked(std::size_t body, const Pose& start, Vec3& com, Quat& rotation, Vec3& turn) const {
     const AxisLocks locked = model_->bodies[body].locked;

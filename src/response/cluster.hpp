@@ -35,6 +35,13 @@ struct Cluster {
     [[nodiscard]] bool infinite() const { return inverse_mass == 0; }
 };
 
+/// What apply() and evolve() change of a cluster, beside the motions and end states of its members.
+struct ClusterChange {
+    Vec3 velocity, momentum;
+    double work = 0;
+    bool internal_proved = true;
+};
+
 class Clusters {
   public:
     /// One cluster per body with the given motion.
@@ -66,6 +73,14 @@ class Clusters {
     void apply(std::int32_t id, const Vec3& arm, const Vec3& impulse);
     /// Commits the end states that follow from the cluster's velocity.
     void evolve(std::int32_t id, double dt, Trajectories& trajectories);
+
+    /// What another rank changed in its copy (parallel/division.hpp), from there to here.
+    [[nodiscard]] ClusterChange change(std::int32_t id) const {
+        const Cluster& c = (*this)[id];
+        return {c.velocity, c.momentum, work(id), c.internal_proved};
+    }
+    void take(std::int32_t id, const ClusterChange& change);
+    void take_motion(std::size_t body, const Motion& motion) { motion_[body] = motion; }
 
     /// Joins b into a; the union has the lower id of the two, which is returned. Rigid: base poses at x^n and the
     /// combined momentum (equations 5-8). Kinematic: base poses at the present end states (equations 11, 12).

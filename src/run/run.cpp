@@ -407,6 +407,7 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
     if (!options.trace.empty()) trace = std::make_unique<TaskTrace>(world, std::move(costs), options);
     std::optional<io::ContactsCsv> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
+    if (options.begun) options.begun(world);
     bool goes_on = true;
     std::exception_ptr refused; // the run up to here is whole
     while (goes_on && world.steps() < options.steps) {

@@ -107,6 +107,12 @@ void Trajectories::set_end(std::size_t body, const Pose& end, const Vec3& turn) 
     if (!same) e.at1.place(*e.shape, end);
 }
 
+void Trajectories::take_end(std::size_t body, const Pose& end, const Vec3& turn, std::uint64_t version) {
+    if (stamps_[body].version == version) return;
+    set_end(body, end, turn);
+    stamps_[body].version = version;
+}
+
 void Trajectories::hold(std::size_t body) { set_end(body, entries_[body].at0.pose, {}); }
 
 BodyMotion Trajectories::motion(std::size_t body) const {

@@ -71,6 +71,8 @@ class Trajectories {
 
     /// Commits an end state: the body turns by the rotation vector `turn` (with whole turns) on the way.
     void set_end(std::size_t body, const Pose& end, const Vec3& turn);
+    /// Commits what another rank committed to its copy (parallel/division.hpp), with the version that it has there.
+    void take_end(std::size_t body, const Pose& end, const Vec3& turn, std::uint64_t version);
     /// Commits the start state as the end state, bit for bit.
     void hold(std::size_t body);
 

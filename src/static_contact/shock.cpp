@@ -139,6 +139,12 @@ LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions&
     sharing.record().end([&](std::size_t g) { return engine.packets_of(g).num_tasks(); },
                          [&](std::size_t) { return sweeps; });
     island.visits += sweeps * static_cast<std::int64_t>(s.shock_rows.size());
+    if (DividedSweeps* divided = engine.divided()) {
+        for (const auto& own : divided->own())
+            left.residual = std::max(left.residual, largest_violation(engine.cone(), engine.view(own), options.isa));
+        left.residual = divided->share_velocities(left.residual);
+        return left;
+    }
     left.residual = engine.largest(1, [&](std::size_t, int share) {
         return largest_violation(engine.cone(), engine.view(share_of(packets, share, engine.crew().shares)),
                                  options.isa);

@@ -6,6 +6,7 @@
 
 #include "base/assert.hpp"
 #include "static_contact/assemble.hpp"
+#include "static_contact/divided_sweeps.hpp"
 #include "static_contact/exact_islands.hpp"
 #include "static_contact/island_energy.hpp"
 #include "static_contact/shock.hpp"
@@ -134,17 +135,57 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     sweep_and_measure({false, options.momentum});
 }
 
+// Small islands, each by the rank that owns its first body.
+void solve_small_divided(const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
+    Division& division = *of_all.team->division();
+    ContactSolveOptions options = of_all;
+    options.team = nullptr;
+    ByteWriter own;
+    for (const std::int32_t k : s.small_islands) {
+        Island& island = s.islands[static_cast<std::size_t>(k)];
+        const std::int32_t first = s.island_bodies[static_cast<std::size_t>(island.first_body)];
+        const std::int32_t payer = s.bodies[static_cast<std::size_t>(first)];
+        if (division.owner(payer) != division.rank()) continue;
+        {
+            const CostOf cost(division, payer);
+            solve_island(island, bodies, options, s);
+        }
+        own.add(k);
+        write_solved(own, island, s);
+    }
+    const GatheredBytes told = gather_bytes(division.ranks(), own.take());
+    division.log_loop(told.all.size());
+    for (int rank = 0; rank < division.size(); ++rank) {
+        if (rank == division.rank()) continue;
+        for (auto in = reader_of(told.of(rank)); !in.rest().empty();) {
+            std::int32_t k = 0;
+            in.read(k);
+            read_solved(in, s.islands[static_cast<std::size_t>(k)], s);
+        }
+    }
+}
+
+// Among ranks, whose sweeps of an island together wait for one another far longer than those of threads, an island is
+// large that has more than a quarter of all contacts: of several like it some ranks can each have one.
+bool is_large_among_ranks(const Island& island, const ContactScratch& s) {
+    constexpr std::size_t kShare = 4;
+    return is_large(island, s) && kShare * static_cast<std::size_t>(contacts_of(island, s)) > s.rows.size();
+}
+
 // Large islands one after another, each on all threads; small ones side by side. No island writes what another one
 // reads.
 void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();
+    const bool divided = options.team != nullptr && options.team->division() != nullptr;
     for (std::size_t k = 0; k < s.islands.size(); ++k) {
-        if (options.team == nullptr || is_large(s.islands[k], s))
+        const Island& island = s.islands[k];
+        if (options.team == nullptr || (divided ? is_large_among_ranks(island, s) : is_large(island, s)))
             solve_island(s.islands[k], bodies, options, s);
         else
             s.small_islands.push_back(static_cast<std::int32_t>(k));
     }
     if (s.small_islands.empty()) return;
+    if (options.team->division() != nullptr) return solve_small_divided(bodies, options, s);
     options.team->for_each("small islands", s.small_islands.size(), 1, [&](std::size_t i, int) {
         solve_island(s.islands[static_cast<std::size_t>(s.small_islands[i])], bodies, options, s);
     });

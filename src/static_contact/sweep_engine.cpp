@@ -6,6 +6,7 @@
 #include "base/index.hpp"
 
 namespace flotilla {
+
 std::int64_t SweepRecord::busy(std::size_t group) const {
     std::int64_t sum = 0;
     for (std::size_t k = group; k < busy_.size(); k += groups_) sum += busy_[k];
@@ -55,7 +56,25 @@ SweepView SweepEngine::view(std::span<const ContactPacket> packets, double momen
     return view;
 }
 
+double SweepEngine::sweep_divided(double m) {
+    if (set_.momentum) move_on(0, m);
+    double worst = 0;
+    std::int64_t ns = 0;
+    for (std::size_t c = 0; c < divided_->num_colors(); ++c) {
+        const std::int64_t begin = divided_->clock();
+        for (const auto& packets : divided_->own(c))
+            worst = std::max(worst, flotilla::sweep(cone_, view(packets, m), options_.isa));
+        ns += divided_->clock() - begin;
+        divided_->hand_on(c);
+    }
+    divided_->add_sweep(ns);
+    worst = divided_->share_velocities(worst);
+    if (set_.momentum) add_up(0);
+    return worst;
+}
+
 double SweepEngine::sweep(double m) {
+    if (divided_ != nullptr) return sweep_divided(m);
     const std::size_t before = set_.momentum ? 1 : 0;
     return largest(num_groups() + 2 * before, [&](std::size_t phase, int share) {
         double worst = 0;
@@ -74,6 +93,14 @@ double SweepEngine::sweep(double m) {
 }
 
 void SweepEngine::apply_impulses() {
+    if (divided_ != nullptr) {
+        for (std::size_t c = 0; c < divided_->num_colors(); ++c) {
+            for (const auto& packets : divided_->own(c)) flotilla::apply_impulses(cone_, view(packets), options_.isa);
+            divided_->hand_on(c);
+        }
+        divided_->share_velocities(0);
+        return;
+    }
     for_phases(num_groups(), [&](std::size_t g, int share) {
         flotilla::apply_impulses(cone_, view(packets_of(g).share(share, crew_.shares)), options_.isa);
     });

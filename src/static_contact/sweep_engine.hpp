@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "parallel/team.hpp"
+#include "static_contact/divided_sweeps.hpp"
 #include "static_contact/momentum.hpp"
 #include "static_contact/packet_shares.hpp"
 #include "static_contact/solver_state.hpp"
@@ -86,6 +87,7 @@ struct SweepCrew {
     SweepRecord* record = nullptr;
     std::size_t record_group = 0; ///< of the first group
     bool one_group = false;       ///< everything is recorded as that group
+    Division* division = nullptr; ///< all ranks sweep; null: this one
 };
 
 /// A crew of as many of the team as sweeps are worth, with its record; without a team the calling thread alone,
@@ -94,11 +96,12 @@ class Sharing {
   public:
     template <class Width>
     Sharing(Team* team, const char* name, Width&& width, std::size_t record_groups, ContactScratch& s)
-        : crew_{team, team != nullptr ? width(team->present()) : 1},
+        : crew_{of_threads(team), of_threads(team) != nullptr ? width(team->present()) : 1},
           record_(team != nullptr ? team->recorder() : nullptr, name, width, crew_.shares, record_groups) {
         if (crew_.shares > 1) s.seen.assign(static_cast<std::size_t>(crew_.shares), {});
         crew_.seen = crew_.shares > 1 ? std::span(s.seen) : std::span(&alone_, 1);
         crew_.record = &record_;
+        if (team != nullptr) crew_.division = team->division();
     }
     Sharing(const Sharing&) = delete;
     Sharing& operator=(const Sharing&) = delete;
@@ -107,6 +110,11 @@ class Sharing {
     [[nodiscard]] SweepRecord& record() { return record_; }
 
   private:
+    /// Among ranks one thread of each sweeps.
+    [[nodiscard]] static Team* of_threads(Team* team) {
+        return team != nullptr && team->division() == nullptr ? team : nullptr;
+    }
+
     ContactScratch::Seen alone_;
     SweepCrew crew_;
     SweepRecord record_;
@@ -130,7 +138,12 @@ class SweepEngine {
   public:
     SweepEngine(const SweepSet& set, const SweepCrew& crew, Cone cone, const ContactSolveOptions& options,
                 ContactScratch& scratch)
-        : set_(set), crew_(crew), cone_(cone), options_(options), s_(scratch) {}
+        : set_(set), crew_(crew), cone_(cone), options_(options), s_(scratch) {
+        if (crew.division == nullptr || set.groups.empty()) return;
+        const auto first = static_cast<std::size_t>(set.groups.front().first);
+        divided_ = std::make_unique<DividedSweeps>(
+            *crew.division, set.packets.subspan(first, static_cast<std::size_t>(set.end) - first), scratch);
+    }
 
     /// Sweeps until after(sweeps, largest violation met, m/s) says done, at most `limit` times. Returns the number.
     /// Each row is seen at its own turn: where all passed, the state that the sweep left may not.
@@ -184,6 +197,8 @@ class SweepEngine {
         crew_.record->timed(share, crew_.record_group + (crew_.one_group ? 0 : group), work);
     }
 
+    /// Null: this rank sweeps all.
+    [[nodiscard]] DividedSweeps* divided() const { return divided_.get(); }
     [[nodiscard]] SweepView view(std::span<const ContactPacket> packets, double momentum = 0) const;
     [[nodiscard]] GroupPackets packets_of(std::size_t group) const {
         return flotilla::packets_of(set_.groups, group, set_.end, set_.packets);
@@ -196,6 +211,7 @@ class SweepEngine {
   private:
     /// The sequence of m.
     double sweep(double m);
+    double sweep_divided(double m);
     /// Remembers the velocities x of the bodies and moves them on to y.
     void move_on(int share, double m);
     /// The sums of (y - x) . (x - x_before), twice the energy of the product; a body turns with its mean inertia.
@@ -207,6 +223,7 @@ class SweepEngine {
     Cone cone_;
     const ContactSolveOptions& options_;
     ContactScratch& s_;
+    std::unique_ptr<DividedSweeps> divided_;
 };
 
 } // namespace flotilla

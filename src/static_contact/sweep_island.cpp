@@ -133,6 +133,7 @@ class IslandSweeps {
         if (!known_) course_.left.residual = evaluate_again(load_share());
         const bool solved = course_.left.residual <= options_.tolerance;
         if (load_share() > 0) course_.left.residual = evaluate_again(0);
+        if (engine_.divided() != nullptr) engine_.divided()->share_impulses(s_.packed);
         finish(solved);
     }
 
@@ -178,6 +179,7 @@ class IslandSweeps {
 
     /// Evaluates the residual, and activates violated parked contacts.
     void evaluate(double load_share) {
+        if (engine_.divided() != nullptr) return evaluate_divided(load_share);
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             Seen& seen = engine_.crew().seen[at(share)];
             if (phase == 0) {
@@ -188,17 +190,32 @@ class IslandSweeps {
             if (jams_) seen.violated = count_violated(share_of_packets(share));
         });
     }
+    /// By all ranks, each of its own packets.
+    void evaluate_divided(double load_share) {
+        Seen& seen = engine_.crew().seen[0];
+        double residual = 0;
+        const std::int64_t begin = engine_.divided()->clock();
+        for (const auto& packets : engine_.divided()->own())
+            residual = std::max(residual, residual_of(packets, load_share));
+        note_changes(0);
+        for (const auto& packets : engine_.divided()->own())
+            residual = std::max(residual, activate_violated_of(packets));
+        engine_.divided()->add_evaluation(engine_.divided()->clock() - begin);
+        seen.residual = engine_.divided()->share_found(residual, packets_, violated_);
+        if (jams_) seen.violated = count_violated(packets_);
+    }
     double find_left(int share, double load_share) {
         double residual = 0;
-        engine_.timed(share, evaluation_group(engine_), [&] {
-            const auto packets = share_of_packets(share);
-            SweepView view = engine_.view(packets);
-            view.load_share = load_share;
-            residual = island_.rests ? find_violated(engine_.cone(), view, options_.tolerance,
-                                                     violated_.data() + first_of(packets), options_.isa)
-                                     : largest_violation(engine_.cone(), view, options_.isa);
-        });
+        engine_.timed(share, evaluation_group(engine_),
+                      [&] { residual = residual_of(share_of_packets(share), load_share); });
         return residual;
+    }
+    double residual_of(std::span<const ContactPacket> packets, double load_share) {
+        SweepView view = engine_.view(packets);
+        view.load_share = load_share;
+        return island_.rests ? find_violated(engine_.cone(), view, options_.tolerance,
+                                             violated_.data() + first_of(packets), options_.isa)
+                             : largest_violation(engine_.cone(), view, options_.isa);
     }
     double evaluate_again(double load_share) {
         evaluate(load_share);
@@ -220,6 +237,12 @@ class IslandSweeps {
 
     /// Activates batches whose parked contacts are violated.
     void activate_violated() {
+        if (engine_.divided() != nullptr) {
+            note_changes(0);
+            for (const auto& packets : engine_.divided()->own()) activate_violated_of(packets);
+            engine_.divided()->share_found(0, packets_, violated_);
+            return;
+        }
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             if (phase == 0) return note_changes(share);
             activate_violated(share);
@@ -229,20 +252,24 @@ class IslandSweeps {
     double activate_violated(int share) {
         double worst = 0;
         engine_.timed(share, evaluation_group(engine_), [&] {
-            const auto packets = share_of_packets(share); // as in evaluate(), which reads what this changes
-            const std::size_t first = first_of(packets);
-            for (std::size_t p = first; p < first + packets.size(); ++p) {
-                if (packets_[p].first_parked == packets_[p].end_parked || packets_[p].woken != 0) continue;
-                if (parked_contacts_hold(p)) continue;
-                const double violation =
-                    largest_parked_violation(engine_.cone(), engine_.view(packets_.subspan(p, 1)), options_.isa);
-                if (violation > options_.tolerance) {
-                    packets_[p].woken = 1;
-                    if (island_.rests) violated_[p] = kAllPairs;
-                }
-                worst = std::max(worst, violation);
-            }
+            worst = activate_violated_of(share_of_packets(share)); // as in evaluate(), which reads what this changes
         });
+        return worst;
+    }
+    double activate_violated_of(std::span<const ContactPacket> packets) {
+        double worst = 0;
+        const std::size_t first = first_of(packets);
+        for (std::size_t p = first; p < first + packets.size(); ++p) {
+            if (packets_[p].first_parked == packets_[p].end_parked || packets_[p].woken != 0) continue;
+            if (parked_contacts_hold(p)) continue;
+            const double violation =
+                largest_parked_violation(engine_.cone(), engine_.view(packets_.subspan(p, 1)), options_.isa);
+            if (violation > options_.tolerance) {
+                packets_[p].woken = 1;
+                if (island_.rests) violated_[p] = kAllPairs;
+            }
+            worst = std::max(worst, violation);
+        }
         return worst;
     }
     void note_changes(int share) {

@@ -10,6 +10,7 @@
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
 #include "collision/collisions.hpp"
+#include "parallel/division.hpp"
 #include "state/loads.hpp"
 #include "step/phase_watch.hpp"
 
@@ -200,6 +201,13 @@ void Stepper::begin_step(std::int64_t step) {
     place_still();
     for (const std::int32_t i : model_.active) first_version_[at(i)] = trajectories_.version(at(i));
     for (Worker& worker : workers_.each) worker.pushed.clear();
+    if (Division* division = workers_.team.division()) division->begin_step(centers(), model_.active);
+}
+
+std::vector<Vec3> Stepper::centers() const {
+    std::vector<Vec3> out;
+    for (const Pose& pose : state_.pose) out.push_back(pose.com);
+    return out;
 }
 
 /// Stage 1.

@@ -169,6 +169,7 @@ class Stepper {
         for (const std::int32_t i : model_.active) to[static_cast<std::size_t>(i)] = from[static_cast<std::size_t>(i)];
     }
     void begin_step(std::int64_t step);
+    [[nodiscard]] std::vector<Vec3> centers() const; ///< m, of mass, at x^n
     /// Every body on its own, with the given motion, and evolved to its candidate end state: stage 1 begins so with
     /// v^n, stage 4 is this with v^{n+1/2}.
     void start_trajectories(std::span<const Motion> motion);

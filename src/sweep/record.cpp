@@ -90,14 +90,6 @@ Json report_json(const SweepReport& report) {
                 {"problems", report.problems}};
 }
 
-/// A field of a CSV file; commas and quotes are kept inside quotes.
-std::string field(std::string_view text) {
-    if (text.find_first_of(",\"\n") == std::string_view::npos) return std::string(text);
-    std::string out = "\"";
-    for (const char c : text) out.append(c == '"' ? 2 : 1, c == '\n' ? ' ' : c);
-    return out + '"';
-}
-
 void add_number(std::string& row, double value) {
     row += ',';
     if (std::isfinite(value)) io::append_number(row, value);
@@ -111,8 +103,9 @@ std::string points_csv(const SweepReport& report) {
         for (const char* part : {"", "_spread", "_error", "_error_uncertainty"})
             text += ',' + std::string(m.name) + part;
     for (const SweepPoint& p : report.points) {
-        text += '\n' + field(p.label);
-        for (std::size_t a = 0; a < report.axes.size(); ++a) text += ',' + (p.values.empty() ? "" : field(p.values[a]));
+        text += '\n' + csv_field(p.label);
+        for (std::size_t a = 0; a < report.axes.size(); ++a)
+            text += ',' + (p.values.empty() ? "" : csv_field(p.values[a]));
         text += std::string(p.reference ? ",1," : ",0,") + std::to_string(p.complete);
         add_number(text, p.cost.mean);
         add_number(text, p.cost.spread);
@@ -131,8 +124,8 @@ std::string members_csv(const Plan& plan, const Record& record, const Measured& 
     for (const Member& member : plan.members) {
         const MemberState& state = record.members.at(member.run.name);
         const auto& values = measured[member.point][member.start];
-        text += '\n' + field(member.run.name) + ',' + field(plan.points[member.point].label) + ',' +
-                field(plan.starts[member.start].name) + ',' + state_text(state) + ',' +
+        text += '\n' + csv_field(member.run.name) + ',' + csv_field(plan.points[member.point].label) + ',' +
+                csv_field(plan.starts[member.start].name) + ',' + state_text(state) + ',' +
                 std::to_string(member.run.steps);
         add_number(text, values ? values->cost : std::nan(""));
         add_number(text, state.outcome.cpu > 0 ? state.outcome.cpu : std::nan(""));
@@ -142,6 +135,13 @@ std::string members_csv(const Plan& plan, const Record& record, const Measured& 
 }
 
 } // namespace
+
+std::string csv_field(std::string_view text) {
+    if (text.find_first_of(",\"\n") == std::string_view::npos) return std::string(text);
+    std::string out = "\"";
+    for (const char c : text) out.append(c == '"' ? 2 : 1, c == '\n' ? ' ' : c);
+    return out + '"';
+}
 
 std::string state_text(const MemberState& state) {
     if (!state.begun) return "not begun";

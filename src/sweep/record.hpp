@@ -48,6 +48,8 @@ void write_record(const std::filesystem::path& folder, const Record& record, con
 void write_tables(const std::filesystem::path& folder, const Plan& plan, const Record& record, const Measured& measured,
                   const SweepReport& report);
 
+/// A field of a CSV file; commas and quotes are kept inside quotes.
+[[nodiscard]] std::string csv_field(std::string_view text);
 /// "complete", "stopped", "failed (4)" or "not begun".
 [[nodiscard]] std::string state_text(const MemberState& state);
 

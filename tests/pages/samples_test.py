@@ -153,6 +153,8 @@ SAMPLES = [
     ("src/io/README.md", '{ "flotilla_edits"', By(README_TEST, "src/io/README.md")),
     ("src/python/README.md", "pip install", By("tests/python/test_install.py", "--no-build-isolation")),
     ("src/python/README.md", "import flotilla", By("tests/python/test_examples.py", '"python" / "README.md"')),
+    ("src/mpi/README.md", "mpirun -np 4", By("tests/mpi/pages_test.cpp", "mpi/README.md")),
+    ("src/mpi/README.md", "mpirun -np 8", By("tests/mpi/pages_test.cpp", "mpi/README.md")),
     ("src/run/README.md", "flotilla scene boats-in-bowl", Shell(
         scaled=[(r"--bodies 30", "--bodies 5"), (r"--output step60.png", "--output step60.png --width 64 --height 48")],
         after="[[ -s step60.png ]]")),

@@ -18,12 +18,12 @@ inline SceneDescription one_pile(bool large) {
 }
 
 /// Piles of five boxes each, apart from each other: an island each.
-inline SceneDescription small_piles(bool large) {
+inline SceneDescription piles_of_boxes(int piles) {
     SceneDescription scene = empty_scene();
     const auto floor = add_shape(scene, make_box(200, 200, 0.1));
     const auto crate = add_shape(scene, make_box(0.5, 0.5, 0.5), 20);
     add_body(scene, floor, BodyType::fixed, {0, 0, -0.1});
-    for (int pile = 0; pile < (large ? 40 : 12); ++pile)
+    for (int pile = 0; pile < piles; ++pile)
         for (int i = 0; i < 5; ++i) {
             const double x = 4.0 * (pile % 8), y = 4.0 * (pile / 8);
             auto& body = add_body(scene, crate, BodyType::dynamic, {x + 0.1 * i * (pile % 3), y, 0.6 + 1.2 * i});
@@ -31,6 +31,8 @@ inline SceneDescription small_piles(bool large) {
         }
     return scene;
 }
+
+inline SceneDescription small_piles(bool large) { return piles_of_boxes(large ? 40 : 12); }
 
 /// Figure 9 with stage 1 and dynamic contact cut off at once, so that the failsafe does all.
 inline SceneDescription forced_stack(bool) {

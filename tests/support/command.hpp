@@ -22,27 +22,31 @@ struct CommandOutput {
     std::string out, err;
 };
 
-/// arguments: as typed after `flotilla`, for the shell; standard input is empty where they do not redirect it.
-/// `before`: what the shell does first, such as setting limits.
-inline CommandOutput run_flotilla(const std::string& arguments, const std::string& before = ":") {
+/// Runs a line in the shell, its output kept; standard input is empty where it does not redirect it. `before`: what the
+/// shell does first, such as setting limits.
+inline CommandOutput run_line(const std::string& line, const std::string& before = ":") {
     const TemporaryFolder folder;
     const auto read = [&](const char* name) {
         std::ifstream in(folder.path() / name, std::ios::binary);
         return std::string{std::istreambuf_iterator<char>(in), {}};
     };
     const std::string to = folder.path().string();
-    const std::string line = before + "; exec </dev/null " + std::string(FLOTILLA_COMMAND) + " " + arguments + " >" +
-                             to + "/out 2>" + to + "/err";
-    const int status = std::system(line.c_str());
+    const std::string all = before + "; exec </dev/null " + line + " >" + to + "/out 2>" + to + "/err";
+    const int status = std::system(all.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out"), read("err")};
 }
 
+/// arguments: as typed after `flotilla`.
+inline CommandOutput run_flotilla(const std::string& arguments, const std::string& before = ":") {
+    return run_line(std::string(FLOTILLA_COMMAND) + " " + arguments, before);
+}
+
 /// A command that runs while the test goes on; its output goes to a file.
-class RunningFlotilla {
+class RunningLine {
   public:
-    /// arguments: as typed after `flotilla`, for the shell. `before`: what the shell does first.
-    explicit RunningFlotilla(const std::string& arguments, const std::string& before = ":") {
-        const std::string line = before + "; exec " + std::string(FLOTILLA_COMMAND) + " " + arguments;
+    /// For the shell. `before`: what the shell does first.
+    explicit RunningLine(const std::string& command, const std::string& before = ":") {
+        const std::string line = before + "; exec " + command;
         const std::string log = (folder_.path() / "log").string();
         process_ = ::fork();
         if (process_ != 0) return;
@@ -52,11 +56,11 @@ class RunningFlotilla {
         ::execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
         ::_exit(127);
     }
-    ~RunningFlotilla() {
+    ~RunningLine() {
         if (process_ > 0) send(SIGKILL), wait();
     }
-    RunningFlotilla(const RunningFlotilla&) = delete;
-    RunningFlotilla& operator=(const RunningFlotilla&) = delete;
+    RunningLine(const RunningLine&) = delete;
+    RunningLine& operator=(const RunningLine&) = delete;
 
     void send(int signal) const { ::kill(process_, signal); }
     /// Returns the exit code, or minus the signal that ended it.
@@ -74,6 +78,13 @@ class RunningFlotilla {
   private:
     TemporaryFolder folder_;
     pid_t process_ = -1;
+};
+
+class RunningFlotilla : public RunningLine {
+  public:
+    /// arguments: as typed after `flotilla`.
+    explicit RunningFlotilla(const std::string& arguments, const std::string& before = ":")
+        : RunningLine(std::string(FLOTILLA_COMMAND) + " " + arguments, before) {}
 };
 
 } // namespace flotilla::test

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// The hashes of every step of 252 boats and of 64 piles, on 1 to 4 ranks.
+#include "mpi/scene_over_ranks.hpp"
+#include "step/thread_scenes.hpp"
+
+namespace flotilla::test {
+namespace {
+
+TEST(OneSceneOverRanksSlow, Boats252HaveTheHashesOfOneProcess) {
+    const OneScene pile(make_scene("boats-in-bowl", 252, 1), 80);
+    for (int ranks = 1; ranks <= 4; ++ranks) pile.expect_same_on(ranks);
+}
+
+TEST(OneSceneOverRanksSlow, Piles64HaveTheHashesOfOneProcess) {
+    const OneScene piles(scenario::piles_of_boxes(64), 80);
+    for (int ranks = 1; ranks <= 4; ++ranks) piles.expect_same_on(ranks);
+}
+
+} // namespace
+} // namespace flotilla::test
