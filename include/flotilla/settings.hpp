@@ -62,10 +62,12 @@ struct Settings {
 
     /// d_rest; 0: size/330, size = smaller bounding-sphere diameter of the movable bodies, less for thin solids
     double rest_distance = 0;
-    double proximity_distance = 0;  ///< d_proximity > d_rest; 0: 2 d_rest
-    double separation = 0;          ///< s_min, least certified distance; 0: d_rest/50
-    double proximity_angle = 3;     ///< theta_proximity, degrees, in (0, 90)
-    double approach_threshold = -1; ///< m/s, slower end proximities are left to static contact; < 0: |g| dt/2
+    double proximity_distance = 0; ///< d_proximity > d_rest; 0: 2 d_rest
+    double separation = 0;         ///< s_min, least certified distance; 0: d_rest/50
+    double proximity_angle = 3;    ///< theta_proximity, degrees, in (0, 90)
+    /// m/s, slower end proximities are left to static contact; < 0: |g| dt/2, and what would rebound slower than that,
+    /// if it approaches by no more than the proximity distance in a step
+    double approach_threshold = -1;
 
     Collisions collisions = Collisions::sequential; ///< of stage 1
     int collision_iterations = 100;                 ///< sweeps of Algorithm 1; rounds over all pairs where accumulated
