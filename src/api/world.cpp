@@ -331,8 +331,8 @@ const std::shared_ptr<std::vector<ContactState>>& World::Impl::contacts() {
     const std::vector<Contact>& asleep = stepper->sleeping_contacts();
     const State& state = stepper->state();
     const auto bodies = [](const auto& x) { return std::pair(x.a, x.b); };
-    std::span<const WarmImpulse> solved = state.warm_final,
-                                 waiting = state.waiting_final; // all lists are sorted by bodies
+    std::span<const WarmImpulse> solved = state.warm[ContactStage::final],
+                                 waiting = state.waiting[ContactStage::final]; // all lists are sorted by bodies
     const bool half = stepper->model().settings.velocity_update == VelocityUpdate::trapezoidal;
     const double of_step = (half ? 2 : 1) * stepper->substeps(); // a whole step's, of stage 7's
     const auto add = [&](const Contact& c, bool sleeps) {

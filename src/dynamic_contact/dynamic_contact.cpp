@@ -11,26 +11,29 @@ namespace flotilla {
 namespace {
 
 /// When Algorithm 2 is given up. The hits get fewer geometrically, and what a sweep costs with them; of a hundred
-/// thousand a deep pile in an impact may still have some at the limit. The failsafe would merge those into clusters,
-/// and these with all that they push, a body a sweep. So from the limit on it is given up when the list of pairs was
-/// never shorter than before for half as many sweeps.
+/// thousand a deep pile in an impact may still have some at the limit. In chain mail that is taut all rings hit to the
+/// end, but ever more softly. The failsafe would merge those into clusters, and these with all that they push, a body a
+/// sweep. So from the limit on it is given up when for half as many sweeps the list of pairs was never shorter than
+/// before, nor the largest push half of what it was.
 class Patience {
   public:
     explicit Patience(int limit) : limit_(limit) {}
 
-    /// Whether a sweep may follow `sweeps` of them, after the last of which `size` pairs were listed.
-    bool allows(int sweeps, std::size_t size) {
-        if (size < shortest_) {
-            shortest_ = size;
-            since_ = sweeps;
-        }
+    /// Whether a sweep may follow `sweeps` of them, of which the last pushed by `pushed` N s at most and left `size`
+    /// pairs listed.
+    bool allows(int sweeps, std::size_t size, double pushed) {
+        if (size < shortest_ || pushed < kLeastFall * weakest_) since_ = sweeps;
+        shortest_ = std::min(shortest_, size);
+        if (pushed < kLeastFall * weakest_) weakest_ = pushed;
         return sweeps < limit_ || (sweeps - since_ < limit_ / 2 && sweeps / kMostLimits < limit_);
     }
 
   private:
     static constexpr int kMostLimits = 10;
+    static constexpr double kLeastFall = 0.8;
     int limit_;     ///< sweeps
-    int since_ = 0; ///< sweeps after which the list was shortest
+    int since_ = 0; ///< sweeps after which the list was shortest or the push half
+    double weakest_ = std::numeric_limits<double>::infinity(); ///< N s
     std::size_t shortest_ = std::numeric_limits<std::size_t>::max();
 };
 
@@ -50,7 +53,7 @@ class DynamicContact {
         for (int sweep = 0;; ++sweep) {
             FrozenList frozen = freeze_clusters(view_, book_, workers_.team, clusters_);
             if (clusters_.empty()) return stats_;
-            stats_.counters.limit = !patience_.allows(sweep, clusters_.size()) || progress_.stalled();
+            stats_.counters.limit = !patience_.allows(sweep, clusters_.size(), pushed_) || progress_.stalled();
             if (stats_.counters.limit) return stats_;
             if (alone()) close_apart(frozen);
             stats_.counters.pairs += static_cast<std::int64_t>(frozen.num_closed());
@@ -98,7 +101,8 @@ class DynamicContact {
         collect(workers_, stats_.counters);
         const auto hits =
             std::count_if(resolutions_.begin(), resolutions_.end(), [](const Resolution& r) { return r.found; });
-        progress_.add(static_cast<std::size_t>(hits), clusters_.size(), take_largest_push(workers_));
+        pushed_ = take_largest_push(workers_);
+        progress_.add(static_cast<std::size_t>(hits), clusters_.size(), pushed_);
     }
 
     [[nodiscard]] SharedSweep shared_sweep(const FrozenList& frozen) {
@@ -130,6 +134,7 @@ class DynamicContact {
     DynamicContactStats stats_;
     std::vector<CandidatePair> clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
+    double pushed_ = std::numeric_limits<double>::infinity(); ///< N s, the largest of the last sweep
     Patience patience_;
     /// Giving up makes clusters of what hits, and pushes of a tight chain end slowly: of 8 links in 100 steps one trip
     /// leaves 18 merges that are not needed, two none.

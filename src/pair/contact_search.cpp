@@ -30,9 +30,10 @@ class KnownFeatures {
         if (!(stray_[at(record.a)] + stray_[at(record.b)] < most)) return;
         const CandidatePair pair{record.a, record.b};
         const auto of = [](const WarmImpulse& w) { return CandidatePair{w.a, w.b}; };
-        for (const auto* impulses : {&state_.warm_final, &state_.waiting_final}) {
-            auto w = std::ranges::lower_bound(*impulses, pair, {}, of);
-            for (; w != impulses->end() && of(*w) == pair; ++w) out.push_back(features_of(w->feature_key));
+        for (const WarmImpulses* stages : {&state_.warm, &state_.waiting}) {
+            const std::vector<WarmImpulse>& impulses = (*stages)[ContactStage::final];
+            auto w = std::ranges::lower_bound(impulses, pair, {}, of);
+            for (; w != impulses.end() && of(*w) == pair; ++w) out.push_back(features_of(w->feature_key));
         }
     }
 

@@ -118,7 +118,7 @@ std::uint64_t sleepers_hash(const State& state) {
     const std::vector<std::int32_t> bodies = bodies_of(state, true);
     for (const std::int32_t i : bodies) h.add(static_cast<std::uint64_t>(i));
     add(h, state, bodies);
-    add(h, state.waiting_half), add(h, state.waiting_final);
+    for (const auto& impulses : state.waiting) add(h, impulses);
     return h.value();
 }
 
@@ -128,7 +128,7 @@ std::uint64_t state_hash(const State& state, std::span<const std::int32_t> awake
     h.add(state.time);
     add(h, state, awake);
     for (const RestDistance& r : state.rest_distances) h.add(word(r.a, r.b)), h.add(r.distance);
-    add(h, state.warm_half), add(h, state.warm_final);
+    for (const auto& impulses : state.warm) add(h, impulses);
     if (of_sleepers != 0) h.add(of_sleepers);
     return h.value();
 }

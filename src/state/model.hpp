@@ -2,6 +2,7 @@
 // What a run does not change (Model) and what outlives a step (State).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <span>
@@ -93,6 +94,25 @@ struct Searched {
     std::int64_t step = 0;
 };
 
+/// The solves of static contact in a step: stage 3, of what its velocities keep and of half a step's that may raise
+/// bodies to their rest distance, and stage 7.
+enum class ContactStage : std::uint8_t { kept, half, final };
+/// By stage.
+class WarmImpulses {
+  public:
+    std::vector<WarmImpulse>& operator[](ContactStage stage) { return lists_[static_cast<std::size_t>(stage)]; }
+    const std::vector<WarmImpulse>& operator[](ContactStage stage) const {
+        return lists_[static_cast<std::size_t>(stage)];
+    }
+    [[nodiscard]] auto begin() { return lists_.begin(); }
+    [[nodiscard]] auto end() { return lists_.end(); }
+    [[nodiscard]] auto begin() const { return lists_.begin(); }
+    [[nodiscard]] auto end() const { return lists_.end(); }
+
+  private:
+    std::array<std::vector<WarmImpulse>, 3> lists_;
+};
+
 /// Everything that can change a later bit. A checkpoint holds exactly this, and the state hash covers it.
 struct State {
     std::int64_t step = 0; ///< inner ones, where a step is made of several (Settings::substeps)
@@ -104,12 +124,11 @@ struct State {
     std::vector<double> script_delay;
     std::vector<double> lift;                 ///< J of each body's energy that are lift (step/energy_account.hpp)
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
-    /// The impulses of the last stage 3 and of the last stage 7, each sorted by (a, b, feature pair without a face,
-    /// feature_key). The stages solve different problems (half a step's velocity, a whole one's): at rest each finds
-    /// its own solution of the step before.
-    std::vector<WarmImpulse> warm_half, warm_final;
+    /// The impulses of the last solves, each sorted by (a, b, feature pair without a face, feature_key). They solve
+    /// different problems: at rest each finds its own solution of the step before.
+    WarmImpulses warm;
     /// Those of contacts that no awake body is part of: they wait for the day their bodies wake.
-    std::vector<WarmImpulse> waiting_half, waiting_final;
+    WarmImpulses waiting;
     std::vector<Searched> searched; ///< by body; empty where contacts are searched for in every step (contact_reuse)
 };
 

@@ -23,7 +23,7 @@ static_assert(sizeof(Sleep) == 8 && sizeof(RestDistance) == 16 && sizeof(WarmImp
 static_assert(sizeof(Searched) == sizeof(Pose) + 8);
 
 constexpr std::uint64_t kMagic = 0x50414e534c464c46; // "FLFLSNAP"
-constexpr std::uint64_t kVersion = 3;
+constexpr std::uint64_t kVersion = 4;
 
 void add(Hasher& h, const Mat3& m) {
     for (const double x : m.m) h.add(x);
@@ -62,8 +62,10 @@ void add(Hasher& h, const Model& model) {
 template <typename S, typename Visit>
 void visit(S& state, Visit&& part) {
     part(state.step), part(state.time), part(state.pose), part(state.motion), part(state.sleep);
-    part(state.script_delay), part(state.lift), part(state.rest_distances), part(state.warm_half),
-        part(state.warm_final), part(state.waiting_half), part(state.waiting_final), part(state.searched);
+    part(state.script_delay), part(state.lift), part(state.rest_distances);
+    for (auto& impulses : state.warm) part(impulses);
+    for (auto& impulses : state.waiting) part(impulses);
+    part(state.searched);
 }
 
 /// m, m/s, rad/s and N s: far beyond where any run gets, and products of seven such numbers are doubles.
@@ -121,9 +123,10 @@ bool sound(const State& s, const Model& model) {
         if (!(std::abs(s.script_delay[i]) <= kMost) || !(std::abs(s.lift[i]) <= kMost)) return false;
         if (!s.searched.empty() && !sound(s.searched[i].pose)) return false;
     }
-    return sound_pairs(s.rest_distances, n) && sound_impulses(s.warm_half, model) &&
-           sound_impulses(s.warm_final, model) && sound_impulses(s.waiting_half, model) &&
-           sound_impulses(s.waiting_final, model) &&
+    const auto all_sound = [&](const WarmImpulses& impulses) {
+        return std::all_of(impulses.begin(), impulses.end(), [&](const auto& x) { return sound_impulses(x, model); });
+    };
+    return sound_pairs(s.rest_distances, n) && all_sound(s.warm) && all_sound(s.waiting) &&
            std::all_of(s.rest_distances.begin(), s.rest_distances.end(),
                        [](const RestDistance& r) { return r.distance >= 0 && std::isfinite(r.distance); });
 }

@@ -150,8 +150,9 @@ StepperMemory Stepper::memory() const {
         out.bodies += (model_.bodies[i].present && model_.bodies[i].type != BodyType::fixed ? 2 : 1) * placed;
     }
     out.bodies += bytes(state_.pose) + bytes(state_.motion) + bytes(model_.bodies);
-    out.contacts = bytes(contacts_.contacts) + bytes(sleeping_contacts_) + bytes(state_.warm_half) +
-                   bytes(state_.warm_final) + bytes(state_.waiting_half) + bytes(state_.waiting_final);
+    out.contacts = bytes(contacts_.contacts) + bytes(sleeping_contacts_);
+    for (const WarmImpulses* stages : {&state_.warm, &state_.waiting})
+        for (const auto& impulses : *stages) out.contacts += bytes(impulses);
     out.pairs = pairs_.table.memory();
     return out;
 }
@@ -200,8 +201,8 @@ void Stepper::place_changed() {
 
 void Stepper::forget_pairs_of(std::int32_t body) {
     erase_of(state_.rest_distances, body);
-    for (auto* list : {&state_.warm_half, &state_.warm_final, &state_.waiting_half, &state_.waiting_final})
-        erase_of(*list, body);
+    for (WarmImpulses* stages : {&state_.warm, &state_.waiting})
+        for (auto& impulses : *stages) erase_of(impulses, body);
     erase_of(sleeping_contacts_, body);
     contacts_.keep([&](std::size_t i) { return contacts_.contacts[i].a != body && contacts_.contacts[i].b != body; });
 }

@@ -47,10 +47,9 @@ void Stepper::mark_asleep() {
     pairs_.lists.forget_motions(); // sleeping bodies pair by other rules than awake ones
     const auto waits = [&](const WarmImpulse& w) { return rests(w.a, w.b); };
     const auto is_due = [&](const WarmImpulse& w) { return !rests(w.a, w.b); };
-    for (auto [impulses, waiting] :
-         {std::pair(&state_.warm_half, &state_.waiting_half), std::pair(&state_.warm_final, &state_.waiting_final)}) {
-        move_if(*waiting, *impulses, is_due);
-        move_if(*impulses, *waiting, waits);
+    for (const auto stage : {ContactStage::kept, ContactStage::half, ContactStage::final}) {
+        move_if(state_.waiting[stage], state_.warm[stage], is_due);
+        move_if(state_.warm[stage], state_.waiting[stage], waits);
     }
     sleepers_.hash = sleepers_hash(state_);
 }

@@ -188,11 +188,11 @@ class Stepper {
     void final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report);
     void find_contacts_at_end(StepReport& report);
     /// Of stage 3 for what v^{n+1} keeps of it, which nothing raises to its rest distance; of stage 3; of stage 7.
-    enum class ContactStage : std::uint8_t { kept, half, final };
     void static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses, ContactStage stage,
                         StepReport& report);
     ContactSolveStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
                                         std::span<const Pose> poses, ContactStage stage, const StepReport& report);
+    [[nodiscard]] KnownImpulses known_impulses(ContactStage stage);
     void add_script_work(std::span<const Motion> motion, std::span<const Pose> poses);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;

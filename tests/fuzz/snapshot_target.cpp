@@ -51,9 +51,9 @@ void change(fuzz::Input& input, State& s) {
     case 5: change(input, s.script_delay); break;
     case 6: change(input, s.lift); break;
     case 7: change(input, s.rest_distances, true); break;
-    case 8: change(input, s.warm_half, true); break;
-    case 9: change(input, s.warm_final, true); break;
-    case 10: change(input, s.waiting_half, true); break;
+    case 8: change(input, s.warm[ContactStage::kept], true); break;
+    case 9: change(input, s.warm[ContactStage::final], true); break;
+    case 10: change(input, s.waiting[ContactStage::half], true); break;
     default: change(input, s.searched); break;
     }
 }

@@ -62,7 +62,7 @@ class Motion {
     /// Steps until `time` (s, to half a step). Fails the test and ends early when it takes more than `most` s of the
     /// stepping thread, and when the energy has risen by half of the scale without scripts: what follows an explosion
     /// teaches nothing.
-    void run(double time, const std::function<void(const StepReport&)>& each = {}, double most = 60);
+    void run(double time, const std::function<void(const StepReport&)>& each = {}, double most = 900);
     /// The same, from the start on, with all states on the way.
     History record(double time);
 

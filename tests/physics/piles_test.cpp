@@ -9,7 +9,7 @@ void pile_rests(const std::string& preset, int bodies, std::uint64_t seed) {
     SceneDescription scene = make_scene("boats-in-bowl", bodies, seed);
     scene.settings = Run{preset, 24}.settings();
     Motion motion(scene);
-    motion.run(8.3, {}, 900);
+    motion.run(8.3);
     std::size_t fastest = 0;
     for (std::size_t i = 0; i < motion.world().size(); ++i)
         if (length(motion.body(i).velocity) > length(motion.body(fastest).velocity)) fastest = i;

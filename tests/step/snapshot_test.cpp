@@ -122,11 +122,11 @@ TEST(SnapshotOf, WhatIsNoStateOfTheSceneIsRefusedThoughItsHashFits) {
     EXPECT_EQ(message([](State& s) { s.motion[1].velocity.z = 1e200; }), content);
     EXPECT_EQ(message([](State& s) { s.sleep[0].island = 2; }), content);
     EXPECT_EQ(message([](State& s) { s.rest_distances = {{0, 2, 0.1}}; }), content);
-    EXPECT_EQ(message([](State& s) { s.warm_half = {{1, 0, 3, {}}}; }), content);
-    EXPECT_EQ(message([](State& s) { s.waiting_final = {{0, 1, 3, {0, 0, std::nan("")}}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.warm[ContactStage::kept] = {{1, 0, 3, {}}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.waiting[ContactStage::final] = {{0, 1, 3, {0, 0, std::nan("")}}}; }), content);
     // Impulses at features: boxes have 8 vertices, 12 triangles and 18 edges.
     const auto of_features = [&](const FeaturePair& f) {
-        return message([&](State& s) { s.warm_final = {{0, 1, feature_key(f), {}}}; });
+        return message([&](State& s) { s.warm[ContactStage::final] = {{0, 1, feature_key(f), {}}}; });
     };
     EXPECT_EQ(of_features({FeatureKind::vertex_face, 7, 11}), "none");
     EXPECT_EQ(of_features({FeatureKind::vertex_face, 8, 11}), content);
@@ -136,7 +136,7 @@ TEST(SnapshotOf, WhatIsNoStateOfTheSceneIsRefusedThoughItsHashFits) {
     EXPECT_EQ(of_features({FeatureKind::face_vertex, 11, 8}), content);
     EXPECT_EQ(of_features({FeatureKind::edge_edge, 17, 17}), "none");
     EXPECT_EQ(of_features({FeatureKind::edge_edge, 17, 18}), content);
-    EXPECT_EQ(message([](State& s) { s.waiting_half = {{0, 1, std::uint64_t{3} << 62, {}}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.waiting[ContactStage::half] = {{0, 1, std::uint64_t{3} << 62, {}}}; }), content);
 }
 
 TEST(SnapshotOf, AnotherSceneOrDamageIsRefused) {
