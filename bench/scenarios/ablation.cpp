@@ -46,8 +46,8 @@ constexpr Row kRows[] = {
     {"patience: 100", [](ContactTuning& t) { t.patience = 100; }},
     {"patience: 25", [](ContactTuning& t) { t.patience = 25, t.patience_share = 40; }},
     {"jams: none", [](ContactTuning& t) { t.looks_at_jam = 0; }},
-    {"let-off: none", [](ContactTuning& t) { t.most_let_off = 0; }},
-    {"jams and let-off: none", [](ContactTuning& t) { t.looks_at_jam = 0, t.most_let_off = 0; }},
+    {"aim: at the tolerance", [](ContactTuning& t) { t.aim_at_rest = 1; }},
+    {"aim: half", [](ContactTuning& t) { t.aim_at_rest = 0.5; }},
     {"rest: 1.5", [](ContactTuning& t) { t.rest_speed = 1.5; }},
     {"rest: 4", [](ContactTuning& t) { t.rest_speed = 4; }},
     {"parked: none", [](ContactTuning& t) { t.parked_margin = kNever; }},
@@ -123,14 +123,13 @@ void measure(const Arguments& arguments, const Model& model, const State& start,
 }
 
 void write(const std::vector<Variant>& variants) {
-    std::puts("row,step,ms,visits,sweeps,residual,unsolved,let_off,kinetic_energy,contacts,energy_removed");
+    std::puts("row,step,ms,visits,sweeps,residual,unsolved,kinetic_energy,contacts,energy_removed");
     for (const Variant& v : variants)
         for (const auto& [ms, visits, r] : v.steps)
-            std::printf("\"%s\",%lld,%.6f,%lld,%lld,%.6g,%d,%d,%.9g,%lld,%.6g\n", v.row->name,
+            std::printf("\"%s\",%lld,%.6f,%lld,%lld,%.6g,%d,%.9g,%lld,%.6g\n", v.row->name,
                         static_cast<long long>(r.step), ms, static_cast<long long>(visits),
                         static_cast<long long>(r.iterations), r.residual, (r.warnings & kStaticLimit) != 0,
-                        (r.warnings & kStaticLetOff) != 0, r.kinetic_energy, static_cast<long long>(r.contacts),
-                        r.energy_removed);
+                        r.kinetic_energy, static_cast<long long>(r.contacts), r.energy_removed);
 }
 
 int run(const Arguments& arguments) {

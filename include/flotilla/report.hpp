@@ -47,10 +47,6 @@ enum StepWarning : std::uint32_t {
     kScriptDelayed = 1u << 3,
     /// A body that the failsafe held lost a rebound of stage 1 (dynamic_iterations).
     kReboundLost = 1u << 4,
-    /// A contact solve ended above its tolerance, but only by what loaded contacts of over-constrained islands at rest
-    /// (jams) are allowed, up to ten times it. Nothing is allowed where static_tolerance is given or tolerance_share is
-    /// below 1.
-    kStaticLetOff = 1u << 5,
 };
 
 /// The report of a step that is made of inner ones (Settings::substeps): times and counts are summed; residual,
@@ -65,7 +61,7 @@ struct StepReport {
     std::int64_t collisions = 0; ///< impulses of stage 1
     std::int64_t contacts = 0;   ///< contact points of stage 7
     std::int64_t iterations = 0; ///< sweeps of PGS, stages 3 and 7 together
-    double residual = 0;         ///< m/s, largest constraint violation that contact solves left, nothing let off
+    double residual = 0;         ///< m/s, largest constraint violation that contact solves left
     std::int64_t merges = 0;     ///< clusters merged: by the failsafe, and pairs that dynamic contact rigidified
     /// Steps down the failsafe's ladder free, kinematic, rigid, held; and bodies that were slowed down: whose end was
     /// made again with half of their velocity.

@@ -66,7 +66,6 @@ struct RunTotals {
     std::array<double, kNumPhases> phase_ms{};
     std::int64_t collisions = 0, merges = 0, rung_changes = 0, held = 0;
     std::int64_t above_tolerance = 0;    ///< steps in which a contact solve ended above its tolerance
-    std::int64_t let_off = 0;            ///< of these, those with kStaticLetOff and without kStaticLimit
     std::int64_t energy_corrections = 0; ///< islands that the last resort of G5 took energy from
     double energy_removed = 0;           ///< J, that it took
     double min_distance = std::numeric_limits<double>::infinity(); ///< m

@@ -272,13 +272,12 @@ StepReport World::step() {
 
 /// Those that the step before did not have.
 void World::Impl::say_warnings(const StepReport& report) {
-    constexpr std::array<std::pair<StepWarning, std::string_view>, 6> kTexts{
+    constexpr std::array<std::pair<StepWarning, std::string_view>, 5> kTexts{
         {{kCollisionLimit, "stage 1 ended before it was quiet"},
          {kDynamicLimit, "dynamic contact was given up: the failsafe had to finish"},
          {kStaticLimit, "a contact solve ended above its tolerance"},
          {kScriptDelayed, "a scripted body was held, as bodies were in its way"},
-         {kReboundLost, "a body that the failsafe held lost a rebound"},
-         {kStaticLetOff, "a contact solve of a resting jam ended up to ten times above its tolerance"}}};
+         {kReboundLost, "a body that the failsafe held lost a rebound"}}};
     const std::uint32_t fresh = report.warnings & ~last_warnings;
     last_warnings = report.warnings;
     if (!log) return; // nothing may fail any more: the step is done

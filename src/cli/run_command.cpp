@@ -149,9 +149,6 @@ void print_summary(const RunTotals& s) {
                 static_cast<long>(s.merges), static_cast<long>(s.rung_changes), static_cast<long>(s.held));
     std::printf("contact solves above tolerance: in %ld of %ld steps", static_cast<long>(s.above_tolerance),
                 static_cast<long>(s.steps));
-    if (s.let_off > 0)
-        std::printf(" (in %ld of them only by what loaded contacts of resting jams are allowed)",
-                    static_cast<long>(s.let_off));
     std::printf(", %.3g m/s in the last\n", s.last.residual);
     std::printf("energy taken by the last resort: %.3g J from %ld islands (all steps together); lift: %.3g J\n",
                 s.energy_removed, static_cast<long>(s.energy_corrections), s.last.lift);

@@ -81,7 +81,6 @@ void bind_totals(py::module_& m) {
     type.def_readonly("held", &T::held, "bodies held, all steps together");
     type.def_readonly("above_tolerance", &T::above_tolerance,
                       "steps in which a contact solve ended above its tolerance");
-    type.def_readonly("let_off", &T::let_off, "of these, those only by what resting jams are allowed");
     type.def_readonly("energy_corrections", &T::energy_corrections, "islands that the last resort took energy from");
     type.def_readonly("energy_removed", &T::energy_removed, "J, that it took");
     type.def_readonly("min_distance", &T::min_distance, "m, smallest at the end of a step");

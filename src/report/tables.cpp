@@ -76,11 +76,6 @@ constexpr std::array kWarnings{
     WarningText{kStaticLimit,
                 "static contact: a solve ended above its tolerance, at the limit of sweeps or as they gained nothing",
                 "raise static_iterations, or static_tolerance"},
-    WarningText{
-        kStaticLetOff,
-        "static contact: a solve ended above its tolerance only by what loaded contacts of a resting jam are allowed, "
-        "up to ten times it",
-        "tolerance_share below 1 allows none of it, and takes all of static_iterations"},
     WarningText{kScriptDelayed, "a scripted body was held for the step, because bodies were in its way",
                 "see unsatisfiable_script"},
     WarningText{kReboundLost, "a held body lost a rebound", "raise dynamic_iterations"},

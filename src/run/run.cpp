@@ -149,8 +149,7 @@ void add(RunTotals& summary, const StepReport& r) {
     summary.merges += r.merges;
     summary.rung_changes += r.rung_changes;
     summary.held += r.held;
-    summary.above_tolerance += (r.warnings & (kStaticLimit | kStaticLetOff)) != 0 ? 1 : 0;
-    summary.let_off += (r.warnings & (kStaticLimit | kStaticLetOff)) == kStaticLetOff ? 1 : 0;
+    summary.above_tolerance += (r.warnings & kStaticLimit) != 0 ? 1 : 0;
     summary.energy_corrections += r.energy_corrections;
     summary.energy_removed += r.energy_removed;
     summary.min_distance = std::min(summary.min_distance, r.min_distance);

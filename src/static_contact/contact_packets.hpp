@@ -112,9 +112,6 @@ struct SweepView {
     PacketRow* rows = nullptr;
     NormalRow* normal_rows = nullptr; ///< those in use with Cone::none
     BodyVelocity* bodies = nullptr;
-    /// A contact's violation in the normal direction counts less by this share of what its normal impulse changes,
-    /// lambda_n W_nn, but by `most_let_off`, m/s, at most.
-    double load_share = 0, most_let_off = 0;
     double momentum = 0; ///< a sweep visits every row with its impulse + momentum * (impulse - the one before)
 };
 

@@ -18,9 +18,8 @@ constexpr std::int32_t kMostBodies =
     64; ///< of an island with more than few contacts: factorisations grow with their cube, but in slender ones
 /// Factorisations for a residual below an island's tolerance.
 constexpr int kMostToTolerance = 80;
-/// An island at rest that is within its tolerance is solved exactly where each of Newton's steps gets so many times
-/// nearer. Walls then stand still and do not sway at the speed of the tolerance; piles, whose impulses are not
-/// determined, cost one factorisation.
+/// Where Newton's steps are all that follows the sweeps (`exact_few`), each has to get so many times nearer: piles,
+/// whose impulses are not determined, cost one factorisation.
 constexpr double kPolish = 10;
 
 /// Impulses change the momentum of an island by the rounding of their sum, and what its bodies need is of the order of
@@ -32,10 +31,6 @@ constexpr double kMostImpulse = 0x1p22;
 
 std::span<const ContactBlock> blocks_of(const Island& island, const ContactScratch& s) {
     return std::span(s.blocks).subspan(at(island.first), at(island.end - island.first));
-}
-
-bool is_worth_it(const Island& island) {
-    return !island.solved || (island.rests && island.residual > island.exact_tolerance);
 }
 
 void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
@@ -117,11 +112,10 @@ void solve(Island& island, const ContactBodies& bodies, bool newton_alone, Conta
                             .max_iterations = kMostToTolerance,
                             .enough = island.tolerance,
                             .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations,
-                            .polish = island.solved || newton_alone ? kPolish : 0,
+                            .polish = newton_alone ? kPolish : 0,
                             .rests = island.rests},
                            e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
-    island.let_off = false;
     if (!stats.solved && !(stats.residual < island.residual)) return;
     if (balance_each_other(e)) return;
     scatter(island, bodies, s, e);
@@ -156,7 +150,7 @@ bool is_slender(const Island& island) { return island.end - island.first <= isla
 void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();
     for (std::size_t k = 0; k < s.islands.size(); ++k)
-        if (is_worth_it(s.islands[k]) && may_solve_exactly(s.islands[k], options, s))
+        if (!s.islands[k].solved && may_solve_exactly(s.islands[k], options, s))
             s.small_islands.push_back(static_cast<std::int32_t>(k));
     if (s.small_islands.empty()) return;
     s.exact_body.resize(s.bodies.size());

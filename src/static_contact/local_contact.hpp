@@ -83,27 +83,15 @@ inline PackVec2<P> disc_impulse(const LocalPack<P>& c, const PackVec2<P>& u, P b
     return {select(inside, stick.x, slip.x), select(inside, stick.y, slip.y)};
 }
 
-/// By how much less the normal row's violation counts (the let-off): a share of what the normal impulse changes,
-/// lambda_n W_nn, and at most so much, m/s.
-template <class P>
-struct LetOff {
-    P share = P::all(0), most = P::all(0);
-};
-template <class P>
-inline P let_off(const LocalPack<P>& c, const LetOff<P>& l) {
-    return min(l.share * (c.impulse.x * c.mass_diagonal.x), l.most);
-}
-
 /// One visit: the change that eqs 17-20 ask for at relative velocity u (of the present impulse). Does not apply it.
 template <Cone kCone, class P>
-[[gnu::always_inline]] inline LocalUpdate<P> visit(const LocalPack<P>& c, const PackVec<P>& u,
-                                                   const LetOff<P>& off = {}) {
+[[gnu::always_inline]] inline LocalUpdate<P> visit(const LocalPack<P>& c, const PackVec<P>& u) {
     LocalUpdate<P> r;
     r.change.x = normal_change(c, u.x);
-    const P normal = abs(r.change.x) * c.mass_diagonal.x - let_off(c, off);
+    const P normal = abs(r.change.x) * c.mass_diagonal.x;
     if constexpr (kCone == Cone::none) {
         r.change.y = r.change.z = P::all(0);
-        r.violation = max(normal, P::all(0));
+        r.violation = normal;
         return r;
     }
     const P bound = friction_bound<kCone>(c, c.impulse.x + r.change.x);
@@ -126,9 +114,9 @@ template <Cone kCone, class P>
 /// which is zero exactly at a solution of eqs 17-20 (of the disc law, with W the larger tangential diagonal, for
 /// Cone::disc). The friction bound is that of the present normal impulse.
 template <Cone kCone, class P>
-[[gnu::always_inline]] inline P violation(const LocalPack<P>& c, const PackVec<P>& u, const LetOff<P>& off = {}) {
-    const P normal = abs(normal_change(c, u.x)) * c.mass_diagonal.x - let_off(c, off);
-    if constexpr (kCone == Cone::none) return max(normal, P::all(0));
+[[gnu::always_inline]] inline P violation(const LocalPack<P>& c, const PackVec<P>& u) {
+    const P normal = abs(normal_change(c, u.x)) * c.mass_diagonal.x;
+    if constexpr (kCone == Cone::none) return normal;
     const P bound = friction_bound<kCone>(c, c.impulse.x);
     PackVec2<P> l, scale{c.mass_diagonal.y, c.mass_diagonal.z};
     if constexpr (kCone == Cone::disc) {

@@ -120,9 +120,14 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     island.energy_before = kinetic_energy(island, bodies, s);
     const double speed = mean_speed(island, s);
     island.rests = options.rest_speed > 0 && speed <= options.rest_speed;
+    // A caller that asked for a tolerance has all sweeps for it, and wants no more.
+    const bool aims_lower = island.rests && options.patience > 0;
+    const double aim = aims_lower ? tuning.aim_at_rest * island.tolerance : island.tolerance;
+    options.tolerance = aim;
     if (may_solve_exactly(island, options, s)) leave_to_exact(island, speed, options, s);
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
+        island.solved = island.solved || (options.tolerance == aim && island.residual <= island.tolerance);
         island.energy_pgs = kinetic_energy(island, bodies, s);
         return !island.solved &&
                island.energy_pgs - island.energy_before >
@@ -249,8 +254,7 @@ ContactSolveStats summarize(const ContactScratch& s, int num_colors) {
         stats.iterations = std::max(stats.iterations, island.iterations);
         stats.visits += island.visits;
         stats.residual = std::max(stats.residual, island.residual);
-        stats.unsolved_islands += !island.solved || island.let_off ? 1 : 0;
-        stats.let_off_islands += island.let_off ? 1 : 0;
+        stats.unsolved_islands += island.solved ? 0 : 1;
         stats.part_rounds += island.part_rounds;
         stats.shocked_islands += island.shocked ? 1 : 0;
         stats.exact_islands += island.factorisations > 0 ? 1 : 0;

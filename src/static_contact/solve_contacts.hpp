@@ -23,7 +23,6 @@ struct ContactSolveStats {
     std::int64_t visits = 0; ///< contact updates, shock passes included; of activated contacts as if from the start
     double residual = 0; ///< m/s, violation of all of eqs 17-20 by the final state, a shock pass included (shock.hpp)
     int unsolved_islands = 0; ///< whose sweeps, or whose exact solve, ended above their tolerance
-    int let_off_islands = 0;  ///< of these, those whose loaded contacts may miss by that (sweep_island.cpp)
     int shocked_islands = 0;  ///< islands whose velocities come from a shock pass
     int part_rounds = 0;      ///< times that a part of an island was swept alone
     int exact_islands = 0;    ///< solved exactly, or nearer to it than PGS came

@@ -44,13 +44,12 @@ struct ContactSolveOptions {
     /// 0: never. What is left then are impulses that bodies in contact at many points could exchange for ever, hardly
     /// moving. At rest an island with more than two pairs a body, which may be over-constrained, is not given up while
     /// the number of violated pairs falls, but as soon as that and the residual stand for two evaluations. 0 switches
-    /// off all of this, and the let-off of loaded contacts.
+    /// off all of this.
     int patience = 0;
     /// m/s. An island is at rest if its kinetic energy on entry is at most 1/2 m v^2 at this speed: what it has is what
-    /// gravity added. Then what is not solved yet is swept alone where it is a small part of a large island;
-    /// over-constrained islands are given up early, loaded contacts in them may miss their targets by more
-    /// (ContactTuning::load_per_tolerance), and a shock pass stands only where it solves its levels. Under impact
-    /// nothing of this holds. 0: no island is at rest.
+    /// gravity added. Then what is not solved yet is swept alone where it is a small part of a large island; sweeps aim
+    /// at less than the tolerance (ContactTuning::aim_at_rest), over-constrained islands are given up early, and a
+    /// shock pass stands only where it solves its levels. Under impact nothing of this holds. 0: no island is at rest.
     double rest_speed = 0;
     bool exact = false;     ///< small islands that PGS leaves unsolved are solved exactly (exact_islands.hpp)
     bool exact_few = false; ///< of them only those of few bodies, and columns at rest by Newton's steps alone
@@ -80,7 +79,7 @@ struct ContactScratch {
         std::int32_t first_group = 0, end_group = 0; ///< in groups
         std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
         int iterations = 0;
-        double residual = 0;                      ///< m/s, of the final state, with nothing let off
+        double residual = 0;                      ///< m/s, of the final state
         double tolerance = 0;                     ///< m/s
         double exact_tolerance = 0;               ///< m/s, asked of an exact solve
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
@@ -88,8 +87,7 @@ struct ContactScratch {
         int part_rounds = 0;
         int factorisations = 0; ///< of the exact solve
         bool rests = false;     ///< slow on entry (ContactSolveOptions::rest_speed); nothing to do with sleep
-        bool solved = false;    ///< the tolerance holds, apart from what is let off and from rounding
-        bool let_off = false;   ///< solved, but above the tolerance: loaded contacts of a resting pile
+        bool solved = false;    ///< the tolerance holds, apart from rounding
         bool shocked = false;
         bool cold = false; ///< the warm start was taken back
     };

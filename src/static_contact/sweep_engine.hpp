@@ -122,7 +122,7 @@ class Sharing {
 
 /// What is swept.
 struct SweepSet {
-    SweepView view;                         ///< rows, bodies and what violations are let off
+    SweepView view;                         ///< rows and bodies
     std::span<const ContactPacket> packets; ///< that groups count
     std::int32_t end = 0;                   ///< of the last group
     std::span<const PacketGroup> groups;

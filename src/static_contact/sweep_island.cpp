@@ -130,11 +130,9 @@ class IslandSweeps {
     void run() {
         if (start_.apply_impulses) engine_.apply_impulses();
         engine_.run(options_.iterations, [&](int, double worst) { return after_sweep(worst); });
-        if (!known_) course_.left.residual = evaluate_again(load_share());
-        const bool solved = course_.left.residual <= options_.tolerance;
-        if (load_share() > 0) course_.left.residual = evaluate_again(0);
+        if (!known_) evaluate_again();
         if (engine_.divided() != nullptr) engine_.divided()->share_impulses(s_.packed);
-        finish(solved);
+        finish();
     }
 
   private:
@@ -142,21 +140,13 @@ class IslandSweeps {
     [[nodiscard]] SweepSet sweep_set() const {
         return {.view = {.rows = s_.packed.rows.data(),
                          .normal_rows = s_.packed.normal_rows.data(),
-                         .bodies = s_.velocity.data(),
-                         .load_share = load_share(),
-                         .most_let_off = tuning().most_let_off * options_.tolerance},
+                         .bodies = s_.velocity.data()},
                 .packets = s_.packed.packets,
                 .end = island_.end_packet,
                 .groups = groups_of(island_, s_),
                 .momentum = start_.momentum,
                 .bodies = bodies_,
                 .sums = std::span(s_.sums).subspan(at(island_.first_body), num_sums(bodies_.size()))};
-    }
-    /// See ContactTuning::load_per_tolerance.
-    [[nodiscard]] double load_share() const {
-        return jams_ && tuning().most_let_off > 0
-                   ? options_.tolerance / (tuning().load_per_tolerance * options_.rest_speed)
-                   : 0;
     }
 
     // A sweep that met no violation is confirmed on the state that it left. With momentum it also meets what the
@@ -166,7 +156,7 @@ class IslandSweeps {
         known_ = worst <= options_.tolerance || course_.whole % tuning().look_every == 0;
         bool used_parts = false;
         if (known_) {
-            evaluate(load_share());
+            evaluate();
             course_.saw(seen_left());
             used_parts = may_use_parts_ && course_.whole >= course_.parts_from && solve_parts();
             if (course_.left.residual <= options_.tolerance) return AfterSweep::done;
@@ -178,12 +168,12 @@ class IslandSweeps {
     }
 
     /// Evaluates the residual, and activates violated parked contacts.
-    void evaluate(double load_share) {
-        if (engine_.divided() != nullptr) return evaluate_divided(load_share);
+    void evaluate() {
+        if (engine_.divided() != nullptr) return evaluate_divided();
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             Seen& seen = engine_.crew().seen[at(share)];
             if (phase == 0) {
-                seen.residual = find_left(share, load_share);
+                seen.residual = find_left(share);
                 return note_changes(share);
             }
             seen.residual = std::max(seen.residual, activate_violated(share));
@@ -191,12 +181,11 @@ class IslandSweeps {
         });
     }
     /// By all ranks, each of its own packets.
-    void evaluate_divided(double load_share) {
+    void evaluate_divided() {
         Seen& seen = engine_.crew().seen[0];
         double residual = 0;
         const std::int64_t begin = engine_.divided()->clock();
-        for (const auto& packets : engine_.divided()->own())
-            residual = std::max(residual, residual_of(packets, load_share));
+        for (const auto& packets : engine_.divided()->own()) residual = std::max(residual, residual_of(packets));
         note_changes(0);
         for (const auto& packets : engine_.divided()->own())
             residual = std::max(residual, activate_violated_of(packets));
@@ -204,22 +193,20 @@ class IslandSweeps {
         seen.residual = engine_.divided()->share_found(residual, packets_, violated_);
         if (jams_) seen.violated = count_violated(packets_);
     }
-    double find_left(int share, double load_share) {
+    double find_left(int share) {
         double residual = 0;
-        engine_.timed(share, evaluation_group(engine_),
-                      [&] { residual = residual_of(share_of_packets(share), load_share); });
+        engine_.timed(share, evaluation_group(engine_), [&] { residual = residual_of(share_of_packets(share)); });
         return residual;
     }
-    double residual_of(std::span<const ContactPacket> packets, double load_share) {
-        SweepView view = engine_.view(packets);
-        view.load_share = load_share;
+    double residual_of(std::span<const ContactPacket> packets) {
+        const SweepView view = engine_.view(packets);
         return island_.rests ? find_violated(engine_.cone(), view, options_.tolerance,
                                              violated_.data() + first_of(packets), options_.isa)
                              : largest_violation(engine_.cone(), view, options_.isa);
     }
-    double evaluate_again(double load_share) {
-        evaluate(load_share);
-        return seen_left().residual;
+    void evaluate_again() {
+        evaluate();
+        course_.left.residual = seen_left().residual;
     }
     [[nodiscard]] Left seen_left() const {
         Left left{.residual = 0};
@@ -302,7 +289,7 @@ class IslandSweeps {
         while (course_.left.residual > options_.tolerance && course_.sweeps() < most && !course_.stalls() &&
                sweep_part(!swept, most - course_.sweeps())) {
             swept = true;
-            evaluate(load_share());
+            evaluate();
             const Left before = course_.left;
             course_.saw_after_part(seen_left());
             if (stands(before, course_.left, tuning())) break;
@@ -326,13 +313,9 @@ class IslandSweeps {
         return true;
     }
 
-    void finish(bool solved) {
-        island_.solved = solved;
+    void finish() {
         island_.residual = course_.left.residual;
-        // Where no load lets contacts off, what is above the island's tolerance and yet solved is rounding
-        // (exact_islands.hpp).
-        island_.let_off =
-            solved && load_share() > 0 && island_.residual > std::max(island_.tolerance, options_.tolerance);
+        island_.solved = island_.residual <= options_.tolerance;
         island_.iterations += course_.sweeps();
         for (std::int32_t p = island_.first_packet; p < island_.end_packet; ++p)
             island_.visits += course_.whole * num_contacts(s_, at(p));

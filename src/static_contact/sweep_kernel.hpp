@@ -345,11 +345,6 @@ inline void for_each_row(const SweepView& view, AtRow at_row) {
     }
 }
 
-template <class P>
-inline LetOff<P> off_of(const SweepView& view) {
-    return {P::all(view.load_share), P::all(view.most_let_off)};
-}
-
 /// In every lane the larger one of `worst` and of what a row of one packet, or of two, found.
 template <class One, class Q>
 inline void keep_largest(One& worst, Q found) {
@@ -379,7 +374,7 @@ inline double sweep_packets(const SweepView& view) {
             store_local_vec<kCone>(at, kNormalPrevious, kTangentPrevious, local.impulse);
             move_on<kCone>(local.impulse, before, Q::all(view.momentum));
             const PackFrame<Q> frame = load_frame<kCone, Q>(at);
-            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity<kCone>(frame, a, b), off_of<Q>(view));
+            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity<kCone>(frame, a, b));
             store_local_vec<kCone>(at, PacketRow::kNormalImpulse, PacketRow::kTangentImpulse,
                                    local.impulse + update.change);
             apply<kCone>(at, frame, update.change, a, b);
@@ -390,10 +385,9 @@ inline double sweep_packets(const SweepView& view) {
 
 /// Of a row as it stands.
 template <Cone kCone, class P, class At>
-[[gnu::always_inline]] inline P violation_at(const At& at, const PackBody<P>& a, const PackBody<P>& b,
-                                             const SweepView& view) {
+[[gnu::always_inline]] inline P violation_at(const At& at, const PackBody<P>& a, const PackBody<P>& b) {
     const PackFrame<P> frame = load_frame<kCone, P>(at);
-    return violation<kCone>(load_local<kCone, P>(at), contact_velocity<kCone>(frame, a, b), off_of<P>(view));
+    return violation<kCone>(load_local<kCone, P>(at), contact_velocity<kCone>(frame, a, b));
 }
 
 template <class P, Cone kCone>
@@ -401,7 +395,7 @@ inline double largest_violation_of(const SweepView& view) {
     typename OnePacket<P>::Pack worst = OnePacket<P>::Pack::all(0);
     for_each_row<P, kCone, false>(
         view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b)
-                  __attribute__((always_inline)) { keep_largest(worst, violation_at<kCone, Q>(at, a, b, view)); });
+                  __attribute__((always_inline)) { keep_largest(worst, violation_at<kCone, Q>(at, a, b)); });
     return largest_lane(worst);
 }
 
@@ -417,7 +411,7 @@ inline double find_violated_in(const SweepView& view, double tolerance, std::uin
         if (view.packets[p].swept())
             OpenPacket<One, kCone>(view, p).do_rest(
                 view, 0, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
-                    const One found = violation_at<kCone, One>(at, a, b, view);
+                    const One found = violation_at<kCone, One>(at, a, b);
                     worst = max(worst, found);
                     lanes |= static_cast<unsigned>(mask_bits(limit < found)) << at.lane;
                 });
@@ -434,7 +428,7 @@ inline double largest_parked_violation_of(const SweepView& view) {
         const ContactPacket& packet = view.packets[p];
         if (packet.woken != 0 || packet.first_parked == packet.end_parked) continue;
         OpenPacket<One, kCone>(view, p).do_parked(view, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
-            worst = max(worst, violation_at<kCone, One>(at, a, b, view));
+            worst = max(worst, violation_at<kCone, One>(at, a, b));
         });
     }
     return largest_lane(worst);

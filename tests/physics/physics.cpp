@@ -114,7 +114,7 @@ StepReport Motion::step() {
     out_.merges += r.merges;
     out_.held += r.held;
     out_.held_steps += r.held > 0 ? 1 : 0;
-    out_.above += (r.warnings & (kStaticLimit | kStaticLetOff)) != 0 ? 1 : 0;
+    out_.above += (r.warnings & kStaticLimit) != 0 ? 1 : 0;
     out_.asleep = r.sleeping;
     add(r.energy, r.kinetic_energy);
     out_.fastest = out_.fastest_sizes = 0;

@@ -334,7 +334,6 @@ class RunTotals:
     rung_changes: Final[int]
     held: Final[int]
     above_tolerance: Final[int]
-    let_off: Final[int]
     energy_corrections: Final[int]
     energy_removed: Final[float]
     min_distance: Final[float]

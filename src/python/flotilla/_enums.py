@@ -11,7 +11,6 @@ class StepWarning(enum.IntFlag):
     STATIC_LIMIT = 1 << 2  # a contact solve ended above its tolerance
     SCRIPT_DELAYED = 1 << 3  # a scripted body was held for this step
     REBOUND_LOST = 1 << 4  # a body that the failsafe held lost a rebound
-    STATIC_LET_OFF = 1 << 5  # a contact solve ended above its tolerance, by what resting jams are allowed
 
 
 class ClusterState(enum.IntEnum):
