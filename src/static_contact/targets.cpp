@@ -115,10 +115,10 @@ class PairTargets {
         // there.
         const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
         c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full + together;
-        if (input_.all_level && full + together > 0)
+        if (input_.all_level && full + together > 0 && !is_level(c))
             std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed); // whoever comes first
         else if (input_.all_level)
-            c.target = full + together;
+            c.target = std::min(0.0, full + together);
         if (input_.keep_approach && set_.processed[i] == 0)
             c.target = std::min(c.target, -kept_approach(model_, c, input_.start, input_.poses, bodies_));
         c.point += arcs.shift;
@@ -126,9 +126,9 @@ class PairTargets {
                    sticks(c, std::min(most_slip_, set_.rest[i] / dt_), bodies_, out_.last);
     }
 
-    [[nodiscard]] bool stays_level(const Contact& c) const {
-        return input_.all_level ||
-               (!input_.level.empty() && (input_.level[at(c.a)] != 0 || input_.level[at(c.b)] != 0));
+    [[nodiscard]] bool stays_level(const Contact& c) const { return input_.all_level || is_level(c); }
+    [[nodiscard]] bool is_level(const Contact& c) const {
+        return !input_.level.empty() && (input_.level[at(c.a)] != 0 || input_.level[at(c.b)] != 0);
     }
 
     const Model& model_;

@@ -115,29 +115,68 @@ EnergyAccount::Verdict EnergyAccount::judge(const Balance& island, EnergyCorrect
     return v;
 }
 
-std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::span<const Vec3> way,
-                                                       std::span<const double> lift) {
-    overdrawn_.clear();
+void EnergyAccount::weigh_islands(const Model& model, std::span<const double> lift) {
     for (const std::int32_t i : model.active) islands_[at(i)] = {};
-    bool any = false;
     for (const std::int32_t body : model.active) {
         const std::size_t i = at(body);
         if (!model.bodies[i].movable()) continue;
         Balance& island = islands_[at(root(body))];
-        const double mass = model.bodies[i].mass;
-        island.gain -= mass * dot(model.gravity, way[i]);
-        if (model.bodies[i].force_acts()) island.gain -= dot(model.bodies[i].force, way[i]);
         island.kinetic += kinetic_[i];
         const double most = most_lift_of(model, i);
+        island.lift += most;
         island.most_lift += std::max(most - lift[i], 0.0) + kCreep * most;
         island.grounded = island.grounded || scripted_[i] != 0;
-        any = any || island.gain > island.kinetic + island.most_lift;
     }
-    if (!any) return overdrawn_;
+}
+
+double EnergyAccount::cost_of(const Model& model, std::size_t i, const Vec3& way) {
+    const double cost = -model.bodies[i].mass * dot(model.gravity, way);
+    return model.bodies[i].force_acts() ? cost - dot(model.bodies[i].force, way) : cost;
+}
+
+std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::span<const Vec3> way,
+                                                       std::span<const double> lift) {
+    overdrawn_.clear();
+    weigh_islands(model, lift);
+    for (const std::int32_t body : model.active)
+        if (model.bodies[at(body)].movable()) islands_[at(root(body))].gain += cost_of(model, at(body), way[at(body)]);
     for (const std::int32_t body : model.active) {
         if (!model.bodies[at(body)].movable()) continue;
         const Balance& island = islands_[at(root(body))];
         if (!island.grounded && island.gain > island.kinetic + island.most_lift) overdrawn_.push_back(body);
+    }
+    return overdrawn_;
+}
+
+std::span<const double> EnergyAccount::affordable(const Model& model, std::span<const Vec3> level,
+                                                  std::span<const Vec3> raised, std::span<const double> lift) {
+    shares_.assign(model.size(), 1);
+    weigh_islands(model, lift);
+    for (const std::int32_t body : model.active) {
+        const std::size_t i = at(body);
+        if (!model.bodies[i].movable()) continue;
+        Balance& island = islands_[at(root(body))];
+        island.work += cost_of(model, i, level[i]);
+        island.gain += cost_of(model, i, raised[i]);
+    }
+    for (const std::int32_t body : model.active) {
+        if (!model.bodies[at(body)].movable()) continue;
+        const Balance& island = islands_[at(root(body))];
+        const double budget = island.kinetic + island.most_lift;
+        if (island.grounded || island.gain <= budget) continue;
+        const double more = island.gain - island.work;
+        shares_[at(body)] = more > 0 ? std::clamp((budget - island.work) / more, 0.0, 1.0) : 0.0;
+    }
+    return shares_;
+}
+
+std::span<const std::int32_t> EnergyAccount::spent(const Model& model, double share, std::span<const double> lift) {
+    overdrawn_.clear();
+    weigh_islands(model, lift);
+    for (const std::int32_t body : model.active) {
+        if (!model.bodies[at(body)].movable()) continue;
+        const Balance& island = islands_[at(root(body))];
+        if (!island.grounded && island.kinetic + island.most_lift < share * island.lift) overdrawn_.push_back(body);
     }
     return overdrawn_;
 }

@@ -43,6 +43,13 @@ class EnergyAccount {
     /// out.
     [[nodiscard]] std::span<const std::int32_t> overdrawn(const Model& model, std::span<const Vec3> way,
                                                           std::span<const double> lift);
+    /// By body, the share of the way from `level` to `raised`, displacements of the centres of mass in the step, m,
+    /// that its island pays for, as overdrawn() has it.
+    [[nodiscard]] std::span<const double> affordable(const Model& model, std::span<const Vec3> level,
+                                                     std::span<const Vec3> raised, std::span<const double> lift);
+    /// Bodies of islands that can hardly be raised any more: their energy and the lift they have left would raise them
+    /// by no more than `share` of their rest distances.
+    [[nodiscard]] std::span<const std::int32_t> spent(const Model& model, double share, std::span<const double> lift);
     /// Whether the island of a movable body touches a scripted one, as overdrawn() found it.
     [[nodiscard]] bool touches_script(std::int32_t body) {
         return islands_[static_cast<std::size_t>(root(body))].grounded;
@@ -72,6 +79,10 @@ class EnergyAccount {
     };
 
     [[nodiscard]] std::int32_t root(std::int32_t body);
+    /// What islands have at x^n: kinetic energy, room for lift, and whether they touch a scripted body.
+    void weigh_islands(const Model& model, std::span<const double> lift);
+    /// J, what a displacement costs a body.
+    [[nodiscard]] static double cost_of(const Model& model, std::size_t body, const Vec3& way);
     [[nodiscard]] Balance balance(const Model& model, std::size_t body, const Pose& end, const Motion& motion,
                                   double lift) const;
     Verdict judge(const Balance& island, EnergyCorrections& out) const;
@@ -82,7 +93,8 @@ class EnergyAccount {
     std::vector<std::uint8_t> grounded_;
     std::vector<Balance> bodies_, islands_;
     std::vector<Verdict> verdicts_;
-    std::vector<std::int32_t> overdrawn_;
+    std::vector<std::int32_t> overdrawn_; ///< or spent
+    std::vector<double> shares_;
     std::vector<std::uint8_t> scripted_; ///< touches a scripted body
 };
 

@@ -27,6 +27,34 @@ bool Stepper::mark_level(std::span<const Motion> half) {
     return true;
 }
 
+/// Marks the bodies of islands that have no energy left to be raised with: to ask for it would cost a solve in vain in
+/// every step.
+void Stepper::mark_spent() {
+    const std::span<const std::int32_t> bodies = energy_.spent(model_, options_.tuning.most_of_rest, state_.lift);
+    if (bodies.empty()) return;
+    level_.assign(model_.size(), 0);
+    for (const std::int32_t body : bodies) level_[at(body)] = 1;
+}
+
+/// Takes islands that stage 3 would raise by more than they have back towards what it found without raising them, as
+/// far as they do not pay. Contacts ask for no approach that is faster than either.
+void Stepper::raise_as_far_as_paid(std::span<const Motion> kept, std::span<Motion> half) {
+    std::vector<Vec3>& level = level_way_;
+    level.resize(model_.size());
+    const double dt = model_.settings.time_step;
+    for (const std::int32_t i : model_.active) {
+        level[at(i)] = dt * kept[at(i)].velocity;
+        way_[at(i)] = dt * half[at(i)].velocity;
+    }
+    const std::span<const double> shares = energy_.affordable(model_, level, way_, state_.lift);
+    for (const std::int32_t id : model_.active) {
+        const std::size_t i = at(id);
+        if (shares[i] == 1) continue;
+        half[i].velocity = kept[i].velocity + shares[i] * (half[i].velocity - kept[i].velocity);
+        half[i].momentum = kept[i].momentum + shares[i] * (half[i].momentum - kept[i].momentum);
+    }
+}
+
 /// Bodies of islands that stages 3 and 5 raised by more than all their energy.
 std::span<const std::int32_t> Stepper::overdrawn() {
     join_pushed();

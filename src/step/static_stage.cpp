@@ -48,19 +48,27 @@ ContactSolveOptions solve_options(const Model& model, const StepperOptions& opti
 } // namespace
 
 /// Stage 3. First without raising anything, which is what v^{n+1} keeps of it; then, where that leaves bodies too near,
-/// with it; and where islands cannot afford to be raised once more without.
+/// with it, as far as islands can afford it.
 void Stepper::half_static_contact(std::span<const Motion> collided, std::span<Motion> half, std::span<Motion> kept,
                                   StepReport& report) {
     const PhaseWatch watch(report, Phase::half_static_contact, workers_.team);
-    if (model_.settings.velocity_update == VelocityUpdate::trapezoidal) {
-        copy_active<Motion>(half, kept);
-        static_contact(contacts_at_start(), kept, state_.pose, ContactStage::kept, report);
-        add_script_work(kept, state_.pose);
-        if (!static_.targets.would_raise) {
-            state_.warm[ContactStage::half].clear();
-            return copy_active<Motion>(kept, half);
-        }
+    if (model_.settings.velocity_update == VelocityUpdate::end) return raise_or_stay(collided, half, report);
+    copy_active<Motion>(half, kept);
+    mark_spent();
+    static_contact(contacts_at_start(), kept, state_.pose, ContactStage::kept, report);
+    add_script_work(kept, state_.pose);
+    if (static_.targets.would_raise) {
+        static_contact(contacts_at_start(), half, state_.pose, ContactStage::half, report);
+        raise_as_far_as_paid(kept, half);
+    } else {
+        state_.warm[ContactStage::half].clear();
+        copy_active<Motion>(kept, half);
     }
+    level_.clear();
+}
+
+/// The same where nothing of it is kept: islands that cannot afford to be raised are solved once more without.
+void Stepper::raise_or_stay(std::span<const Motion> collided, std::span<Motion> half, StepReport& report) {
     const double residual = report.residual;
     const std::uint32_t warnings = report.warnings;
     static_contact(contacts_at_start(), half, state_.pose, ContactStage::half, report);

@@ -203,6 +203,9 @@ class Stepper {
                          StepReport& report);
     void open_account();
     bool mark_level(std::span<const Motion> half);
+    void mark_spent();
+    void raise_or_stay(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
+    void raise_as_far_as_paid(std::span<const Motion> kept, std::span<Motion> half);
     std::span<const std::int32_t> overdrawn();
     bool slow_down(std::span<Motion> half);
     void hold_overdrawn(FailsafeStats& failsafe);
@@ -265,7 +268,8 @@ class Stepper {
     EnergyAccount energy_;
     std::vector<Vec3> way_;            ///< m, displacements of centres of mass in the step
     std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() did it
-    std::vector<std::uint8_t> level_;  ///< see mark_level(); empty but in stage 3
+    std::vector<std::uint8_t> level_;  ///< see mark_level() and mark_spent(); empty but in stage 3
+    std::vector<Vec3> level_way_;      ///< m, of raise_as_far_as_paid()
     ContactSearchScratch search_;
     /// With contacts at x^n. Stage 1 examined how they move from there, so that stage 7 misses no collision of theirs;
     /// left to a bounce in the next step, what passes a corner or a wire by less than the rest distance would keep the

@@ -174,5 +174,32 @@ TEST(EnergyAccount, BodiesRaisedBeyondAllTheirEnergyAreOverdrawn) {
         }
 }
 
+TEST(EnergyAccount, ARiseIsPaidForAsFarAsItGoes) {
+    Account a({0, 0, -9.8});
+    a.account.join(a.model, 0, 1);
+    const double paid = a.kinetic(a.motion) / (2 * kMass * 9.8) + a.rest();
+    const std::vector<Vec3> level{{0, 0, 0.25 * paid}, {0, 0, 0.25 * paid}, {}, {}},
+        raised{{0, 0, 1.75 * paid}, {0, 0, 1.75 * paid}, {}, {}};
+    const auto shares = a.account.affordable(a.model, level, raised, a.state.lift);
+    for (const std::size_t body : {0u, 1u}) EXPECT_NEAR(shares[body], 0.5, 1e-8);
+    for (const double share : a.account.affordable(a.model, raised, level, a.state.lift)) EXPECT_EQ(share, 1);
+    a.account.join(a.model, 1, 3); // a script may raise what it likes
+    for (const double share : a.account.affordable(a.model, level, raised, a.state.lift)) EXPECT_EQ(share, 1);
+}
+
+TEST(EnergyAccount, AnIslandIsSpentWhereItHasNeitherEnergyNorLiftLeft) {
+    Account a({0, 0, -9.8});
+    for (Motion& motion : a.state.motion) motion = {};
+    a.account.start(a.team, a.model, a.state.pose, a.state.motion);
+    a.account.join(a.model, 0, 1);
+    EXPECT_TRUE(a.account.spent(a.model, 0.02, a.state.lift).empty());
+    const double most = kMass * 9.8 * a.rest();
+    a.state.lift[0] = most;
+    EXPECT_TRUE(a.account.spent(a.model, 0.02, a.state.lift).empty()) << "the other one has not drawn any";
+    a.state.lift[1] = 0.97 * most;
+    const auto spent = a.account.spent(a.model, 0.02, a.state.lift);
+    EXPECT_EQ(std::vector<std::int32_t>(spent.begin(), spent.end()), (std::vector<std::int32_t>{0, 1}));
+}
+
 } // namespace
 } // namespace flotilla::scenario

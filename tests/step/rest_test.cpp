@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bodies that lie on others come to rest, sleeping off.
+#include <numbers>
+
 #include "scene/scene.hpp"
 #include "step/scenario.hpp"
 
@@ -190,6 +192,32 @@ TEST(Rest, ARoofHangsStillOnABlade) {
     EXPECT_LT(rest.fastest, 1e-3);
     EXPECT_LT(rest.drift, 5e-4);
     EXPECT_LT(rest.from_start, 0.01);
+}
+
+// Plates that fell on one another lie nearer than their rest distance. They rise as far as their lift pays, once; to ask
+// for more in every step took a thousand times as long.
+TEST(Rest, AStackOfThinPlatesRisesAsFarAsItsLiftPays) {
+    constexpr int kPlates = 10;
+    constexpr double kMass = 10, kGap = std::numbers::sqrt2 / 330; // m, the rest distance
+    SceneDescription scene = empty_scene();
+    scene.settings.sleeping = false;
+    const std::int32_t plate = add_shape(scene, make_plate(1, 1), kMass);
+    for (int i = 0; i < kPlates; ++i)
+        add_body(scene, plate, BodyType::dynamic, {0, 0, 0.01 * (i + 1)}, 0.5).restitution = 0;
+    add_body(scene, add_shape(scene, make_plate(100, 100)), BodyType::fixed, {}, 0.5);
+    World world(scene);
+    const double most = kPlates * kMass * kGravity * kGap;
+    std::int64_t sweeps = 0;
+    for (int n = 0; n < 120; ++n) {
+        const StepReport r = world.step();
+        EXPECT_LE(r.lift, (1 + 1e-9) * most);
+        if (n >= 96) sweeps += r.iterations;
+    }
+    double height = 0;
+    for (int i = 0; i < kPlates; ++i) height = std::max(height, world.body(static_cast<std::size_t>(i)).position.z);
+    std::printf("%.1f sweeps a step, %.1f rest distances high\n", static_cast<double>(sweeps) / 24, height / kGap);
+    EXPECT_LT(sweeps, 24 * 60);
+    EXPECT_GT(height, 0.7 * kPlates * kGap);
 }
 
 } // namespace
