@@ -26,6 +26,11 @@ double rest_band(double rest, double time_step, double tolerance, const ContactT
     return std::min(tolerance, tuning.most_of_rest * rest / time_step);
 }
 
+// In dead bands: to raise bodies by less costs a solve, which would leave as much undone. Piles at rest then need two
+// solves a step in place of three: 252 boats two sweeps in place of ten and more, at a hundredth of the energy. With a
+// whole band they come to rest later, with an eighth they ask in most steps.
+constexpr double kWorthRaising = 0.5;
+
 double equation_16(double gap, double time_step, double band) { // gap: to the rest distance, m
     const double target = gap / time_step;
     return target > 0 ? std::max(target - band, 0.0) : std::min(target + band, 0.0);
@@ -115,7 +120,7 @@ class PairTargets {
         // there.
         const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
         c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full + together;
-        if (input_.all_level && full + together > 0 && !is_level(c))
+        if (input_.all_level && full + together > kWorthRaising * band && !is_level(c))
             std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed); // whoever comes first
         else if (input_.all_level)
             c.target = std::min(0.0, full + together);

@@ -39,7 +39,7 @@ struct TargetInput {
 struct ContactTargets {
     std::vector<Contact> contacts; ///< those of a set, with targets and tolerances, moved to where arcs bring them
     std::vector<ArcContact> arcs;  ///< by contact
-    bool would_raise = false;      ///< whether all_level made a difference
+    bool would_raise = false;      ///< whether all_level made a difference that counts
     LastVelocities last;
 };
 
