@@ -14,7 +14,7 @@ namespace {
 /// thousand a deep pile in an impact may still have some at the limit. In chain mail that is taut all rings hit to the
 /// end, but ever more softly. The failsafe would merge those into clusters, and these with all that they push, a body a
 /// sweep. So from the limit on it is given up when for half as many sweeps the list of pairs was never shorter than
-/// before, nor the largest push half of what it was.
+/// before, nor the largest push less by a fifth.
 class Patience {
   public:
     explicit Patience(int limit) : limit_(limit) {}
@@ -32,7 +32,7 @@ class Patience {
     static constexpr int kMostLimits = 10;
     static constexpr double kLeastFall = 0.8;
     int limit_;     ///< sweeps
-    int since_ = 0; ///< sweeps after which the list was shortest or the push half
+    int since_ = 0; ///< sweeps after which the list was shorter, or the push weaker
     double weakest_ = std::numeric_limits<double>::infinity(); ///< N s
     std::size_t shortest_ = std::numeric_limits<std::size_t>::max();
 };
