@@ -121,10 +121,11 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     const double speed = mean_speed(island, s);
     island.rests = options.rest_speed > 0 && speed <= options.rest_speed;
     // A caller that asked for a tolerance has all sweeps for it, and wants no more.
-    const bool aims_lower = island.rests && options.patience > 0;
-    const double aim = aims_lower ? tuning.aim_at_rest * island.tolerance : island.tolerance;
+    const bool aims_lower = island.rests && options.patience > 0, small = may_solve_exactly(island, options, s);
+    const double share = !aims_lower ? 1 : small ? tuning.aim_of_small : tuning.aim_at_rest;
+    const double aim = share * island.tolerance;
     options.tolerance = aim;
-    if (may_solve_exactly(island, options, s)) leave_to_exact(island, speed, options, s);
+    if (small) leave_to_exact(island, speed, options, s);
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.solved = island.solved || (options.tolerance == aim && island.residual <= island.tolerance);
