@@ -45,9 +45,9 @@ struct ContactTuning {
     /// v^2 at this speed. A body that is held up has 1 before the solve. Row: rest.
     double rest_speed = 2;
     /// The share of its tolerance that sweeps of an island at rest aim at, and of one that is small enough for an exact
-    /// solve; they may end at the tolerance. One that ends there begins the next solve beyond it: with 1 walls of bricks
-    /// move at six tolerances for ever, and piles at rest at ten times the energy and more. With an eighth 1,002 boats
-    /// at rest take twice the time that they take with a half. Row: aim.
+    /// solve; they may end at the tolerance. One that ends there begins the next solve beyond it: with 1 walls of
+    /// bricks move at six tolerances for ever, and piles at rest at ten times the energy and more. With an eighth 1,002
+    /// boats at rest take twice the time that they take with a half. Row: aim.
     double aim_at_rest = 0.5, aim_of_small = 0.125;
 
     // --- what is not swept (assemble.cpp, unsolved_part.cpp) ---
