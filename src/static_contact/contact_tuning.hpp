@@ -82,10 +82,11 @@ struct ContactTuning {
 
     // --- where the exact solver follows (solve_contacts.cpp, exact_islands.hpp) ---
 
-    /// An exact solve starts from what so many sweeps find, of few contacts and of many, and is not needed where that
-    /// is all. 300 sweeps over many cost less than two of its ten to forty factorisations: 52 boats that settle take a
-    /// third of the time that they take with 60. Row: exact.
-    int sweeps_before_exact = 20, sweeps_of_many = 300;
+    /// An exact solve starts from what so many sweeps find, of few contacts, of slender islands and of many contacts,
+    /// and is not needed where that is all. 300 sweeps over many cost less than two of its ten to forty factorisations:
+    /// 52 boats that settle take a third of the time that they take with 60. In a column under a heavy body they lead
+    /// away from a good warm start: a hundred boxes under one of 1e9 times their mass collapse. Row: exact.
+    int sweeps_before_exact = 20, sweeps_of_slender = 60, sweeps_of_many = 300;
     /// Floating point operations of a factorisation that take as long as a contact in a sweep, some 25 ns: an island
     /// that is neither small nor at rest is swept for as long as an exact solve would take. Where the tolerance is
     /// beyond the reach of sweeps these would else run to their limit, and the exact solve would follow.

@@ -103,7 +103,9 @@ void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, 
         island.exact_tolerance = options.tolerance = std::max(island.exact_tolerance, kOfSpeed * speed);
     // Newton's steps alone end early where they lead nowhere: what the sweeps reached is the result then.
     if (options.exact_few && bodies > tuning.bodies_factorised_soon) return;
-    const int before = few ? tuning.sweeps_before_exact : tuning.sweeps_of_many;
+    const int before = few                  ? tuning.sweeps_before_exact
+                       : is_slender(island) ? tuning.sweeps_of_slender
+                                            : tuning.sweeps_of_many;
     options.iterations =
         std::min(options.iterations, soon ? before : std::max(before, sweeps_of_exact(island, tuning, s)));
 }
