@@ -79,7 +79,8 @@ class EnergyAccount {
     };
 
     [[nodiscard]] std::int32_t root(std::int32_t body);
-    /// What islands have at x^n: kinetic energy, room for lift, and whether they touch a scripted body.
+    /// What islands have at x^n: kinetic energy, room for lift (`most_lift`) of all that there may be (`lift`), and
+    /// whether they touch a scripted body.
     void weigh_islands(const Model& model, std::span<const double> lift);
     /// J, what a displacement costs a body.
     [[nodiscard]] static double cost_of(const Model& model, std::size_t body, const Vec3& way);

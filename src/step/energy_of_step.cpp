@@ -30,6 +30,7 @@ bool Stepper::mark_level(std::span<const Motion> half) {
 /// Marks the bodies of islands that have no energy left to be raised with: to ask for it would cost a solve in vain in
 /// every step.
 void Stepper::mark_spent() {
+    level_.clear(); // whatever ended the step before
     const std::span<const std::int32_t> bodies = energy_.spent(model_, options_.tuning.most_of_rest, state_.lift);
     if (bodies.empty()) return;
     level_.assign(model_.size(), 0);

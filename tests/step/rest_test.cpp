@@ -150,11 +150,11 @@ PileTotals watch_piles(Tangents tangents, int steps) {
     return {mean, energy, mean_energy};
 }
 
-// Friction of contacts that stick is not cut by tangents drawn anew; with those the piles took 87 sweeps a step, and 31
-// as it is. A jammed boat may keep its pile sweeping, so the mean counts.
+// Friction of contacts that stick is not cut by tangents drawn anew; with those the piles take 63 sweeps a step,
+// and 8 as it is. A jammed boat may keep its pile sweeping, so the mean counts; a boat may spin for ten seconds.
 TEST(Rest, PilesOfTheRandomPyramidTakeFewSweeps) {
     const PileTotals piles = watch_piles(Tangents::random, 340);
-    EXPECT_LT(piles.sweeps, 45);
+    EXPECT_LT(piles.sweeps, 10);
     EXPECT_LT(piles.energy, 1e-3);
 }
 
@@ -196,7 +196,7 @@ TEST(Rest, ARoofHangsStillOnABlade) {
 }
 
 // Plates that fell on one another lie nearer than their rest distance. They rise as far as their lift pays, once; to ask
-// for more in every step took a thousand times as long.
+// for more in every step took two hundred times as long.
 TEST(Rest, AStackOfThinPlatesRisesAsFarAsItsLiftPays) {
     constexpr int kPlates = 10;
     constexpr double kMass = 10, kGap = std::numbers::sqrt2 / 330; // m, the rest distance
