@@ -33,7 +33,7 @@ struct Wall {
             velocity[i] = {0.01 * kGravityStep * (inv_mass[i] > 0), 0, -kGravityStep * (inv_mass[i] > 0)};
             angular_velocity[i] = {};
         }
-        return solve_contacts(contacts, {position, velocity, angular_velocity, inv_mass, inv_inertia}, options,
+        return solve_contacts(contacts, {position, velocity, angular_velocity, inv_mass, inv_inertia, {}, {}}, options,
                               impulses, scratch);
     }
 };

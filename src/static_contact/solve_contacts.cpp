@@ -232,7 +232,9 @@ void mark_unsolved(ContactScratch& s) {
 }
 
 void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
-    const auto unfinished = [](const Island& i) { return !i.solved; };
+    const auto unfinished = [&](const Island& i) {
+        return !i.solved && i.residual > options.shock_above * i.tolerance;
+    };
     if (!options.shock || std::none_of(s.islands.begin(), s.islands.end(), unfinished)) return;
     s.level.resize(s.bodies.size());
     contact_levels(s.pairs, s.movable, s.graph, s.level);

@@ -40,6 +40,7 @@ ContactSolveOptions solve_options(const Model& model, const StepperOptions& opti
     solve.exact = s.contact_solver != ContactSolver::pgs;
     solve.exact_few = s.contact_solver == ContactSolver::exact_few;
     solve.shock = s.shock_propagation;
+    if (s.static_tolerance < 0) solve.shock_above = std::max(1.0, solve.tuning.shock_above / s.tolerance_share);
     solve.tangents = s.tangents;
     solve.seed = s.seed;
     return solve;
