@@ -19,6 +19,7 @@ struct RollingMotion {
     double arm = 0;       ///< m, from the centre of mass
     double gravity = 0;   ///< m/s^2
     double time_step = 0; ///< s
+    double fastest = 0;   ///< m/s, of the bodies' centres of mass against each other
     RollingBands bands{};
 };
 
@@ -31,6 +32,7 @@ class RollingPair {
           motion_(motion),
           tilt_(std::abs(dot(lowest_.normal, cross(motion.turn, motion.along)))) {}
 
+    [[nodiscard]] double tilt() const { return tilt_; }
     [[nodiscard]] double height(std::size_t i) const { return pair_[i].distance - lowest_.distance; }
     [[nodiscard]] double place(std::size_t i) const { return dot(pair_[i].point - lowest_.point, motion_.along); }
     [[nodiscard]] bool carries(std::size_t i) const { return !(height(i) > motion_.bands.carries); }
@@ -99,6 +101,32 @@ void share_load(std::span<const Contact> contacts, std::size_t lowest, const Rol
     }
 }
 
+/// Of contacts of a body that tips over several sides in the step, without arcs that would take those ahead up again.
+void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest, const RollingMotion& motion,
+                           std::span<ArcContact> arcs) {
+    const RollingPair pair(contacts, lowest, motion);
+    const std::size_t carrier = pair.carrier(lowest);
+    std::size_t last = carrier;
+    int sides = 0;
+    for (auto landing = pair.next(last); landing.contact != last && landing.time < motion.time_step;
+         landing = pair.next(last), ++sides)
+        last = landing.contact;
+    if (sides < 2) return;
+    const double side = (pair.place(carrier) - pair.place(last)) / sides, dt = motion.time_step;
+    if (!(motion.gravity * side * dt < motion.arm * motion.arm * pair.tilt())) return;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        if (!pair.ahead(i, carrier)) continue;
+        const Vec3& n = contacts[i].normal;
+        const Vec3 way = contacts[carrier].point - contacts[i].point;
+        if (motion.bands.at_end) {
+            arcs[i].approach = -2 * (motion.fastest + length(motion.turn) * length(way));
+        } else {
+            arcs[i].shift = 0.5 * way;
+            arcs[i].approach += dot(n, cross(motion.turn, arcs[i].shift));
+        }
+    }
+}
+
 } // namespace
 
 bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const RollingBands& bands,
@@ -112,18 +140,29 @@ bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const Rolli
         arcs[i] = meet_on_arcs(point(pair[i], c.a), point(pair[i], c.b), pair[i].normal, dt);
     const auto lower = [](const Contact& x, const Contact& y) { return x.distance < y.distance; };
     const auto lowest = static_cast<std::size_t>(std::min_element(pair.begin(), pair.end(), lower) - pair.begin());
-    if (!(arcs[lowest].apart > 0)) return false;
     const Vec3& n = pair[lowest].normal;
     const TurningPoint a = point(pair[lowest], c.a), b = point(pair[lowest], c.b);
-    const TurningPoint& roller = 2 * dot(n, arc_acceleration(b.omega, b.arm)) >= arcs[lowest].apart ? b : a;
+    const bool of_b = 2 * dot(n, arc_acceleration(b.omega, b.arm)) >= arcs[lowest].apart;
+    const TurningPoint& roller = of_b ? b : a;
     const Vec3 way = cross(roller.omega, roller.arm), along = way - dot(way, n) * n;
-    const double speed = length(along);
+    RollingMotion motion{.turn = b.omega - a.omega,
+                         .along = {},
+                         .speed = length(along),
+                         .arm = length(roller.arm),
+                         .gravity = most_acceleration(model, c.a, c.b),
+                         .time_step = dt,
+                         .fastest = length(bodies.velocity[at(c.b)] - bodies.velocity[at(c.a)]),
+                         .bands = bands};
+    const Vec3 tip = cross(n, motion.turn); // points opposite to that come down
+    if (2 * motion.speed < motion.arm * length(tip)) {
+        motion.along = tip / length(tip);
+        share_load_of_tipping(pair, lowest, motion, arcs);
+        return false;
+    }
     // What moves less than static contact leaves undone does not roll.
-    if (!(speed * dt > bands.still)) return false;
-    share_load(
-        pair, lowest,
-        {b.omega - a.omega, along / speed, speed, length(roller.arm), most_acceleration(model, c.a, c.b), dt, bands},
-        arcs);
+    if (!(arcs[lowest].apart > 0 && motion.speed * dt > bands.still)) return false;
+    motion.along = along / motion.speed;
+    share_load(pair, lowest, motion, arcs);
     return true;
 }
 
