@@ -174,29 +174,43 @@ class Island {
         push(hit.point, impulse, body(hit.a), body(hit.b));
     }
 
-    [[nodiscard]] bool stale(const KeptHit& hit) const {
-        return bodies_.stamp[at(hit.a)] > hit.seen || bodies_.stamp[at(hit.b)] > hit.seen;
+    /// A hit that sweeps may change: beside one another, as most sweeps change few of many.
+    struct Turn {
+        std::int32_t hit, a, b;
+        std::int64_t seen; ///< when the velocities were last looked at
+    };
+
+    template <class Looked> // a KeptHit or a Turn
+    [[nodiscard]] bool stale(const Looked& x) const {
+        return bodies_.stamp[at(x.a)] > x.seen || bodies_.stamp[at(x.b)] > x.seen;
     }
 
     /// Of what rebounds, or of all that was met so far.
     void run_sweeps(bool all) {
+        turns_.clear();
+        for (const std::int32_t k : places_) {
+            const KeptHit& hit = hits_[at(k)];
+            if (hit.met && (hit.live || all)) turns_.push_back({k, hit.a, hit.b, hit.seen});
+        }
         for (int i = 0; i < kSweeps; ++i)
-            if (!sweep(all, i % 2 != 0)) break;
+            if (!sweep(i % 2 != 0)) break;
+        for (const Turn& turn : turns_) hits_[at(turn.hit)].seen = turn.seen;
         end_round();
     }
 
     /// Whether an impulse changed.
-    bool sweep(bool all, bool backwards) {
+    bool sweep(bool backwards) {
         bool any = false;
-        for (std::size_t i = 0; i < places_.size(); ++i) {
-            KeptHit& hit = hits_[at(places_[backwards ? places_.size() - 1 - i : i])];
-            if (!hit.met || !(hit.live || all) || !stale(hit)) continue;
+        for (std::size_t i = 0; i < turns_.size(); ++i) {
+            Turn& turn = turns_[backwards ? turns_.size() - 1 - i : i];
+            if (!stale(turn)) continue;
             ++clock_;
+            KeptHit& hit = hits_[at(turn.hit)];
             const bool changed = update(hit);
             any = any || changed;
             // Its normal is solved at once, friction in steps: it is looked at until they end, whoever else does not
             // move.
-            hit.seen = changed && hit.point.friction > 0 ? clock_ - 1 : clock_;
+            turn.seen = changed && hit.point.friction > 0 ? clock_ - 1 : clock_;
         }
         return any;
     }
@@ -295,6 +309,7 @@ class Island {
     std::span<const std::int32_t> places_;
     HitBodies& bodies_;
     std::vector<std::int32_t> changed_; ///< bodies, in the round
+    std::vector<Turn> turns_;
     double fastest_ = 0;                ///< m/s, of what the round meets
     std::int64_t clock_ = 0;
 };
