@@ -42,20 +42,23 @@ double approach_of(const StepView& view, std::int32_t a, std::int32_t b) {
     return std::max(view.approach, 0.5 * most_acceleration(view.model, a, b) * view.dt);
 }
 
+/// Whether static contact stops points of a pair that approach at `speed`, m/s: those whose rebound is slower than
+/// `least_approach`, if they come no farther in a step than contacts are found, so that stage 3 knows them. It stops
+/// all of them together. An impulse here would be one more beside those of stages 3 and 7, often ahead of the time at
+/// which the points meet: what rolls loses its energy so, and in a pile that falls two of three impulses are such.
+bool stops_calmly(const StepView& view, const PairRecord& pair, double speed) {
+    return view.model.settings.approach_threshold < 0 && speed * view.dt <= pair.lengths.proximity &&
+           pair_restitution(view.model, pair.a, pair.b) * speed <=
+               least_approach(view, pair.a, pair.b, pair.lengths.rest);
+}
+
 /// Fills worker.points with the proximities of the bodies at the end of the step that approach too fast, the nearest
-/// first. Static contact stops the others: those slower than `least`, and those whose rebound is slower than that, if
-/// they come no farther in a step than contacts are found. An impulse for these would be one more beside those of
-/// stages 3 and 7, ahead of the time at which the points meet: what rolls loses its energy so.
+/// first. Static contact stops the others, and those that are slower than `least`.
 template <class ContactOf>
 void find_fast_points(const StepView& view, Worker& worker, const PairRecord& pair, const Impulsive& body_a,
                       const Impulsive& body_b, ContactOf&& contact) {
     worker.points.clear();
     const double least = least_approach(view, pair.a, pair.b, pair.lengths.rest);
-    const double restitution = pair_restitution(view.model, pair.a, pair.b);
-    const auto stops_calmly = [&](double speed) {
-        return view.model.settings.approach_threshold < 0 && restitution * speed <= least &&
-               speed * view.dt <= pair.lengths.proximity;
-    };
     for (const ProximityPoint& p : worker.proximity.found) {
         const ContactPoint c = contact(p);
         const double approach = -dot(c.relative_velocity, p.normal);
@@ -64,7 +67,7 @@ void find_fast_points(const StepView& view, Worker& worker, const PairRecord& pa
         const double apart = dot(p.normal, arc_acceleration(body_b.angular_velocity, c.arm_b) -
                                                arc_acceleration(body_a.angular_velocity, c.arm_a));
         const double arrives = approach_on_arrival(approach, gap, apart);
-        if (arrives > least && !stops_calmly(arrives)) worker.points.push_back(p);
+        if (arrives > least && !stops_calmly(view, pair, arrives)) worker.points.push_back(p);
     }
     std::stable_sort(worker.points.begin(), worker.points.end(),
                      [](const ProximityPoint& p, const ProximityPoint& q) { return p.distance < q.distance; });
@@ -107,6 +110,11 @@ CollisionFinding find_collision(const StepView& view, Worker& worker, const Pair
     if (found.hit.hit) {
         out.processed = true;
         out.urgent = rebounding(view, pair, swept_contact(view, {found.hit, pair.a, pair.b}).point);
+        const double approach = -dot(out.urgent->relative_velocity, out.urgent->normal);
+        if (approach >= 0 && stops_calmly(view, pair, approach)) {
+            out.urgent.reset();
+            out.verdict = Verdict::settled; // stage 5 has the proof
+        }
     } else {
         const EndProximity end = end_proximity(view, worker, pair);
         out.processed = end.near;
