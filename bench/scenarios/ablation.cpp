@@ -55,8 +55,6 @@ constexpr Row kRows[] = {
     {"parts: none", [](ContactTuning& t) { t.part_divisor = 0; }},
     {"part sweeps: 50", [](ContactTuning& t) { t.part_sweeps = 50; }},
     {"to and fro: none", [](ContactTuning& t) { t.to_and_fro = false; }},
-    {"shock: after every unsolved solve", [](ContactTuning& t) { t.shock_above = 1; }},
-    {"shock: none", [](ContactTuning& t) { t.shock_above = 1e300; }},
     {"level patience: none", [](ContactTuning& t) { t.level_patience = 1 << 20; }},
     {"exact: after 10", [](ContactTuning& t) { t.sweeps_before_exact = 10, t.sweeps_of_many = 30; }},
     {"band: none", [](ContactTuning& t) { t.most_of_rest = 0; }},

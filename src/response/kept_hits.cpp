@@ -310,7 +310,7 @@ class Island {
     HitBodies& bodies_;
     std::vector<std::int32_t> changed_; ///< bodies, in the round
     std::vector<Turn> turns_;
-    double fastest_ = 0;                ///< m/s, of what the round meets
+    double fastest_ = 0; ///< m/s, of what the round meets
     std::int64_t clock_ = 0;
 };
 

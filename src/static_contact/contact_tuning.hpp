@@ -71,12 +71,6 @@ struct ContactTuning {
 
     // --- shock propagation (shock.cpp) ---
 
-    /// Residual, in default tolerances, above which a pass is made: what gravity adds in a step. Bodies below do not
-    /// feel what a pass changes above them, and that error is of the same order. Where it followed every unsolved
-    /// solve, walls of bricks at rest, left at 1.1 to 2.2 tolerances, crept at up to ten times that (1.3e-4 in place of
-    /// 2e-5 sizes/s), and two leaning cards that solves left within rounding, preset reference at 1/480 s, lost a step's
-    /// gravity in each step: they slid 8.5 mm in place of 0.56 m. Row: shock.
-    double shock_above = 4096;
     /// Sweeps in which the violation that a level's sweeps meet has to fall to `least_fall` of itself: a level of
     /// bodies that touch at many points may have no solution with what lies below it frozen. Row: level patience.
     int level_patience = 20;

@@ -12,10 +12,10 @@
 //
 // A disk that rolls around its own middle turns about the line to its contact: no arc takes the points ahead up again,
 // what does is the load itself, which goes round. Stages 3 and 7 both had it on the point where the *next* step ends,
-// ahead of the mean by more than half of the step's way: a brake of first order. Where a body tips over several sides in
-// a step, stage 3, whose half of the impulse moves it there, has the load half way to the point that it asks it of, and
-// stage 7 leaves the points ahead to the next step. A disk of 1 m tilted by 0.3 rad keeps 0.95 of its energy in 0.5 s at
-// 1/480 s, 0.83 without, and at 1/120 s 0.58, 0.34 without.
+// ahead of the mean by more than half of the step's way: a brake of first order. Where a body tips over several sides
+// in a step, stage 3, whose half of the impulse moves it there, has the load half way to the point that it asks it of,
+// and stage 7 leaves the points ahead to the next step. A disk of 1 m tilted by 0.3 rad keeps 0.95 of its energy in
+// 0.5 s at 1/480 s, 0.83 without, and at 1/120 s 0.58, 0.34 without.
 #pragma once
 
 #include <span>

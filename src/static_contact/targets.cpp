@@ -90,8 +90,9 @@ class PairTargets {
         }
         const double share = std::max(1.0, model_.settings.tolerance_share);
         const std::span<const Contact> pair = std::span(out_.contacts).subspan(first, end - first);
-        const bool rolls = arcs_of_pair(model_, pair, {dt_ * band(first, 1), dt_ * band(first, share), angle_cos_, input_.final_stage},
-                                        bodies_, std::span(out_.arcs).subspan(first, end - first));
+        const bool rolls =
+            arcs_of_pair(model_, pair, {dt_ * band(first, 1), dt_ * band(first, share), angle_cos_, input_.final_stage},
+                         bodies_, std::span(out_.arcs).subspan(first, end - first));
         for (std::size_t i = first; i < end; ++i) set(i, band(i, rolls ? share : 1));
     }
 
