@@ -54,6 +54,7 @@ constexpr Row kRows[] = {
     {"parked: 50", [](ContactTuning& t) { t.parked_margin = 50; }},
     {"parts: none", [](ContactTuning& t) { t.part_divisor = 0; }},
     {"part sweeps: 50", [](ContactTuning& t) { t.part_sweeps = 50; }},
+    {"packed parts: none", [](ContactTuning& t) { t.packed_divisor = 0; }},
     {"to and fro: none", [](ContactTuning& t) { t.to_and_fro = false; }},
     {"level patience: none", [](ContactTuning& t) { t.level_patience = 1 << 20; }},
     {"exact: after 10", [](ContactTuning& t) { t.sweeps_before_exact = 10, t.sweeps_of_many = 30; }},

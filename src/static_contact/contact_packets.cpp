@@ -202,6 +202,21 @@ void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<Co
     }
 }
 
+void repack_impulses(std::span<const ContactRow> rows, std::size_t row, PackedContacts& packed) {
+    Lanes* field = packed.frictionless ? packed.normal_rows[row].field : packed.rows[row].field;
+    for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
+        const std::int32_t source = packed.source[row * kPacketLanes + lane];
+        if (source < 0) continue;
+        const Vec3& impulse = rows[at(source)].local.impulse;
+        field[PacketRow::kNormalImpulse][lane] = field[PacketRow::kNormalPrevious][lane] = impulse.x;
+        if (packed.frictionless) continue;
+        for (const int f : {PacketRow::kTangentImpulse, PacketRow::kTangentPrevious}) {
+            field[f][lane] = impulse.y;
+            field[f + 1][lane] = impulse.z;
+        }
+    }
+}
+
 double sweep(Cone cone, const SweepView& view, Isa isa) {
 #if defined(__x86_64__)
     if (isa == Isa::avx512) return sweep_avx512(cone, view);

@@ -104,6 +104,9 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
 /// by side.
 void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows);
 
+/// The other way: the impulses of `rows`, also as those before the last visit.
+void repack_impulses(std::span<const ContactRow> rows, std::size_t row, PackedContacts& packed);
+
 /// What a sweep works on: some packets, the rows of all, the velocities of all bodies in contact. Bare pointers,
 /// because the kernels compiled for one instruction set must not instantiate inline functions that other files share.
 struct SweepView {

@@ -9,6 +9,7 @@
 
 #include "base/index.hpp"
 #include "static_contact/assemble.hpp"
+#include "static_contact/packed_part.hpp"
 #include "static_contact/unsolved_part.hpp"
 
 namespace flotilla {
@@ -85,13 +86,17 @@ class FallOfResidual {
 struct Course {
     FallOfResidual fall;
     int whole = 0, of_parts = 0; ///< sweeps; those of parts in sweeps of the whole that cost as much
+    int packed = 0;              ///< sweeps of packed parts, one by one
     /// Parts interrupt the momentum of the whole and leave its slow modes alone. So wherever they did not solve it, the
     /// whole is swept by itself until the next evaluation.
     int parts_from = 0;
     Left left{};
 
     [[nodiscard]] int sweeps() const { return whole + of_parts; }
-    [[nodiscard]] bool stalls() const { return fall.stalls(sweeps()); }
+    /// Sweeps in which the residual should have fallen. A part in motion holds the worst of it, and each of its sweeps
+    /// is a try: what does not converge there costs little, and is given up as early as in the whole.
+    [[nodiscard]] int tries() const { return packed > 0 ? whole + packed : sweeps(); }
+    [[nodiscard]] bool stalls() const { return fall.stalls(tries()); }
     void saw(const Left& found) {
         saw_after_part(found);
         fall.count_standing(found);
@@ -99,7 +104,7 @@ struct Course {
     /// Does not count as standing: the whole may have been swept a few times only.
     void saw_after_part(const Left& found) {
         left = found;
-        fall.saw(sweeps(), found);
+        fall.saw(tries(), found);
     }
 };
 
@@ -121,6 +126,7 @@ class IslandSweeps {
           jams_(options.patience > 0 && island.rests &&
                 at(island.end - island.first) > at(tuning().pairs_of_jam) * bodies_.size()),
           may_use_parts_(island.rests && tuning().part_divisor > 0 && is_large(island, s)),
+          packs_parts_(!island.rests && options.patience > 0 && tuning().packed_divisor > 0 && is_large(island, s)),
           course_{.fall = FallOfResidual(options, jams_)},
           sharing_(sharing),
           engine_(sweep_set(), sharing.crew(), cone_of(options, s), options, s) {
@@ -156,9 +162,10 @@ class IslandSweeps {
         known_ = worst <= options_.tolerance || course_.whole % tuning().look_every == 0;
         bool used_parts = false;
         if (known_) {
+            if (packs_parts_) choose_above(worst);
             evaluate();
             course_.saw(seen_left());
-            used_parts = may_use_parts_ && course_.whole >= course_.parts_from && solve_parts();
+            used_parts = (may_use_parts_ || packs_parts_) && course_.whole >= course_.parts_from && solve_parts();
             if (course_.left.residual <= options_.tolerance) return AfterSweep::done;
         } else if (course_.whole == tuning().peek) {
             activate_violated();
@@ -200,10 +207,13 @@ class IslandSweeps {
     }
     double residual_of(std::span<const ContactPacket> packets) {
         const SweepView view = engine_.view(packets);
-        return island_.rests ? find_violated(engine_.cone(), view, options_.tolerance,
-                                             violated_.data() + first_of(packets), options_.isa)
-                             : largest_violation(engine_.cone(), view, options_.isa);
+        return marks_violated() ? find_violated(engine_.cone(), view, chosen_above_,
+                                                violated_.data() + first_of(packets), options_.isa)
+                                : largest_violation(engine_.cone(), view, options_.isa);
     }
+    [[nodiscard]] bool marks_violated() const { return island_.rests || packs_parts_; }
+    /// Which pairs the next evaluation marks: in motion those near the worst, by what a sweep or an evaluation found.
+    void choose_above(double worst) { chosen_above_ = std::max(options_.tolerance, tuning().packed_above * worst); }
     void evaluate_again() {
         evaluate();
         course_.left.residual = seen_left().residual;
@@ -253,7 +263,7 @@ class IslandSweeps {
                 largest_parked_violation(engine_.cone(), engine_.view(packets_.subspan(p, 1)), options_.isa);
             if (violation > options_.tolerance) {
                 packets_[p].woken = 1;
-                if (island_.rests) violated_[p] = kAllPairs;
+                if (marks_violated()) violated_[p] = kAllPairs;
             }
             worst = std::max(worst, violation);
         }
@@ -287,12 +297,13 @@ class IslandSweeps {
         bool swept = false;
         const int most = std::min(options_.iterations, course_.sweeps() + tuning().part_waits * tuning().look_every);
         while (course_.left.residual > options_.tolerance && course_.sweeps() < most && !course_.stalls() &&
-               sweep_part(!swept, most - course_.sweeps())) {
+               (packs_parts_ ? sweep_packed(most - course_.sweeps()) : sweep_part(!swept, most - course_.sweeps()))) {
             swept = true;
+            if (packs_parts_) choose_above(course_.left.residual);
             evaluate();
             const Left before = course_.left;
             course_.saw_after_part(seen_left());
-            if (stands(before, course_.left, tuning())) break;
+            if (!packs_parts_ && stands(before, course_.left, tuning())) break;
         }
         if (swept) course_.parts_from = course_.whole + tuning().look_every;
         return swept;
@@ -305,12 +316,29 @@ class IslandSweeps {
         const auto part = static_cast<std::int64_t>(s_.part.packets.size());
         const auto whole = static_cast<std::int64_t>(packets_.size());
         const int sweeps = sweep_unsolved(engine_, start_.momentum, most_cost * whole / part, s_);
-        island_.visits += sweeps * s_.part.contacts;
-        course_.of_parts += static_cast<int>(std::max<std::int64_t>(1, sweeps * part / whole));
-        part_tasks_ += sweeps * part;
-        part_visits_ += sweeps * static_cast<std::int64_t>(s_.part.groups.size());
-        ++part_rounds_;
+        count_part(sweeps, part, s_.part.contacts, s_.part.groups.size());
         return true;
+    }
+    /// One round in an island in motion; false where the part is too large.
+    bool sweep_packed(int most_cost) {
+        if (engine_.divided() != nullptr) engine_.divided()->share_impulses(s_.packed); // each rank sweeps all of it
+        bool packed = false;
+        engine_.timed(0, choice_group(engine_), [&] { packed = pack_unsolved(island_, options_, s_); });
+        if (!packed) return false;
+        const auto part = static_cast<std::int64_t>(s_.packed_part.packed.packets.size());
+        const std::int64_t most = most_cost * static_cast<std::int64_t>(packets_.size()) / part;
+        const int sweeps = sweep_packed_part(engine_, start_.momentum, most, chosen_above_, s_);
+        count_part(sweeps, part, s_.packed_part.contacts, s_.packed_part.groups.size());
+        course_.packed += sweeps;
+        return true;
+    }
+    void count_part(int sweeps, std::int64_t packets, std::int64_t contacts, std::size_t groups) {
+        const auto whole = static_cast<std::int64_t>(packets_.size());
+        island_.visits += sweeps * contacts;
+        course_.of_parts += static_cast<int>(std::max<std::int64_t>(1, sweeps * packets / whole));
+        part_tasks_ += sweeps * packets;
+        part_visits_ += sweeps * static_cast<std::int64_t>(groups);
+        ++part_rounds_;
     }
 
     void finish() {
@@ -351,8 +379,10 @@ class IslandSweeps {
     std::span<std::uint8_t> violated_; ///< as find_violated() sets it, by packet of the island
     bool jams_;                        ///< whether it may be over-constrained
     bool may_use_parts_;               ///< whether what is not solved may be swept alone
+    bool packs_parts_;                 ///< whether it may be, and is packed anew: in motion
     Course course_;
-    bool known_ = false; ///< course_.left is that of the last sweep
+    double chosen_above_ = options_.tolerance; ///< m/s: violations that evaluations mark
+    bool known_ = false;                       ///< course_.left is that of the last sweep
     int part_rounds_ = 0;
     std::int64_t part_tasks_ = 0, part_visits_ = 0; ///< of packets and of groups
     Sharing& sharing_;

@@ -13,16 +13,6 @@ std::size_t most_packets(const ContactScratch::Island& island, const ContactTuni
            static_cast<std::size_t>(tuning.part_divisor);
 }
 
-/// Calls work(body) for the movable bodies of the packet's pairs whose bits are set.
-template <class Work>
-void for_bodies(const ContactPacket& packet, unsigned pairs, const ContactScratch& s, Work&& work) {
-    for (std::size_t lane = 0; lane < at(packet.num_pairs); ++lane) {
-        if ((pairs >> lane & 1U) == 0) continue;
-        for (const std::int32_t body : {packet.a[lane], packet.b[lane]})
-            if (s.movable[at(body)] != 0) work(body);
-    }
-}
-
 // Marks the bodies of violated pairs; false if those are in more than `most` packets.
 bool mark_violated(std::size_t first, std::size_t end, std::size_t most, ContactScratch& s) {
     std::size_t violated = 0;

@@ -32,6 +32,16 @@ int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, C
 [[nodiscard]] inline std::size_t part_group(const SweepEngine& whole) { return whole.num_groups() + 3; }
 inline constexpr std::size_t kGroupsOfWhole = 4;
 
+/// Calls work(body) for the movable bodies of the batch's pairs whose bits are set.
+template <class Work>
+void for_bodies(const ContactPacket& packet, unsigned pairs, const ContactScratch& scratch, Work&& work) {
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(packet.num_pairs); ++lane) {
+        if ((pairs >> lane & 1U) == 0) continue;
+        for (const std::int32_t body : {packet.a[lane], packet.b[lane]})
+            if (scratch.movable[static_cast<std::size_t>(body)] != 0) work(body);
+    }
+}
+
 /// Contacts that a sweep of the batch visits.
 [[nodiscard]] std::int64_t num_contacts(const ContactScratch& scratch, std::size_t packet);
 
