@@ -91,7 +91,7 @@ double rest_speed_of(const Island& island, const ContactBodies& bodies, double o
 }
 
 // How long an island that may be solved exactly is swept, and to which tolerance.
-void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, const ContactScratch& s) {
+void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactScratch& s) {
     const ContactTuning& tuning = options.tuning;
     const std::int32_t bodies = island.end_body - island.first_body;
     const bool few = contacts_of(island, s) <= kFewContacts;
@@ -100,10 +100,14 @@ void leave_to_exact(Island& island, double speed, ContactSolveOptions& options, 
     const bool soon = island.rests || bodies <= tuning.bodies_factorised_soon;
     island.exact_tolerance = kExactShare * island.tolerance;
     if (soon && (few || is_slender(island)))
-        island.exact_tolerance = options.tolerance = std::max(island.exact_tolerance, kOfSpeed * speed);
+        island.exact_tolerance = std::max(island.exact_tolerance, kOfSpeed * island.speed);
+    // What moves does not creep, and meets other contacts in the next step: what sweeps leave within the tolerance is
+    // enough. A lone body may rest all the same but for its spin: a top, a wheel.
+    const bool to_the_last = island.rests || bodies == 1 || options.patience == 0;
+    if (to_the_last && soon && (few || is_slender(island))) options.tolerance = island.exact_tolerance;
     // Newton's steps alone end early where they lead nowhere: what the sweeps reached is the result then.
     if (options.exact_few && bodies > tuning.bodies_factorised_soon) return;
-    const int before = few                  ? tuning.sweeps_before_exact
+    const int before = few ? (to_the_last ? tuning.sweeps_before_exact : tuning.sweeps_of_few_in_motion)
                        : is_slender(island) ? tuning.sweeps_of_slender
                                             : tuning.sweeps_of_many;
     options.iterations =
@@ -120,14 +124,14 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     options.rest_speed = rest_speed_of(island, bodies, options.rest_speed, s);
     const ContactTuning& tuning = options.tuning;
     island.energy_before = kinetic_energy(island, bodies, s);
-    const double speed = mean_speed(island, s);
-    island.rests = options.rest_speed > 0 && speed <= options.rest_speed;
+    island.speed = mean_speed(island, s);
+    island.rests = options.rest_speed > 0 && island.speed <= options.rest_speed;
     // A caller that asked for a tolerance has all sweeps for it, and wants no more.
     const bool aims_lower = island.rests && options.patience > 0, small = may_solve_exactly(island, options, s);
     const double share = !aims_lower ? 1 : small ? tuning.aim_of_small : tuning.aim_at_rest;
     const double aim = share * island.tolerance;
     options.tolerance = aim;
-    if (small) leave_to_exact(island, speed, options, s);
+    if (small) leave_to_exact(island, options, s);
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.solved = island.solved || (options.tolerance == aim && island.residual <= island.tolerance);

@@ -84,6 +84,7 @@ struct ContactScratch {
         double tolerance = 0;                     ///< m/s
         double exact_tolerance = 0;               ///< m/s, asked of an exact solve
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic
+        double speed = 0;                         ///< m/s, at which its mass has its energy before the solve
         std::int64_t visits = 0;
         int part_rounds = 0;
         int factorisations = 0; ///< of the exact solve
