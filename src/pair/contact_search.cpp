@@ -64,6 +64,7 @@ void append_pair(const StepView& view, const KnownFeatures& known, Worker& worke
         if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
         record_distance(view, record, result, list);
     }
+    record_plane(a, b, worker.points, record);
     for (const ProximityPoint& p : worker.points)
         out.add(contact_of(pair.a, pair.b, p, pair_friction(view.model, pair.a, pair.b)), record.lengths.rest,
                 record.processed, false);

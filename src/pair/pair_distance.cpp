@@ -104,6 +104,8 @@ bool apart_by_distance(const StepView& view, const PairRecord& pair, const BodyM
 
 namespace {
 
+bool is_convex(const BodyMotion& a, const BodyMotion& b) { return a.shape->convex && b.shape->convex; }
+
 /// Whether a plane is found that keeps the bodies farther apart than `reach`, m, all the time.
 bool plane_between(const StepView& view, const PairRecord& pair, PairCache& cache, const BodyMotion& a,
                    const BodyMotion& b, double reach) {
@@ -111,16 +113,19 @@ bool plane_between(const StepView& view, const PairRecord& pair, PairCache& cach
     // detection in the impact of 252 boats costs 13 % more, with one 4 %.
     constexpr std::int32_t kLeftOut = 8;
     if (!view.keep_candidates || !a.straight() || !b.straight()) return false;
-    // Slow pairs have lists that last, and know how far they are from each other.
-    if (displacement_of(view.trajectories.motion(at(pair.a)), view.trajectories.motion(at(pair.b))) <
-        pair.lengths.proximity)
+    const bool far = cache.start_distance > pair.lengths.proximity, convex = is_convex(a, b);
+    // Slow pairs have lists that last, and know how far they are from each other. Where both are convex the plane of
+    // their contact costs less still; but near ones have none that makes them far.
+    const bool hopeful = convex && (far || reach < pair.lengths.proximity);
+    if (!hopeful && displacement_of(view.trajectories.motion(at(pair.a)), view.trajectories.motion(at(pair.b))) <
+                        pair.lengths.proximity)
         return false;
     PairCandidates& c = candidates_of(cache);
     if (c.no_plane > 0) {
         --c.no_plane;
         return false;
     }
-    const HullGap gap = find_hull_gap(a, b, pair.lengths.proximity, c.plane_normal);
+    const HullGap gap = find_hull_gap(a, b, convex && !far ? reach : pair.lengths.proximity, c.plane_normal);
     if (gap.end > pair.lengths.proximity) {
         c.far_a = view.trajectories.version(at(pair.a));
         c.far_b = view.trajectories.version(at(pair.b));
@@ -191,6 +196,14 @@ void record_distance(const StepView& view, PairRecord& pair, const ProximityResu
     if (!found.near) return;
     c.searched_a = matrix_pose(ends.a.at0);
     c.searched_b = matrix_pose(ends.b.at0);
+}
+
+void record_plane(const BodyMotion& a, const BodyMotion& b, std::span<const ProximityPoint> points, PairRecord& pair) {
+    if (points.empty() || !is_convex(a, b)) return;
+    const auto nearest = std::ranges::min_element(points, {}, &ProximityPoint::distance);
+    PairCandidates& c = candidates_of(pair.cache);
+    c.plane_normal = nearest->normal;
+    c.no_plane = 0;
 }
 
 void record_renewed_distance(const StepView& view, PairRecord& pair, double distance) {

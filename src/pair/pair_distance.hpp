@@ -49,6 +49,8 @@ double start_distance(const StepView& view, Worker& worker, const PairRecord& pa
 
 /// Keeps what the contact search found of the pair, for the next step.
 void record_distance(const StepView& view, PairRecord& pair, const ProximityResult& found, const CoveringList& list);
+/// And the plane of the nearest of their contact points, where both bodies are convex.
+void record_plane(const BodyMotion& a, const BodyMotion& b, std::span<const ProximityPoint> points, PairRecord& pair);
 /// The same where there was no search: the bodies are at most `distance` (m) apart, which is within the proximity
 /// distance.
 void record_renewed_distance(const StepView& view, PairRecord& pair, double distance);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "mesh/convexity.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -28,6 +30,7 @@ RigidShape make_shape(const Shape& shape) {
     out.bvh = shape.bvh;
     out.box = bounding_box(shape.mesh);
     out.outline = support_points(shape.mesh.vertices);
+    out.convex = is_convex(shape.mesh);
     out.center_of_mass = shape.center;
     out.size = 2 * shape.sphere.radius;
     out.extent = shape.extent;

@@ -20,6 +20,7 @@ struct RigidShape {
     PrincipalInertia principal; ///< of `inertia`
     Vec3 line;                  ///< MassProperties::line
     SupportPoints outline;      ///< of the vertices, mesh coordinates
+    bool convex = false;        ///< and of few vertices (is_convex())
     double size = 0;            ///< m, diameter of the bounding sphere
     double extent = 0;          ///< m, which the lengths of its pairs go by (Shape::extent)
     double longest_edge = 0;    ///< m, of a triangle
