@@ -2,9 +2,12 @@
 // Systems that several tests of the contact solver use.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <random>
 
+#include "parallel/team.hpp"
 #include "static_contact/contact_world.hpp"
 
 namespace flotilla {
@@ -98,6 +101,35 @@ inline ContactWorld make_floor_with_tower(int side, int height, double friction)
         below = body;
     }
     return w;
+}
+
+/// That a solve, which sweeps parts, has the same bits with any number of threads and any vectors.
+inline void expect_same_bits(const ContactWorld& start, const ContactSolveOptions& options) {
+    ContactWorld alone = start;
+    const ContactSolveStats expected = alone.solve(options);
+    EXPECT_GT(expected.part_rounds, 0);
+    const auto expect_same = [&](const ContactSolveOptions& other) {
+        ContactWorld w = start;
+        const ContactSolveStats stats = w.solve(other);
+        EXPECT_EQ(w.velocity, alone.velocity);
+        EXPECT_EQ(w.angular_velocity, alone.angular_velocity);
+        EXPECT_EQ(w.impulses, alone.impulses);
+        EXPECT_EQ(stats.visits, expected.visits);
+        EXPECT_EQ(stats.iterations, expected.iterations);
+        EXPECT_EQ(stats.residual, expected.residual);
+    };
+    for (const int threads : {1, 2, 3, 8}) {
+        Team team({threads});
+        ContactSolveOptions other = options;
+        other.team = &team;
+        expect_same(other);
+    }
+    for (const Isa isa : {Isa::scalar, Isa::avx2}) {
+        if (isa >= best_isa()) continue;
+        ContactSolveOptions other = options;
+        other.isa = isa;
+        expect_same(other);
+    }
 }
 
 } // namespace flotilla

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "parallel/team.hpp"
 #include "static_contact/contact_systems.hpp"
 
 namespace flotilla {
@@ -88,31 +87,7 @@ TEST(PackedPart, ThreadsAndVectorsChangeNoBit) {
     for (const ContactWorld& start : worlds()) {
         ContactSolveOptions options = in_motion();
         options.iterations = 500;
-        ContactWorld alone = start;
-        const ContactSolveStats expected = alone.solve(options);
-        EXPECT_GT(expected.part_rounds, 0);
-        const auto expect_same = [&](const ContactSolveOptions& other) {
-            ContactWorld w = start;
-            const ContactSolveStats stats = w.solve(other);
-            EXPECT_EQ(w.velocity, alone.velocity);
-            EXPECT_EQ(w.angular_velocity, alone.angular_velocity);
-            EXPECT_EQ(w.impulses, alone.impulses);
-            EXPECT_EQ(stats.visits, expected.visits);
-            EXPECT_EQ(stats.iterations, expected.iterations);
-            EXPECT_EQ(stats.residual, expected.residual);
-        };
-        for (const int threads : {1, 2, 3, 8}) {
-            Team team({threads});
-            ContactSolveOptions other = options;
-            other.team = &team;
-            expect_same(other);
-        }
-        for (const Isa isa : {Isa::scalar, Isa::avx2}) {
-            if (isa >= best_isa()) continue;
-            ContactSolveOptions other = options;
-            other.isa = isa;
-            expect_same(other);
-        }
+        expect_same_bits(start, options);
     }
 }
 

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "parallel/team.hpp"
 #include "static_contact/contact_systems.hpp"
 
 namespace flotilla {
@@ -123,30 +122,7 @@ TEST(UnsolvedPart, ThreadsAndVectorsChangeNoBit) {
         ContactSolveOptions options = at_rest();
         options.iterations = 500;
         options.rest_speed = 0.8;
-        ContactWorld alone = start;
-        const ContactSolveStats expected = alone.solve(options);
-        EXPECT_GT(expected.part_rounds, 0);
-        const auto expect_same = [&](const ContactSolveOptions& other) {
-            ContactWorld w = start;
-            const ContactSolveStats stats = w.solve(other);
-            expect_equal(w, alone, start.velocity.size());
-            EXPECT_EQ(w.impulses, alone.impulses);
-            EXPECT_EQ(stats.visits, expected.visits);
-            EXPECT_EQ(stats.iterations, expected.iterations);
-            EXPECT_EQ(stats.residual, expected.residual);
-        };
-        for (const int threads : {1, 2, 3, 8}) {
-            Team team({threads});
-            ContactSolveOptions other = options;
-            other.team = &team;
-            expect_same(other);
-        }
-        for (const Isa isa : {Isa::scalar, Isa::avx2}) {
-            if (isa >= best_isa()) continue;
-            ContactSolveOptions other = options;
-            other.isa = isa;
-            expect_same(other);
-        }
+        expect_same_bits(start, options);
     }
 }
 

@@ -78,6 +78,29 @@ TEST(Contact, BounceHeightsFollowRestitution) {
             }
 }
 
+// A hit that would not rebound, and that goes no farther in a step than contacts are found, is stopped by static contact.
+TEST(Contact, SlowHitsWithoutReboundNeedNoCollision) {
+    constexpr double kGap = 3.5e-3, kSpeed = 0.1; // m, m/s: 4.2 mm a step, and contacts are found within 6.1 mm
+    const auto hit = [&](double restitution, double threshold, double speed) {
+        SceneDescription scene = empty_scene();
+        scene.gravity = {};
+        scene.settings.approach_threshold = threshold;
+        const auto ball = add_shape(scene, make_octahedron(0.5), 2), plate = add_shape(scene, make_plate(10, 10));
+        add_body(scene, ball, BodyType::dynamic, {0.1, 0.23, 0.5 + kGap}, 0, restitution).velocity = {0, 0, -speed};
+        add_body(scene, plate, BodyType::fixed, {}, 0, restitution);
+        World world(scene);
+        const std::int64_t collisions = world.step().collisions;
+        world.step();
+        EXPECT_GT(world.body(0).position.z, 0.5);
+        EXPECT_NEAR(world.body(0).velocity.z, restitution * speed, 0.02 * speed);
+        return collisions;
+    };
+    EXPECT_EQ(hit(0, -1, kSpeed), 0);
+    EXPECT_GT(hit(0, 0, kSpeed), 0); // every approach is asked to be a collision
+    EXPECT_GT(hit(0.5, -1, kSpeed), 0);
+    EXPECT_GT(hit(0, -1, 10 * kSpeed), 0); // beyond where contacts are found
+}
+
 // With contact distances far below the fall within a step the error is that of the time step alone.
 TEST(Contact, BounceHeightsAreOfFirstOrder) {
     for (const double e : {0.5, 0.8}) {
