@@ -98,12 +98,12 @@ void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactS
     // One of many bodies that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand
     // of them.
     const bool soon = island.rests || bodies <= tuning.bodies_factorised_soon;
-    island.exact_tolerance = kExactShare * island.tolerance;
+    // What moves does not creep, and meets other contacts in the next step: what sweeps leave within the tolerance is
+    // enough, and so is what an exact solve does. A lone body may rest all the same but for its spin: a top, a wheel.
+    const bool to_the_last = island.rests || bodies == 1 || options.patience == 0;
+    island.exact_tolerance = (to_the_last ? kExactShare : tuning.aim_of_small) * island.tolerance;
     if (soon && (few || is_slender(island)))
         island.exact_tolerance = std::max(island.exact_tolerance, kOfSpeed * island.speed);
-    // What moves does not creep, and meets other contacts in the next step: what sweeps leave within the tolerance is
-    // enough. A lone body may rest all the same but for its spin: a top, a wheel.
-    const bool to_the_last = island.rests || bodies == 1 || options.patience == 0;
     if (to_the_last && soon && (few || is_slender(island))) options.tolerance = island.exact_tolerance;
     // Newton's steps alone end early where they lead nowhere: what the sweeps reached is the result then.
     if (options.exact_few && bodies > tuning.bodies_factorised_soon) return;
@@ -237,7 +237,7 @@ void mark_unsolved(ContactScratch& s) {
 
 void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     const auto unfinished = [&](const Island& i) {
-        return !i.solved && i.residual > options.shock_above * i.tolerance;
+        return !i.solved && i.residual > options.shock_above * i.tolerance && (i.rests || options.shock_in_motion);
     };
     if (!options.shock || std::none_of(s.islands.begin(), s.islands.end(), unfinished)) return;
     s.level.resize(s.bodies.size());
