@@ -56,6 +56,10 @@ void PlacedBody::place(const RigidShape& shape, const Pose& at) {
     refit(shape.bvh, points, nodes);
 }
 
+std::size_t PlacedBody::memory() const {
+    return x.capacity() * sizeof(Vec3) + (points.capacity() + nodes.capacity()) * sizeof(CoarseBox);
+}
+
 void Trajectories::start(const Model& model, std::span<const Pose> poses) {
     resize(model);
     for (std::size_t i = 0; i < poses.size(); ++i) start(model, i, poses[i]);
@@ -86,6 +90,16 @@ void Trajectories::place(const Model& model, std::size_t body, const Pose& pose)
     e.turn = {};
     e.at0.place(*e.shape, pose);
     stamps_[body] = {version(body) + 1, true};
+}
+
+void Trajectories::forget_end(std::size_t body) {
+    if (still(body)) entries_[body].at1 = {};
+}
+
+std::size_t Trajectories::memory() const {
+    std::size_t bytes = entries_.capacity() * sizeof(Entry) + stamps_.capacity() * sizeof(Stamp);
+    for (const Entry& e : entries_) bytes += e.at0.memory() + e.at1.memory();
+    return bytes;
 }
 
 void Trajectories::advance(std::span<const std::int32_t> moved) {

@@ -50,6 +50,7 @@ struct PlacedBody {
     std::vector<CoarseBox> points, nodes;
 
     void place(const RigidShape& shape, const Pose& at);
+    [[nodiscard]] std::size_t memory() const; ///< bytes
     [[nodiscard]] BodyPlacement view() const { return {x, points, nodes, &box, &pose, &rotation}; }
 };
 
@@ -66,6 +67,8 @@ class Trajectories {
     /// Between steps: room for bodies that came, and a body that is elsewhere, or another one, now.
     void grow(const Model& model);
     void place(const Model& model, std::size_t body, const Pose& pose);
+    /// Frees what a still body's end state would take, until it moves.
+    void forget_end(std::size_t body);
     /// Makes the end states of the given bodies the start states of the next step; the others stood still.
     void advance(std::span<const std::int32_t> moved);
 
@@ -88,6 +91,7 @@ class Trajectories {
     [[nodiscard]] BodyMotion at_start(std::size_t body) const; ///< resting at the start pose
     [[nodiscard]] BodyMotion at_end(std::size_t body) const;   ///< resting at the end pose
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
+    [[nodiscard]] std::size_t memory() const; ///< bytes
 
   private:
     struct Entry {

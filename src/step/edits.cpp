@@ -143,13 +143,7 @@ double Stepper::energy() const {
 StepperMemory Stepper::memory() const {
     StepperMemory out;
     const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
-    for (std::size_t i = 0; i < model_.size(); ++i) {
-        const RigidShape& shape = model_.shape_of(i);
-        const std::size_t placed = shape.mesh.vertices.size() * (sizeof(Vec3) + sizeof(CoarseBox)) +
-                                   shape.bvh.nodes.size() * sizeof(CoarseBox);
-        out.bodies += (model_.bodies[i].present && model_.bodies[i].type != BodyType::fixed ? 2 : 1) * placed;
-    }
-    out.bodies += bytes(state_.pose) + bytes(state_.motion) + bytes(model_.bodies);
+    out.bodies = trajectories_.memory() + bytes(state_.pose) + bytes(state_.motion) + bytes(model_.bodies);
     out.contacts = bytes(contacts_.contacts) + bytes(sleeping_contacts_);
     for (const WarmImpulses* stages : {&state_.warm, &state_.waiting})
         for (const auto& impulses : *stages) out.contacts += bytes(impulses);

@@ -87,6 +87,7 @@ void Stepper::put_to_sleep() {
         if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
     if (!fall_asleep(model_, rule, touching_, sleep_, state_)) return;
     mark_asleep();
+    free_memory_of_sleepers();
     // Contacts of bodies that sleep now are no longer searched for: those at hand would make the next step depend on
     // more than State. They are kept aside for queries.
     const auto before = static_cast<std::ptrdiff_t>(sleeping_contacts_.size());
@@ -99,6 +100,21 @@ void Stepper::put_to_sleep() {
     std::inplace_merge(sleeping_contacts_.begin(), sleeping_contacts_.begin() + before, sleeping_contacts_.end(),
                        by_bodies<Contact>);
     std::erase_if(contacts_.near, [&](const CandidatePair& c) { return rests(c.a, c.b); });
+}
+
+/// Of large scenes most sleeps most of the time: half of what a body takes is its end state, and lists that held what
+/// is due are mostly empty now.
+void Stepper::free_memory_of_sleepers() {
+    for (std::size_t i = 0; i < model_.size(); ++i)
+        if (model_.bodies[i].asleep) trajectories_.forget_end(i);
+    const auto fit = [](auto& list) {
+        constexpr std::size_t kSpare = 4; // what takes more than so many times its size was larger once
+        if (list.capacity() > kSpare * list.size()) list.shrink_to_fit();
+    };
+    for (WarmImpulses* stages : {&state_.warm, &state_.waiting})
+        for (auto& impulses : *stages) fit(impulses);
+    fit(contacts_.contacts);
+    fit(sleeping_contacts_);
 }
 
 /// As the step in which they fell asleep found them: the contact points of a pair depend on its poses alone.

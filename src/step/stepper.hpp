@@ -158,6 +158,7 @@ class Stepper {
     void wake_disturbed();
     void mark_asleep();
     void put_to_sleep();
+    void free_memory_of_sleepers();
     /// Whether neither body moves until something wakes it.
     [[nodiscard]] bool rests(std::int32_t a, std::int32_t b) const {
         return !model_.bodies[static_cast<std::size_t>(a)].movable() &&

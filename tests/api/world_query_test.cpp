@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <flotilla/scene_library.hpp>
 #include <flotilla/world.hpp>
 
 #include "base/rotation.hpp"
@@ -148,6 +149,21 @@ TEST(WorldQuery, ViewsAreOfTheWorldsOwnMemory) {
     EXPECT_GT(memory.shapes, 1000u);
     EXPECT_GT(memory.bodies, 1000u);
     EXPECT_LT(memory.total(), 10'000'000u);
+}
+
+TEST(WorldQuery, SleepersTakeHalfTheMemoryUntilTheyWake) {
+    World world(make_scene("boats-in-bowl", 22, 1));
+    (void)world.step();
+    const MemoryUse falling = world.memory();
+    while (world.step().sleeping < 20 && world.steps() < 400) {
+    }
+    ASSERT_LT(world.steps(), 400);
+    const MemoryUse asleep = world.memory();
+    EXPECT_LT(static_cast<double>(asleep.bodies), 0.65 * static_cast<double>(falling.bodies))
+        << "of that the bowl is a sixth";
+    world.wake(world.id(0));
+    (void)world.step();
+    EXPECT_GT(world.memory().bodies, asleep.bodies);
 }
 
 TEST(WorldQuery, PinnedPlacesStayWhereTheyAre) {
