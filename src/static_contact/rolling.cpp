@@ -127,12 +127,25 @@ void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
     }
 }
 
+/// Whether no point of the two bodies moves farther by their turning than what static contact leaves undone: their arcs
+/// are straight, and nothing rolls.
+bool turn_little(const Model& model, std::int32_t a, std::int32_t b, const VelocityArrays& bodies, double still) {
+    const auto fastest = [&](std::int32_t body) {
+        return length(bodies.angular_velocity[at(body)]) * model.shape_of(at(body)).radius;
+    };
+    return (fastest(a) + fastest(b)) * model.settings.time_step <= still;
+}
+
 } // namespace
 
 bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const RollingBands& bands,
                   const VelocityArrays& bodies, std::span<ArcContact> arcs) {
     const double dt = model.settings.time_step;
     const Contact& c = pair.front();
+    if (turn_little(model, c.a, c.b, bodies, bands.still)) {
+        std::fill(arcs.begin(), arcs.end(), ArcContact{});
+        return false;
+    }
     const auto point = [&](const Contact& x, std::int32_t body) {
         return TurningPoint{bodies.angular_velocity[at(body)], x.point - bodies.position[at(body)]};
     };
