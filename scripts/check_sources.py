@@ -24,7 +24,7 @@ MODULES = {
     "query": ["state"],
     "broadphase": ["state"],
     "ccd": ["state"],
-    "proximity": ["state", "ccd/feature_candidates", "ccd/candidate_list", "ccd/leaf_features"],
+    "proximity": ["state", "ccd/feature_candidates", "ccd/leaf_features", "ccd/plane_features", "ccd/query_aid"],
     "islands": ["state"],
     "response": ["state"],
     "pair": ["ccd", "proximity", "response"],

@@ -28,10 +28,12 @@ class EarliestHit {
           node_reach_(swept_reach(options.separation, a, b), std::max(a.max_abs(), b.max_abs())),
           scratch_(scratch) {}
 
-    PairHit run(const CoveringList& list) {
+    PairHit run(const QueryAid& aid) {
         ++scratch_.counters.pair_queries;
-        if (list.list != nullptr)
-            scan(list);
+        if (sliced(aid))
+            examine_all(scratch_.slices_.found());
+        else if (aid.list.list != nullptr)
+            scan(aid.list);
         else
             traverse();
         return best_;
@@ -56,9 +58,19 @@ class EarliestHit {
     }
 
   private:
+    bool sliced(const QueryAid& aid) {
+        return aid.direction != Vec3{} && options_.method == CcdMethod::conservative &&
+               slice_features(FeatureTest::swept, a_, b_, aid.direction, kClear * options_.separation,
+                              scratch_.slices_);
+    }
+
     void scan(const CoveringList& list) {
         scratch_.counters.box_tests += static_cast<std::int64_t>(list.list->size());
-        auto left = list.list->select(FeatureTest::swept, a_, b_, list.strayed, node_reach_, scratch_.features_);
+        examine_all(list.list->select(FeatureTest::swept, a_, b_, list.strayed, node_reach_, scratch_.features_));
+    }
+
+    /// Of features by kind.
+    void examine_all(std::span<const FeaturePair> left) {
         while (!left.empty()) {
             const auto other = [&](const FeaturePair& f) { return f.kind != left[0].kind; };
             const auto few = left.first(std::min(kBatch, left.size()));
@@ -191,9 +203,9 @@ PairHit with_normal(const BodyMotion& a, const BodyMotion& b, PairHit best) {
 
 } // namespace
 
-PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const CoveringList& list,
+PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const QueryAid& aid,
                      CcdScratch& scratch) {
-    return with_normal(a, b, EarliestHit(a, b, options, scratch).run(list));
+    return with_normal(a, b, EarliestHit(a, b, options, scratch).run(aid));
 }
 
 PairHit earliest_hit_among(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,

@@ -10,8 +10,8 @@
 
 #include <flotilla/settings.hpp>
 
-#include "ccd/candidate_list.hpp"
-#include "ccd/feature_candidates.hpp"
+#include "ccd/plane_features.hpp"
+#include "ccd/query_aid.hpp"
 #include "ccd/separation.hpp"
 
 namespace flotilla {
@@ -54,6 +54,7 @@ class CcdScratch {
     std::vector<CcdCorners> corners_; ///< of those
     std::vector<CcdResult> results_;  ///< of those
     FeatureBuffer features_;
+    SliceScratch slices_;
     friend class SegmentedPath;
     std::array<std::array<PlacedBody, 4>, 2> placed_; ///< by body, ends of segments and of blocks of them, even and odd
     std::vector<FeaturePair> near_;                   ///< of a block
@@ -69,9 +70,9 @@ struct HitOptions {
 /// A pure function of the two motions and the options. A feature pair whose own moving (coarse) boxes stay farther
 /// apart than the separation cannot hit; among the others the least (time, feature key) wins, where the time is not
 /// before the entry of their boxes: so the answer does not depend on how candidates were found or in which order they
-/// were tried. `list`, where given, must cover the motions and have been built to reach swept_reach(separation).
+/// were tried. A list that is given must reach swept_reach(separation).
 [[nodiscard]] PairHit earliest_hit(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
-                                   const CoveringList& list, CcdScratch& scratch);
+                                   const QueryAid& aid, CcdScratch& scratch);
 /// The same answer from `among`, which must have all feature pairs that hit.
 [[nodiscard]] PairHit earliest_hit_among(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
                                          std::span<const FeaturePair> among, CcdScratch& scratch);

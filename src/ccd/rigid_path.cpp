@@ -150,8 +150,8 @@ PathCut cut_path(const BodyMotion& a, const BodyMotion& b, const PathLengths& le
 }
 
 PairHit earliest_hit_on_path(const BodyMotion& a, const BodyMotion& b, const HitOptions& options, const PathCut& cut,
-                             const CoveringList& list, CcdScratch& scratch) {
-    if (cut.gap == 0) return earliest_hit(a, b, options, list, scratch);
+                             const QueryAid& aid, CcdScratch& scratch) {
+    if (cut.gap == 0) return earliest_hit(a, b, options, aid, scratch);
     SegmentedPath path(a, b, cut, scratch);
     HitOptions chord = options;
     if (options.method == CcdMethod::conservative) {
@@ -164,7 +164,7 @@ PairHit earliest_hit_on_path(const BodyMotion& a, const BodyMotion& b, const Hit
         }
         chord.start = CcdStart::strict;
     }
-    if (cut.segments == 1) return earliest_hit(a, b, chord, list, scratch);
+    if (cut.segments == 1) return earliest_hit(a, b, chord, aid, scratch);
     // Strict starts hit at once only where they are nearer than the gap adds to the separation.
     PairHit hit = on_path(a, b, path.earliest(chord));
     hit.by_turn = chord.start == CcdStart::strict && hit.toi == 0;

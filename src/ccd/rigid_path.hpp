@@ -32,9 +32,9 @@ struct PathCut {
 [[nodiscard]] PathCut cut_path(const BodyMotion& a, const BodyMotion& b, const PathLengths& lengths);
 
 /// As earliest_hit, which it is where no body turns. "No hit" of the conservative method proves both bodies farther
-/// apart than min(separation, 0.95 d0 - g) on their paths. The cubic tests the chords with its own tolerance. `list`:
-/// only where there is one segment; must reach swept_reach(separation + kArcShare * rest).
+/// apart than min(separation, 0.95 d0 - g) on their paths. The cubic tests the chords with its own tolerance. `aid`:
+/// only where there is one segment; a list must reach swept_reach(separation + kArcShare * rest).
 [[nodiscard]] PairHit earliest_hit_on_path(const BodyMotion& a, const BodyMotion& b, const HitOptions& options,
-                                           const PathCut& cut, const CoveringList& list, CcdScratch& scratch);
+                                           const PathCut& cut, const QueryAid& aid, CcdScratch& scratch);
 
 } // namespace flotilla

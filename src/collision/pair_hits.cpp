@@ -88,9 +88,9 @@ EndProximity end_proximity(const StepView& view, Worker& worker, const PairRecor
     if (!may_approach(body_a, body_b, a.shape->radius, b.shape->radius, approach_of(view, pair.a, pair.b)))
         return {std::nullopt, pair.processed || near_at_end(view, worker, pair)};
     const Stopwatch watch(worker.counters.detection_ms);
-    const CoveringList list = end_candidates(view, pair);
+    const QueryAid aid = end_aid(view, pair);
     EndProximity out;
-    out.near = find_proximities(a, b, pair.lengths.proximity, view.angle_cos, list, worker.proximity).near;
+    out.near = find_proximities(a, b, pair.lengths.proximity, view.angle_cos, aid, worker.proximity).near;
     const auto contact = [&](const ProximityPoint& p) {
         const Vec3 arm_a = p.a - a.at1.pose->com, arm_b = p.b - b.at1.pose->com;
         const Vec3 relative = point_velocity(body_b, arm_b) - point_velocity(body_a, arm_a);

@@ -59,10 +59,10 @@ void append_pair(const StepView& view, const KnownFeatures& known, Worker& worke
         out.min_distance = std::min(out.min_distance, nearest);
         record_renewed_distance(view, record, nearest);
     } else {
-        const CoveringList list = kept_candidates(view, worker, record);
-        const auto result = find_contact_points(a, b, proximity, view.angle_cos, list, worker.proximity, worker.points);
+        const QueryAid aid = kept_aid(view, worker, record);
+        const auto result = find_contact_points(a, b, proximity, view.angle_cos, aid, worker.proximity, worker.points);
         if (result.near) out.min_distance = std::min(out.min_distance, result.distance);
-        record_distance(view, record, result, list);
+        record_distance(view, record, result, aid.list);
     }
     record_plane(a, b, worker.points, record);
     for (const ProximityPoint& p : worker.points)

@@ -24,8 +24,8 @@ PairHit earliest_hit_of(const StepView& view, Worker& worker, const PairRecord& 
     const bool turns = !a.straight() || !b.straight();
     const PathCut cut =
         turns ? cut_path(a, b, {pair.lengths.rest, start_distance(view, worker, pair, cache)}) : PathCut{};
-    const CoveringList list = cut.segments == 1 ? covering_list(view, worker, pair, cache, a, b) : CoveringList{};
-    return earliest_hit_on_path(a, b, {separation, CcdStart::relaxed, method}, cut, list, worker.ccd);
+    const QueryAid aid = cut.segments == 1 ? swept_aid(view, worker, pair, cache, a, b, method) : QueryAid{};
+    return earliest_hit_on_path(a, b, {separation, CcdStart::relaxed, method}, cut, aid, worker.ccd);
 }
 
 } // namespace

@@ -74,8 +74,15 @@ CoveringList make_list(const Making& making, PairCandidates& c, bool first, List
     return built ? CoveringList{&c.list, {}} : CoveringList{};
 }
 
-} // namespace
+/// A plane that was found between convex bodies of few vertices. By now it may be none, which slice_features() tells.
+QueryAid plane_aid(const StepView& view, const PairRecord& pair, const PairCache& cache) {
+    const PairCandidates* c = cache.candidates.get();
+    if (!view.keep_candidates || c == nullptr || c->plane_normal == Vec3{}) return {};
+    const auto worth = [&](std::int32_t body) { return worth_slicing(view.model.shape_of(at(body))); };
+    return worth(pair.a) && worth(pair.b) ? QueryAid(c->plane_normal) : QueryAid();
+}
 
+/// A list that covers the motion, made now if that seems to pay; else null.
 CoveringList covering_list(const StepView& view, Worker& worker, const PairRecord& pair, PairCache& cache,
                            const BodyMotion& a, const BodyMotion& b) {
     if (!view.keep_candidates) return {};
@@ -93,7 +100,7 @@ CoveringList covering_list(const StepView& view, Worker& worker, const PairRecor
     return make_list(making, c, first, worker.ccd.listing);
 }
 
-CoveringList end_candidates(const StepView& view, const PairRecord& pair) {
+CoveringList end_list(const StepView& view, const PairRecord& pair) {
     const PairCandidates* c = pair.cache.candidates.get();
     if (!view.keep_candidates || c == nullptr || c->list.empty()) return {};
     const BodyMotion a = view.trajectories.motion(at(pair.a)), b = view.trajectories.motion(at(pair.b));
@@ -101,11 +108,26 @@ CoveringList end_candidates(const StepView& view, const PairRecord& pair) {
     return c->list.covers(strayed) ? CoveringList{&c->list, strayed} : CoveringList{};
 }
 
-CoveringList kept_candidates(const StepView& view, Worker& worker, PairRecord& pair) {
+} // namespace
+
+QueryAid swept_aid(const StepView& view, Worker& worker, const PairRecord& pair, PairCache& cache, const BodyMotion& a,
+                   const BodyMotion& b, CcdMethod method) {
+    const QueryAid plane = method == CcdMethod::conservative ? plane_aid(view, pair, cache) : QueryAid();
+    return plane.direction != Vec3{} ? plane : QueryAid(covering_list(view, worker, pair, cache, a, b));
+}
+
+QueryAid end_aid(const StepView& view, const PairRecord& pair) {
+    const QueryAid plane = plane_aid(view, pair, pair.cache);
+    return plane.direction != Vec3{} ? plane : QueryAid(end_list(view, pair));
+}
+
+QueryAid kept_aid(const StepView& view, Worker& worker, PairRecord& pair) {
+    const QueryAid plane = plane_aid(view, pair, pair.cache);
+    if (plane.direction != Vec3{}) return plane;
     const BodyMotion a = view.trajectories.motion(at(pair.a)), b = view.trajectories.motion(at(pair.b));
     // Bodies that turn so far that queries cut their paths have no use for a list.
     const bool whole = a.arc_gap(1) + b.arc_gap(1) < kArcShare * pair.lengths.rest;
-    return whole ? covering_list(view, worker, pair, pair.cache, a, b) : end_candidates(view, pair);
+    return whole ? covering_list(view, worker, pair, pair.cache, a, b) : end_list(view, pair);
 }
 
 } // namespace flotilla

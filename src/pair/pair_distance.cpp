@@ -132,7 +132,8 @@ bool plane_between(const StepView& view, const PairRecord& pair, PairCache& cach
         c.far_gap = gap.end;
     }
     if (std::min(gap.start, gap.end) > reach) return true;
-    if (!(gap.end > 0)) {
+    // Of convex bodies it is the best there is to slice by, and once they are apart again there is a plane.
+    if (!(gap.end > 0) && !worth_slicing(a, b)) {
         c.plane_normal = {};
         c.no_plane = kLeftOut;
     }
@@ -153,7 +154,7 @@ bool near_at_end(const StepView& view, Worker& worker, const PairRecord& pair) {
         return true;
     const Stopwatch watch(worker.counters.detection_ms);
     return any_proximity(view.trajectories.at_end(at(pair.a)), view.trajectories.at_end(at(pair.b)), proximity,
-                         end_candidates(view, pair), worker.proximity);
+                         end_aid(view, pair), worker.proximity);
 }
 
 bool far_by_bounds(const StepView& view, PairRecord& pair) {
@@ -170,10 +171,13 @@ bool far_by_known_plane(const StepView& view, const PairRecord& pair) {
 }
 
 bool far_by_plane(const StepView& view, PairRecord& pair) {
-    const Ends ends(view, pair);
     PairCache& cache = pair.cache;
-    if (!far_by_known_plane(view, pair) && !plane_between(view, pair, cache, ends.a, ends.b, ends.proximity))
+    const bool known = far_by_known_plane(view, pair);
+    // Bodies that were not far are near, most likely, and where a plane is known slices tell sooner that they are not.
+    if (!known && cache.start_distance < pair.lengths.proximity && end_aid(view, pair).direction != Vec3{})
         return false;
+    const Ends ends(view, pair);
+    if (!known && !plane_between(view, pair, cache, ends.a, ends.b, ends.proximity)) return false;
     PairCandidates& c = *cache.candidates;
     c.searched_distance = -1;
     cache.end_distance = kFar;

@@ -82,17 +82,21 @@ bool crosses(const Side& s, std::span<const std::int32_t> around) {
     });
 }
 
+/// A triangle whose corners x are all as far along qp as |pq| cos(theta), (p - q).(x - q) being at least this, has no
+/// point nearer than p that is more than theta away. Most are, and need no closest points. The room is far more than
+/// rounding, that of closest points on needles included.
+double least_along(const Side& s, double angle_cos) {
+    const double distance_sq = length_sq(s.p - s.q);
+    return (angle_cos + 0x1p-20) * distance_sq + 0x1p-40 * std::sqrt(distance_sq) * (s.body.max_abs() + length(s.q));
+}
+
 /// Whether p is, as far as the given triangles know, the nearest point to q of the body around it: none that reaches
 /// within |pq| tan(theta) of p comes nearer to q than p in a direction more than theta away.
 bool faces(const Side& s, std::span<const std::int32_t> triangles, double angle_cos) {
     const Vec3 to_p = s.p - s.q;
     const double distance_sq = length_sq(to_p);
     const double reach_sq = facing_reach_sq(s, angle_cos);
-    // A triangle whose corners are all as far along qp as |pq| cos(theta) has no point nearer than p that is more than
-    // theta away. Most are, and need no closest points. The room is far more than rounding, that of closest points on
-    // needles included.
-    const double least =
-        (angle_cos + 0x1p-20) * distance_sq + 0x1p-40 * std::sqrt(distance_sq) * (s.body.max_abs() + length(s.q));
+    const double least = least_along(s, angle_cos);
     return std::none_of(triangles.begin(), triangles.end(), [&](std::int32_t t) {
         if (t == s.face) return false;
         const auto f = corners(s.body, t);
@@ -103,6 +107,19 @@ bool faces(const Side& s, std::span<const std::int32_t> triangles, double angle_
         if (dot(to_p, c.point - s.q) >= angle_cos * std::sqrt(distance_sq * c.distance_sq)) return false;
         return !(closest_vertex_triangle(s.p, f[0], f[1], f[2]).distance_sq > reach_sq);
     });
+}
+
+/// Whether all of a convex body of few vertices is beyond the plane through p across qp, but for half of what a ray may
+/// miss at its ends: so it is where p is the nearest point to q. Then both rules hold without a look at a triangle:
+/// faces() compares heights of corners with the same bound, and where crosses() could find a crossing, farther from p
+/// than the whole margin, the segment is lower than all corners of all triangles.
+bool is_beyond_plane(const Side& s, double angle_cos) {
+    if (!worth_slicing(*s.body.shape)) return false;
+    const Vec3 to_p = s.p - s.q;
+    const double distance_sq = length_sq(to_p);
+    const double least = std::max(least_along(s, angle_cos), (1 - kRayMargin / 2) * distance_sq);
+    return std::none_of(s.body.at0.x.begin(), s.body.at0.x.end(),
+                        [&](const Vec3& x) { return !(dot(to_p, x - s.q) >= least); });
 }
 
 /// Whether points of the two boxes may come within the rest distance on their ways, by one axis at a time.
@@ -171,27 +188,37 @@ class Finder {
           scratch_(scratch),
           pair_(pair) {}
 
-    ProximityResult all(const CoveringList& list) {
+    ProximityResult all(const QueryAid& aid) {
         scratch_.found.clear();
-        collect(list);
+        collect(aid);
         sort_and_keep_distinct_faces();
         return result_;
     }
 
-    bool any(const CoveringList& list) {
+    bool any(const QueryAid& aid) {
         first_only_ = true;
         scratch_.found.clear();
-        collect(list);
+        collect(aid);
         return result_.near;
     }
 
   private:
-    void collect(const CoveringList& list) {
-        if (list.list == nullptr) {
+    bool sliced(const QueryAid& aid) {
+        return aid.direction != Vec3{} &&
+               slice_features(FeatureTest::near, a_, b_, aid.direction, proximity_, scratch_.slices);
+    }
+
+    void collect(const QueryAid& aid) {
+        const CoveringList& list = aid.list;
+        if (sliced(aid))
+            examine_all(scratch_.slices.found());
+        else if (list.list != nullptr)
+            examine_all(list.list->select(FeatureTest::near, a_, b_, list.strayed, reach_, scratch_.candidates));
+        else
             traverse();
-            return;
-        }
-        auto left = list.list->select(FeatureTest::near, a_, b_, list.strayed, reach_, scratch_.candidates);
+    }
+
+    void examine_all(std::span<const FeaturePair> left) {
         while (!left.empty() && !done()) {
             const auto other = [&](const FeaturePair& f) { return f.kind != left[0].kind; };
             const auto few = left.first(std::min(kBatch, left.size()));
@@ -311,30 +338,36 @@ void add_other_directions(const BodyMotion& a, const BodyMotion& b, double angle
 } // namespace
 
 ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                                 const CoveringList& list, ProximityScratch& scratch) {
-    return Finder<>(a, b, proximity, angle_cos, scratch).all(list);
+                                 const QueryAid& aid, ProximityScratch& scratch) {
+    return Finder<>(a, b, proximity, angle_cos, scratch).all(aid);
 }
 
-bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const CoveringList& list,
+bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const QueryAid& aid,
                    ProximityScratch& scratch) {
-    return Finder<>(a, b, proximity, 1, scratch).any(list);
+    return Finder<>(a, b, proximity, 1, scratch).any(aid);
 }
 
 bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& point, double angle_cos,
                 ProximityScratch& scratch) {
     const Side sides[2] = {side_of(a, point, true), side_of(b, point, false)};
+    const bool beyond[2] = {is_beyond_plane(sides[0], angle_cos), is_beyond_plane(sides[1], angle_cos)};
+    if (beyond[0] && beyond[1]) return true;
     auto& around = scratch.around;
     // Of what is around a vertex or an edge, a triangle of its own is at hand, and often enough.
-    const auto owner_faces = [&](const Side& s) { return s.owner < 0 || faces(s, {&s.owner, 1}, angle_cos); };
+    const auto owner_faces = [&](int k) {
+        const Side& s = sides[k];
+        return beyond[k] || s.owner < 0 || faces(s, {&s.owner, 1}, angle_cos);
+    };
     const auto faces_other = [&](int k) {
+        if (beyond[k]) return true;
         list_around(sides[k], angle_cos, around[at(k)]);
         return faces(sides[k], around[at(k)], angle_cos);
     };
-    if (!owner_faces(sides[0]) || !owner_faces(sides[1]) || !faces_other(0) || !faces_other(1)) {
+    if (!owner_faces(0) || !owner_faces(1) || !faces_other(0) || !faces_other(1)) {
         ++scratch.counters.angle;
         return false;
     }
-    if (crosses(sides[0], around[0]) || crosses(sides[1], around[1])) {
+    if ((!beyond[0] && crosses(sides[0], around[0])) || (!beyond[1] && crosses(sides[1], around[1]))) {
         ++scratch.counters.occluded;
         return false;
     }
@@ -342,9 +375,8 @@ bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& 
 }
 
 ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                                    const CoveringList& list, ProximityScratch& scratch,
-                                    std::vector<ProximityPoint>& out) {
-    const ProximityResult result = find_proximities(a, b, proximity, angle_cos, list, scratch);
+                                    const QueryAid& aid, ProximityScratch& scratch, std::vector<ProximityPoint>& out) {
+    const ProximityResult result = find_proximities(a, b, proximity, angle_cos, aid, scratch);
     const std::size_t first = out.size();
     for (const ProximityPoint& p : scratch.found)
         if (admissible(a, b, p, angle_cos, scratch)) out.push_back(p);

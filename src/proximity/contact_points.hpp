@@ -15,8 +15,9 @@
 #include <array>
 #include <vector>
 
-#include "ccd/candidate_list.hpp"
 #include "ccd/feature_candidates.hpp"
+#include "ccd/plane_features.hpp"
+#include "ccd/query_aid.hpp"
 
 namespace flotilla {
 
@@ -46,6 +47,7 @@ struct ProximityScratch {
     PruneCounters counters;
     std::vector<ProximityPoint> found, others;
     FeatureBuffer candidates;
+    SliceScratch slices;
     std::array<std::vector<std::int32_t>, 2> around; ///< triangles of the two bodies that may decide about a point
 };
 
@@ -54,16 +56,15 @@ struct ProximityResult {
     double distance = 0; ///< m, of the nearest feature pair; only where near
 };
 
-// Bodies are taken at x0. `list`, where given, must cover them at the end of its motion and reach `proximity`; it
-// changes the cost and nothing else.
+// Bodies are taken at x0, and what is known of them at the end of its motion.
 
 /// Fills scratch.found with the proximities in the order of their feature keys: one face per vertex and direction, no
 /// ends of edges. `angle_cos` is the cosine of theta_proximity, here and below.
 ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                                 const CoveringList& list, ProximityScratch& scratch);
+                                 const QueryAid& aid, ProximityScratch& scratch);
 
 /// Whether there is a feature pair within `proximity`: the field `near` of the above, sooner.
-[[nodiscard]] bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const CoveringList& list,
+[[nodiscard]] bool any_proximity(const BodyMotion& a, const BodyMotion& b, double proximity, const QueryAid& aid,
                                  ProximityScratch& scratch);
 
 /// Whether a proximity is a contact: the rules of the nearest point and of the ray.
@@ -74,8 +75,7 @@ ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, doubl
 /// that is one alone, also the nearest in other directions up to 15 degrees from it, one in each: what stops the bodies
 /// where they slide from it.
 ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                                    const CoveringList& list, ProximityScratch& scratch,
-                                    std::vector<ProximityPoint>& out);
+                                    const QueryAid& aid, ProximityScratch& scratch, std::vector<ProximityPoint>& out);
 
 /// The contact points of feature pairs that were contacts a little while ago: appends them to `out`, in the order of
 /// their feature keys, and sets `distance` to that of the nearest, m. False, and nothing appended, where one of them is

@@ -35,6 +35,14 @@ TEST(Convexity, HollowAndOpenThingsAreNot) {
     EXPECT_FALSE(is_convex({}));
 }
 
+TEST(Convexity, OfWiresOnlyStraightOnesAre) {
+    TriangleMesh wire{{{0, 0, 0}, {1, 0, 0}, {3, 0, 0}}, {{0, 0, 1}, {1, 2, 1}}};
+    EXPECT_TRUE(is_convex(wire));
+    wire.vertices[1].y = 1;
+    EXPECT_FALSE(is_convex(wire));
+    EXPECT_TRUE(is_convex({{{1, 2, 3}}, {{0, 0, 0}}}));
+}
+
 TEST(Convexity, LargeMeshesAreNotAsked) { EXPECT_FALSE(is_convex(make_sphere(1, 4))); }
 
 } // namespace
