@@ -65,24 +65,25 @@ class Processed {
     State state_ = State::no;
 };
 
-/// The neighbour list of a pair, a plane between its bodies, and whether keeping them pays.
-struct PairCandidates {
+/// A plane between the bodies of a pair, its neighbour list, and whether keeping one pays. What is known of the plane
+/// stands in one cache line: pairs of convex bodies ask for little else.
+struct alignas(64) PairCandidates {
+    /// Along which a plane was last found between the hulls; zero: none was, and so many times none is searched for.
+    Vec3 plane_normal{};
+    std::int32_t no_plane = 0;
+    std::int32_t uses = 0; ///< queries that the list has answered
+    /// Versions at whose ends the hulls are farther apart than the proximity distance, by `far_gap`, m.
+    std::uint64_t far_a = 0, far_b = 0;
+    double far_gap = 0;
+    /// At the last search for contacts: the distance of the bodies, m, < 0: there was none; and the poses.
+    double searched_distance = -1;
+    MatrixPose searched_a, searched_b;
     CandidateList list;
-    std::int32_t uses = 0;    ///< queries that the list has answered
     bool paid = true;         ///< the last list answered more queries than the one that made it
     std::int64_t step = -1;   ///< of the last query
     std::int32_t queries = 0; ///< in that step
     bool busy = false;        ///< there were several in the step before
     double last_strayed = 0;  ///< m, at the end of the step, when the last list no longer covered the motion
-    /// At the last search for contacts: the poses, and the distance of the bodies, m; < 0: there was none.
-    MatrixPose searched_a, searched_b;
-    double searched_distance = -1;
-    /// Along which a plane was last found between the hulls; zero: none was, and so many times none is searched for.
-    Vec3 plane_normal{};
-    std::int32_t no_plane = 0;
-    /// Versions at whose ends the hulls are farther apart than the proximity distance, by `far_gap`, m.
-    std::uint64_t far_a = 0, far_b = 0;
-    double far_gap = 0;
 };
 
 /// What saves queries of a pair. Without any of it a step has the same bits.
