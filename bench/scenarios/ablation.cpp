@@ -55,9 +55,11 @@ constexpr Row kRows[] = {
     {"parts: none", [](ContactTuning& t) { t.part_divisor = 0; }},
     {"part sweeps: 50", [](ContactTuning& t) { t.part_sweeps = 50; }},
     {"packed parts: none", [](ContactTuning& t) { t.packed_divisor = 0; }},
+    {"packed sweeps: 40", [](ContactTuning& t) { t.packed_sweeps = 40; }},
     {"to and fro: none", [](ContactTuning& t) { t.to_and_fro = false; }},
     {"level patience: none", [](ContactTuning& t) { t.level_patience = 1 << 20; }},
     {"exact: after 10", [](ContactTuning& t) { t.sweeps_before_exact = 10, t.sweeps_of_many = 30; }},
+    {"few in motion: 20", [](ContactTuning& t) { t.sweeps_of_few_in_motion = 20; }},
     {"band: none", [](ContactTuning& t) { t.most_of_rest = 0; }},
 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The numbers of static contact that change results and that neither the paper nor a setting gives, but for those of
-// the exact solver, of the order of sums, and kSameAngle (src/CONSTANTS.md): what it is a share or a multiple of, why
-// it is as it is, and under which name bench/results/ablation.md has what happens without it. Names are of one glossary
-// (README.md): a look is an evaluation of the residual, parked contacts are inactive, a jam is an over-constrained
-// island.
+// the exact solver, of the order of sums, and two of rolling.cpp (src/CONSTANTS.md): what it is a share or a multiple
+// of, why it is as it is, and under which name bench/results/ablation.md has what happens without it. Names are of one
+// glossary (README.md): a look is an evaluation of the residual, parked contacts are inactive, a jam is an
+// over-constrained island.
 //
 // Nobody sets them but bench/scenarios/ablation. What the exact solver goes by is beside it (exact_islands.hpp,
 // exact_islands.cpp, interior_point.cpp); src/CONSTANTS.md lists that too.
@@ -72,12 +72,11 @@ struct ContactTuning {
     /// with momentum of its own the worst is done first. It is at most the island's pairs divided by `packed_divisor`
     /// (0: none is), beyond which a round is dearer than the sweeps of the whole that it takes the place of. 1,323
     /// stirred stones, settled: the three solves of a step take 123 sweeps in place of 473 and half the time, and leave
-    /// 0.025 m/s in place of 0.046 (medians); with 1/64 190 sweeps, with 1/4 111, which leave 0.032. Not measured
-    /// elsewhere.
+    /// 0.025 m/s in place of 0.046 (medians); with 1/64 190 sweeps, with 1/4 111, which leave 0.032. Row: packed parts.
     double packed_above = 1.0 / 16;
     int packed_divisor = 2;
     /// Sweeps of such a part between two evaluations. Packing and evaluating cost as much as some five of them. With
-    /// 40, which are given up as early, those stones are left with 0.081 m/s.
+    /// 40, which are given up as early, those stones are left with 0.081 m/s. Row: packed sweeps.
     int packed_sweeps = 20;
     /// Within a colour pairs with an even number of active contacts are ordered by region, those with an odd one
     /// backwards. Row: to and fro.
@@ -105,7 +104,7 @@ struct ContactTuning {
     /// The same of islands of few contacts and several bodies in motion, which are solved exactly only where these
     /// leave them above the tolerance: three of four are within it after 20, and 60 cost no more than a factorisation
     /// or two. 1,323 stones that land, 700 islands a solve: contact response against stage 1 takes 0.28 of the time,
-    /// with 20 0.49. Not measured elsewhere.
+    /// with 20 0.49. Row: few in motion.
     int sweeps_of_few_in_motion = 60;
     /// Floating point operations of a factorisation that take as long as a contact in a sweep, some 25 ns: an island
     /// that is neither small nor at rest is swept for as long as an exact solve would take. Where the tolerance is

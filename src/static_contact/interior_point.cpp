@@ -537,7 +537,9 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
             s_.r = s_.best;
             newton(options_.max_iterations, 0); // loads of a heavy body on light ones end slowly, but they end
         }
-        for (int round = 0; round < kRounds && far(); ++round) {
+        // What moves meets another problem in the next step.
+        const auto in_need = [&] { return far() && (options_.rests || stats_.residual > options_.enough); };
+        for (int round = 0; round < kRounds && in_need(); ++round) {
             const double before = stats_.residual;
             s_.r = s_.best;
             sweep(kSweepsPerRound);

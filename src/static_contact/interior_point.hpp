@@ -17,7 +17,7 @@ struct ConeSolveOptions {
     double tolerance = 0;     ///< m/s: residual asked for
     int max_iterations = 100; ///< factorisations in all
     /// m/s: a residual that is not worth more than `most_beyond` factorisations in all, nor other methods than the
-    /// first where they seldom gain.
+    /// first where they seldom gain, nor in motion the third.
     double enough = 0;
     int most_beyond = 100;
     /// Newton steps alone, for as long as each divides the residual by so much; 0: all methods.

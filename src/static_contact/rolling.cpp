@@ -127,13 +127,16 @@ void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
     }
 }
 
-/// Whether no point of the two bodies moves farther by their turning than what static contact leaves undone: their arcs
-/// are straight, and nothing rolls.
+/// Of what static contact leaves undone, what points move at most by the turning of their bodies where their arcs count
+/// as straight lines, along which nothing rolls. 16 piles of 102 boats at rest take 22 sweeps a step, with a whole as
+/// well; without this rule 36. A heap of bars creeps at 1.2e-4 sizes a second with a whole, 6e-6 with a quarter.
+constexpr double kStraight = 0.25;
+
 bool turn_little(const Model& model, std::int32_t a, std::int32_t b, const VelocityArrays& bodies, double still) {
     const auto fastest = [&](std::int32_t body) {
         return length(bodies.angular_velocity[at(body)]) * model.shape_of(at(body)).radius;
     };
-    return (fastest(a) + fastest(b)) * model.settings.time_step <= still;
+    return (fastest(a) + fastest(b)) * model.settings.time_step <= kStraight * still;
 }
 
 } // namespace
