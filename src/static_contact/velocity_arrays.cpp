@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/index.hpp"
+#include "base/same_bits.hpp"
 #include "state/loads.hpp"
 #include "state/locked_rotation.hpp"
 
@@ -25,23 +26,33 @@ void VelocityArrays::load(Team* team, const Model& model, std::uint64_t version,
     inverse_mass.resize(n);
     inverse_inertia.resize(n);
     inertia.resize(n);
+    turned.resize(n);
     locked.resize(n);
     const bool all = std::exchange(still_version, version) != version;
     for_each(team, "load velocities", all ? n : model.active.size(), kBodyGrain, [&](std::size_t k) {
         const std::size_t i = all ? k : at(model.active[k]);
-        const RigidShape& shape = model.shape_of(i);
         const bool movable = model.bodies[i].movable();
         position[i] = poses[i].com;
         velocity[i] = motion[i].velocity;
         inverse_mass[i] = movable ? model.bodies[i].inverse_mass : 0.0;
-        const AxisLocks locks = model.bodies[i].locked;
-        const WorldInertia world = movable ? world_inertia(shape, locks.rotation, poses[i].rotation) : WorldInertia{};
-        inverse_inertia[i] = world.inverse;
-        inertia[i] = locks.rotation == 0 ? world.tensor : free_block(locks.rotation, world.tensor);
-        locked[i] = movable ? locks.translation : AxisMask{0};
+        set_inertia(model, i, poses[i].rotation);
+        locked[i] = movable ? model.bodies[i].locked.translation : AxisMask{0};
         angular_velocity[i] = movable ? inverse_inertia[i] * motion[i].momentum : motion[i].momentum;
         loaded_angular_velocity[i] = angular_velocity[i];
     });
+}
+
+void VelocityArrays::set_inertia(const Model& model, std::size_t i, const Quat& rotation) {
+    const Body& body = model.bodies[i];
+    const Turned now{rotation, body.shape, body.locked.rotation, body.movable()};
+    Turned& last = turned[i];
+    if (same_bits(now.rotation, last.rotation) && now.shape == last.shape && now.locked == last.locked &&
+        now.movable == last.movable)
+        return;
+    last = now;
+    const WorldInertia world = now.movable ? world_inertia(model.shape_of(i), now.locked, rotation) : WorldInertia{};
+    inverse_inertia[i] = world.inverse;
+    inertia[i] = now.locked == 0 ? world.tensor : free_block(now.locked, world.tensor);
 }
 
 void VelocityArrays::set_rest_speeds(const Model& model, const ContactTuning& tuning) {

@@ -20,11 +20,21 @@ struct VelocityArrays {
     std::vector<double> rest_speed; ///< m/s, see ContactBodies; empty where no body has loads of its own
 
     std::vector<Vec3> loaded_angular_velocity; ///< of the active bodies
-    std::uint64_t still_version = 0;           ///< of the bodies loaded that stand still
+    /// What a body's inertia follows from. Shapes stay what they are.
+    struct Turned {
+        Quat rotation;
+        std::int32_t shape = -1;
+        AxisMask locked = 0; ///< rotation about these axes
+        bool movable = false;
+    };
+    std::vector<Turned> turned;      ///< of which the inertia is: nobody turns between stage 7 and the next stage 3
+    std::uint64_t still_version = 0; ///< of the bodies loaded that stand still
 
     /// Of the active bodies, and of those that stand still where these are of another version.
     void load(Team* team, const Model& model, std::uint64_t version, std::span<const Pose> poses,
               std::span<const Motion> motion);
+    /// Makes the inertia of a body anew where it follows from something else than the last time.
+    void set_inertia(const Model& model, std::size_t body, const Quat& rotation);
     void set_rest_speeds(const Model& model, const ContactTuning& tuning);
     /// Writes back; a momentum changes only where the angular velocity did, so that untouched bodies keep theirs to the
     /// bit.
