@@ -135,10 +135,10 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.solved = island.solved || (options.tolerance == aim && island.residual <= island.tolerance);
+        if (island.solved) return false;
         island.energy_pgs = kinetic_energy(island, bodies, s);
-        return !island.solved &&
-               island.energy_pgs - island.energy_before >
-                   work_of_targets(island, s) + tuning.energy_rounding * (island.energy_pgs + island.energy_before);
+        return island.energy_pgs - island.energy_before >
+               work_of_targets(island, s) + tuning.energy_rounding * (island.energy_pgs + island.energy_before);
     };
     const bool gained = sweep_and_measure({options.warm_start, options.momentum});
     if (!gained || !options.warm_start || !prescribed_at_rest(island, s)) return;
