@@ -5,9 +5,11 @@
 #include <limits>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "base/assert.hpp"
 #include "base/index.hpp"
+#include "base/same_bits.hpp"
 #include "static_contact/tangents.hpp"
 
 namespace flotilla {
@@ -37,6 +39,28 @@ void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodi
         return std::tie(x.a, x.b, x.feature_key, i) < std::tie(y.a, y.b, y.feature_key, j);
     };
     if (!std::is_sorted(s.order.begin(), s.order.end(), less)) std::sort(s.order.begin(), s.order.end(), less);
+}
+
+Sym3 symmetric(const Mat3& a) {
+    return {.xx = a.m[0], .yy = a.m[4], .zz = a.m[8], .xy = a.m[1], .xz = a.m[2], .yz = a.m[5]};
+}
+
+ContactScratch::PlacedBody placed_body(std::size_t id, const ContactBodies& bodies) {
+    const double inv_mass = bodies.inv_mass[id];
+    return {bodies.position[id], inv_mass, inv_mass > 0 ? symmetric(bodies.inv_inertia[id]) : Sym3{},
+            bodies.locked_of(id)};
+}
+
+// Notes how the bodies in contact are placed, and which of them as in the solve before.
+void place_bodies(const ContactBodies& bodies, bool known, ContactScratch& s) {
+    const std::size_t before = known ? s.placed.size() : 0;
+    s.placed.resize(s.bodies.size());
+    s.body_stands.resize(s.bodies.size());
+    for (std::size_t k = 0; k < s.bodies.size(); ++k) {
+        const ContactScratch::PlacedBody now = placed_body(at(s.bodies[k]), bodies);
+        s.body_stands[k] = k < before && same_bits(s.placed[k], now) ? 1 : 0;
+        if (s.body_stands[k] == 0) s.placed[k] = now;
+    }
 }
 
 // Numbers the bodies that have contacts, in id order, and copies their velocities.
@@ -108,15 +132,14 @@ std::int32_t num_regions(const ContactScratch::Extent& island) {
 
 // Numbers regions of an island's bodies near each other, so that threads that share out the packets of every colour in
 // that order meet mostly the same bodies in all of them: a velocity that another thread wrote last takes longer to
-// fetch than a contact to solve. They are the island's own: parts and activation go by packets. Returns the most
-// regions of an island.
-std::int32_t number_regions(const ContactBodies& bodies, std::size_t num_islands, ContactScratch& s) {
+// fetch than a contact to solve. They are the island's own: parts and activation go by packets.
+void number_regions(const ContactBodies& bodies, ContactScratch& s) {
     const std::size_t n = s.bodies.size();
     s.region.assign(n, 0);
-    find_extents(bodies, num_islands, s);
-    std::int32_t most = 1;
-    for (const ContactScratch::Extent& e : s.extents) most = std::max(most, num_regions(e));
-    if (most == 1) return 1;
+    find_extents(bodies, at(s.num_islands), s);
+    s.most_regions = 1;
+    for (const ContactScratch::Extent& e : s.extents) s.most_regions = std::max(s.most_regions, num_regions(e));
+    if (s.most_regions == 1) return;
     s.cell.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
         s.cell[k] = 0;
@@ -134,7 +157,6 @@ std::int32_t number_regions(const ContactBodies& bodies, std::size_t num_islands
         s.region[at(body)] = static_cast<std::int32_t>(std::int64_t{e.numbered} * num_regions(e) / e.bodies);
         ++e.numbered;
     }
-    return most;
 }
 
 // Moves the packets of every (island, colour), four pairs each, into the order of their pairs' mean region; what is
@@ -167,13 +189,13 @@ void order_packets_by_region(ContactScratch& s) {
 
 // By region, forwards where the number of active contacts is even, else backwards: when the pairs are sorted by that
 // number afterwards, a packet with pairs of two numbers has them from the same end.
-void sort_by_region_to_and_fro(std::int32_t most_regions, ContactScratch& s) {
+void sort_by_region_to_and_fro(ContactScratch& s) {
     s.region_to_and_fro.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) {
         const std::int32_t regions = num_regions(s.extents[at(s.island_of_pair[k])]);
         s.region_to_and_fro[k] = s.num_awake[k] % 2 == 0 ? s.region_of_pair[k] : regions - 1 - s.region_of_pair[k];
     }
-    stable_sort_by_key(s.region_to_and_fro, most_regions, s.pair_order, s.counts, s.sorted);
+    stable_sort_by_key(s.region_to_and_fro, s.most_regions, s.pair_order, s.counts, s.sorted);
 }
 
 bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& bodies,
@@ -205,63 +227,99 @@ void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodie
     });
 }
 
-// Sorts the pairs by (island, colour) and cuts the islands out of that list. Within a colour pairs with equally many
-// active contacts come together, because they fill a packet best, and of those the ones near each other.
-int order_pairs(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
-                ContactScratch& s) {
+void find_colors_and_islands(ContactScratch& s) {
     s.color.resize(s.pairs.size());
     s.island_of_pair.resize(s.pairs.size());
-    const int num_colors = color_pairs(s.pairs, s.movable, s.coloring, s.color);
-    const int num_islands = find_islands(s.pairs, s.movable, s.graph, s.island_of_pair);
+    s.num_colors = color_pairs(s.pairs, s.movable, s.coloring, s.color);
+    s.num_islands = find_islands(s.pairs, s.movable, s.graph, s.island_of_pair);
+}
+
+// Sorts the pairs by (island, colour). Within a colour pairs with equally many active contacts come together, because
+// they fill a packet best, and of those the ones near each other.
+void sort_pairs(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.pair_order.resize(s.pairs.size());
     std::iota(s.pair_order.begin(), s.pair_order.end(), 0);
     std::int32_t most = 0;
     for (const std::int32_t awake : s.num_awake) most = std::max(most, awake);
     s.missing.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) s.missing[k] = most - s.num_awake[k];
-    const std::int32_t most_regions = number_regions(bodies, at(num_islands), s);
+    number_regions(bodies, s);
     s.region_of_pair.resize(s.pairs.size());
     for (std::size_t k = 0; k < s.pairs.size(); ++k) {
         const BodyPair& p = s.pairs[k];
         s.region_of_pair[k] = s.region[at(s.movable[at(p.a)] ? p.a : p.b)];
     }
-    if (most_regions > 1 && options.tuning.to_and_fro) sort_by_region_to_and_fro(most_regions, s);
+    if (s.most_regions > 1 && options.tuning.to_and_fro) sort_by_region_to_and_fro(s);
     stable_sort_by_key(s.missing, most + 1, s.pair_order, s.counts, s.sorted);
-    stable_sort_by_key(s.color, num_colors, s.pair_order, s.counts, s.sorted);
-    stable_sort_by_key(s.island_of_pair, num_islands, s.pair_order, s.counts, s.sorted);
-    if (most_regions > 1) order_packets_by_region(s);
-    s.islands.assign(at(num_islands), {});
+    stable_sort_by_key(s.color, s.num_colors, s.pair_order, s.counts, s.sorted);
+    stable_sort_by_key(s.island_of_pair, s.num_islands, s.pair_order, s.counts, s.sorted);
+    if (s.most_regions > 1) order_packets_by_region(s);
+}
+
+// Whether the pairs are in the order of the solve before, with as many contacts each, active and parked ones.
+bool order_stands(bool same_pairs, const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
+    const bool same_counts = same_pairs && s.num_awake == s.last.num_awake && s.first_contact == s.last.first_contact;
+    const bool same_regions = s.most_regions == 1 || (options.tuning.to_and_fro == s.last.to_and_fro &&
+                                                      std::ranges::count(s.body_stands, 0) == 0);
+    if (same_counts && same_regions) return true;
+    s.pair_order.swap(s.last.pair_order);
+    sort_pairs(bodies, options, s);
+    return same_counts && s.pair_order == s.last.pair_order;
+}
+
+// Begins the islands anew, where they were.
+void restart_islands(ContactScratch& s) {
+    for (ContactScratch::Island& island : s.islands) {
+        ContactScratch::Island fresh;
+        static_cast<ContactScratch::IslandPlace&>(fresh) = island;
+        island = fresh;
+    }
+}
+
+// Cuts the islands out of the list of pairs.
+void cut_islands(ContactScratch& s) {
+    s.islands.assign(at(s.num_islands), {});
+    for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
+        ContactScratch::Island& island = s.islands[at(s.island_of_pair[at(s.pair_order[k])])];
+        if (island.end == 0) island.first = count_of(k);
+        island.end = count_of(k + 1);
+    }
+}
+
+void set_tolerances(std::span<const Contact> contacts, double most, ContactScratch& s) {
+    for (ContactScratch::Island& island : s.islands) island.tolerance = most;
+    for (std::size_t p = 0; p < s.pairs.size(); ++p) {
+        double& tolerance = s.islands[at(s.island_of_pair[p])].tolerance;
+        for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i)
+            tolerance = std::min(tolerance, contacts[at(s.order[at(i)])].tolerance);
+    }
+}
+
+// Which rows each block has, in `pair_order`; the parked ones behind the others.
+void lay_out_blocks(ContactScratch& s) {
+    s.blocks.resize(s.pair_order.size());
+    std::int32_t first = 0;
     for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
         const std::size_t p = at(s.pair_order[k]);
-        ContactScratch::Island& island = s.islands[at(s.island_of_pair[p])];
-        if (island.end == 0) {
-            island.first = count_of(k);
-            island.tolerance = options.tolerance;
-        }
-        island.end = count_of(k + 1);
-        for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i)
-            island.tolerance = std::min(island.tolerance, contacts[at(s.order[at(i)])].tolerance);
+        ContactBlock& block = s.blocks[k];
+        block.a = s.pairs[p].a;
+        block.b = s.pairs[p].b;
+        block.color = s.color[p];
+        block.first = first;
+        block.parked = first + s.num_awake[p];
+        block.end = first += s.first_contact[p + 1] - s.first_contact[p];
     }
-    return num_colors;
 }
 
-Sym3 symmetric(const Mat3& a) {
-    return {.xx = a.m[0], .yy = a.m[4], .zz = a.m[8], .xy = a.m[1], .xz = a.m[2], .yz = a.m[5]};
-}
-
-ContactBlock make_block(const BodyPair& pair, const ContactBodies& bodies, const ContactScratch& s) {
-    const std::size_t a = at(s.bodies[at(pair.a)]), b = at(s.bodies[at(pair.b)]);
-    ContactBlock block;
-    block.a = pair.a;
-    block.b = pair.b;
-    block.offset = bodies.position[a] - bodies.position[b];
-    block.inv_mass_a = bodies.inv_mass[a];
-    block.inv_mass_b = bodies.inv_mass[b];
-    if (block.inv_mass_a > 0) block.inv_inertia_a = symmetric(bodies.inv_inertia[a]);
-    if (block.inv_mass_b > 0) block.inv_inertia_b = symmetric(bodies.inv_inertia[b]);
-    block.locked_a = bodies.locked_of(a);
-    block.locked_b = bodies.locked_of(b);
-    return block;
+void set_masses(ContactBlock& block, const ContactScratch& s) {
+    const ContactScratch::PlacedBody &a = s.placed[at(block.a)], &b = s.placed[at(block.b)];
+    block.offset = a.position - b.position;
+    block.inv_mass_a = a.inv_mass;
+    block.inv_mass_b = b.inv_mass;
+    block.inv_inertia_a = a.inv_inertia;
+    block.inv_inertia_b = b.inv_inertia;
+    block.locked_a = static_cast<AxisMask>(a.locked);
+    block.locked_b = static_cast<AxisMask>(b.locked);
 }
 
 /// The step of tangents that outlive it.
@@ -272,19 +330,23 @@ TangentPair choose_tangents(const Contact& c, Cone cone, const ContactSolveOptio
     return keyed_tangents(c, options.seed, c.sticks ? kNoStep : options.step);
 }
 
-// A row without its mass and impulse.
-ContactRow make_row(const Contact& c, const ContactBlock& block, const ContactBodies& bodies, Cone cone,
+// A row without its mass, target and impulse.
+ContactRow make_row(const Contact& c, const Vec3& arm_a, const ContactBlock& block, Cone cone,
                     const ContactSolveOptions& options) {
     ContactRow row;
     row.normal = c.normal;
-    row.arm_a = c.point - bodies.position[at(c.a)];
+    row.arm_a = arm_a;
     row.arm_b = row.arm_a + block.offset;
     const TangentPair t = choose_tangents(c, cone, options);
     row.tangent_1 = t.t1;
     row.tangent_2 = t.t2;
-    row.local.target = c.target;
     row.local.friction = c.friction;
     return row;
+}
+
+// Whether the row is what make_row() and set_mass() would make again in a block that stands.
+bool row_stands(const ContactRow& row, const Contact& c, const Vec3& arm_a) {
+    return same_bits(row.normal, c.normal) && same_bits(row.arm_a, arm_a) && same_bits(row.local.friction, c.friction);
 }
 
 void set_mass(Cone cone, const ContactBlock& block, PrincipalMasses& principal, ContactRow& row) {
@@ -298,33 +360,35 @@ void set_mass(Cone cone, const ContactBlock& block, PrincipalMasses& principal, 
     set_effective_mass(block, row);
 }
 
-// Blocks and rows of all pairs, in `pair_order`; those of a pair that are parked behind the others.
-void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
-                 std::span<const Vec3> impulses, ContactScratch& s) {
+// Masses of the blocks, and their rows. Those that stand get their target and impulse alone.
+void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& options, std::span<const Vec3> impulses,
+               bool same_places, ContactScratch& s) {
     const Cone cone = cone_of(options, s);
-    s.blocks.resize(s.pair_order.size());
+    const bool keyed = cone == Cone::pyramid; // tangents are others in every step
     s.rows.resize(s.order.size());
     s.source.resize(s.order.size());
-    std::int32_t first = 0;
-    for (std::size_t k = 0; k < s.pair_order.size(); ++k) {
-        const std::size_t p = at(s.pair_order[k]);
-        s.blocks[k].first = first;
-        first += s.first_contact[p + 1] - s.first_contact[p];
-    }
+    s.block_stands.resize(s.blocks.size());
     const auto make = [&](std::size_t k, PrincipalMasses& principal) {
         const std::size_t p = at(s.pair_order[k]);
-        ContactBlock block = make_block(s.pairs[p], bodies, s);
-        block.color = s.color[p];
-        block.first = s.blocks[k].first;
-        std::int32_t awake = block.first, parked = block.parked = block.first + s.num_awake[p];
+        ContactBlock& block = s.blocks[k];
+        const bool stands = same_places && !keyed && s.body_stands[at(block.a)] && s.body_stands[at(block.b)];
+        if (!stands) set_masses(block, s);
+        bool all_stand = stands;
+        std::int32_t awake = block.first, parked = block.parked;
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
-            const std::size_t c = at(s.order[at(i)]), row = at(s.parked[at(i)] ? parked++ : awake++);
-            s.rows[row] = make_row(contacts[c], block, bodies, cone, options);
-            s.source[row] = count_of(c);
+            const std::int32_t r = s.parked[at(i)] ? parked++ : awake++;
+            s.source[at(r)] = s.order[at(i)];
+            const Contact& c = contacts[at(s.order[at(i)])];
+            ContactRow& row = s.rows[at(r)];
+            const Vec3 arm_a = c.point - s.placed[at(block.a)].position;
+            if (!stands || !row_stands(row, c, arm_a)) {
+                all_stand = false;
+                row = make_row(c, arm_a, block, cone, options);
+                set_mass(cone, block, principal, row);
+            }
+            row.local.target = c.target;
         }
-        block.end = parked;
-        s.blocks[k] = block;
-        for (std::int32_t r = block.first; r < block.end; ++r) set_mass(cone, s.blocks[k], principal, s.rows[at(r)]);
+        s.block_stands[k] = all_stand ? 1 : 0;
     };
     const auto start = [&](const ContactBlock& block) { // frames are final now
         for (std::int32_t r = block.first; r < block.end; ++r) {
@@ -333,7 +397,7 @@ void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies,
             row.local.impulse = cut_to_cone(cone, to_contact(row, warm), row.local.friction);
         }
     };
-    const std::size_t pairs = s.pair_order.size(), chunks = (pairs + kPairGrain - 1) / kPairGrain;
+    const std::size_t pairs = s.blocks.size(), chunks = (pairs + kPairGrain - 1) / kPairGrain;
     for_each(options.team, "contact rows", chunks, 1, [&](std::size_t chunk) {
         const std::size_t begin = chunk * kPairGrain, end = std::min(pairs, begin + kPairGrain);
         PrincipalMasses principal(options.isa);
@@ -341,6 +405,38 @@ void make_blocks(std::span<const Contact> contacts, const ContactBodies& bodies,
         principal.flush();
         for (std::size_t k = begin; k < end; ++k) start(s.blocks[k]);
     });
+}
+
+void lay_out_packets(ContactScratch& s) {
+    s.packed.clear();
+    s.groups.clear();
+    for (ContactScratch::Island& island : s.islands) {
+        island.first_packet = count_of(s.packed.packets.size());
+        island.first_group = count_of(s.groups.size());
+        lay_out_packets(s.blocks, island.first, island.end, s.packed, s.groups);
+        island.end_packet = count_of(s.packed.packets.size());
+        island.end_group = count_of(s.groups.size());
+    }
+    resize_rows(s.packed);
+}
+
+void fill_packets(Team* team, ContactScratch& s) {
+    for_each(team, "pack contacts", s.packed.packets.size(), kPairGrain, [&](std::size_t p) {
+        const auto pairs =
+            std::span(s.block_stands).subspan(at(s.packed.first_block[p]), at(s.packed.packets[p].num_pairs));
+        if (std::ranges::count(pairs, 0) == 0)
+            refill_packet(s.rows, p, s.packed);
+        else
+            fill_packet(s.blocks, s.rows, p, s.packed);
+    });
+}
+
+// What this solve has is compared with what the one before had.
+void remember_last(ContactScratch& s) {
+    s.pairs.swap(s.last.pairs);
+    s.movable.swap(s.last.movable);
+    s.first_contact.swap(s.last.first_contact);
+    s.num_awake.swap(s.last.num_awake);
 }
 
 } // namespace
@@ -355,30 +451,34 @@ void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::ve
     order.swap(sorted);
 }
 
-int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
-             std::span<const Vec3> impulses, ContactScratch& s) {
+void assemble(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
+              std::span<const Vec3> impulses, ContactScratch& s) {
+    const bool known = std::exchange(s.last.complete, false);
+    remember_last(s);
     order_contacts(contacts, bodies, s);
     s.packed.frictionless = options.normal_rows && std::all_of(s.order.begin(), s.order.end(), [&](std::int32_t k) {
                                 return contacts[at(k)].friction == 0;
                             });
     gather_bodies(contacts, bodies, s);
+    place_bodies(bodies, known, s);
     gather_pairs(contacts, s);
     park_contacts(contacts, bodies, options, impulses, s);
-    const int num_colors = order_pairs(contacts, bodies, options, s);
-    make_blocks(contacts, bodies, options, impulses, s);
-    s.packed.clear();
-    s.groups.clear();
-    for (ContactScratch::Island& island : s.islands) {
-        island.first_packet = count_of(s.packed.packets.size());
-        island.first_group = count_of(s.groups.size());
-        lay_out_packets(s.blocks, island.first, island.end, s.packed, s.groups);
-        island.end_packet = count_of(s.packed.packets.size());
-        island.end_group = count_of(s.groups.size());
+    const bool same_pairs = known && s.pairs == s.last.pairs && s.movable == s.last.movable;
+    if (!same_pairs) find_colors_and_islands(s);
+    const bool same_cone = std::exchange(s.last.cone, cone_of(options, s)) == cone_of(options, s);
+    const bool same_places = order_stands(same_pairs, bodies, options, s) && same_cone;
+    s.last.to_and_fro = options.tuning.to_and_fro;
+    if (same_places) {
+        restart_islands(s);
+    } else {
+        cut_islands(s);
+        lay_out_blocks(s);
+        lay_out_packets(s);
     }
-    resize_rows(s.packed);
-    for_each(options.team, "pack contacts", s.packed.packets.size(), kPairGrain,
-             [&](std::size_t p) { fill_packet(s.blocks, s.rows, p, s.packed); });
-    return num_colors;
+    set_tolerances(contacts, options.tolerance, s);
+    make_rows(contacts, options, impulses, same_places, s);
+    fill_packets(options.team, s);
+    s.last.complete = true;
 }
 
 } // namespace flotilla

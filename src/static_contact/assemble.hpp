@@ -20,8 +20,13 @@ inline Cone cone_of(const ContactSolveOptions& options, const ContactScratch& sc
 }
 
 /// Fills velocity, blocks, rows (with W, tangents and the cut warm impulses, none applied yet), their packets and
-/// islands. Returns the number of colours.
-int assemble(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
-             std::span<const Vec3> impulses, ContactScratch& scratch);
+/// islands.
+///
+/// A step solves the contacts of stage 7 again in stage 3 of the next one, mostly twice, and what rests hardly moves.
+/// So what the solve before assembled in the same scratch stays where all that it depends on is the same to the bit:
+/// colours and islands of the same pairs, the order of pairs with as many active contacts each, frames and masses of
+/// contacts whose points, normals, friction and bodies are the same. Nobody has to say what changed.
+void assemble(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
+              std::span<const Vec3> impulses, ContactScratch& scratch);
 
 } // namespace flotilla

@@ -29,6 +29,7 @@ void set_lane(ContactPacket& out, std::size_t lane, int field, const Sym3& j) {
 void set_bodies(std::span<const ContactBlock> blocks, ContactPacket& p) {
     std::fill(std::begin(p.a), std::end(p.a), blocks[0].a);
     std::fill(std::begin(p.b), std::end(p.b), blocks[0].b);
+    p.any_locked = false;
     for (std::size_t lane = 0; lane < blocks.size(); ++lane) {
         const ContactBlock& block = blocks[lane];
         p.a[lane] = block.a;
@@ -68,6 +69,16 @@ void set_lane(Row& out, std::size_t lane, const ContactRow& row) {
         set_lane(out, lane, PacketRow::kCoupling, c.coupling);
         out.field[PacketRow::kFriction][lane] = c.friction;
         set_lane(out, lane, PacketRow::kTangent1, row.tangent_1);
+    }
+}
+
+// Also as that before the last visit.
+void set_impulse(Lanes* field, std::size_t lane, const Vec3& impulse, bool frictionless) {
+    field[PacketRow::kNormalImpulse][lane] = field[PacketRow::kNormalPrevious][lane] = impulse.x;
+    if (frictionless) return;
+    for (const int f : {PacketRow::kTangentImpulse, PacketRow::kTangentPrevious}) {
+        field[f][lane] = impulse.y;
+        field[f + 1][lane] = impulse.z;
     }
 }
 
@@ -170,6 +181,7 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
     ContactPacket& packet = packed.packets[p];
     const auto members = blocks.subspan(at(packed.first_block[p]), at(packet.num_pairs));
     set_bodies(members, packet);
+    packet.woken = 0;
     const auto fill = [&](std::int32_t first, std::int32_t end, bool parked) {
         for (std::int32_t k = 0; k < end - first; ++k) {
             const std::size_t row = at(first + k);
@@ -187,6 +199,24 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
         for (std::int32_t k = block.parked; k < block.end; ++k)
             reach = std::max({reach, length(rows[at(k)].arm_a), length(rows[at(k)].arm_b)});
     packed.parked_reach[p] = reach;
+}
+
+void refill_packet(std::span<const ContactRow> rows, std::size_t p, PackedContacts& packed) {
+    ContactPacket& packet = packed.packets[p];
+    packet.woken = 0;
+    const auto refill = [&](std::int32_t first, std::int32_t end) {
+        for (std::size_t row = at(first); row < at(end); ++row) {
+            Lanes* field = packed.frictionless ? packed.normal_rows[row].field : packed.rows[row].field;
+            for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
+                const std::int32_t source = packed.source[row * kPacketLanes + lane];
+                const LocalContact c = source < 0 ? LocalContact{} : rows[at(source)].local;
+                field[PacketRow::kTarget][lane] = c.target;
+                set_impulse(field, lane, c.impulse, packed.frictionless);
+            }
+        }
+    };
+    refill(packet.first, packet.end);
+    refill(packet.first_parked, packet.end_parked);
 }
 
 void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows) {
@@ -207,13 +237,7 @@ void repack_impulses(std::span<const ContactRow> rows, std::size_t row, PackedCo
     for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
         const std::int32_t source = packed.source[row * kPacketLanes + lane];
         if (source < 0) continue;
-        const Vec3& impulse = rows[at(source)].local.impulse;
-        field[PacketRow::kNormalImpulse][lane] = field[PacketRow::kNormalPrevious][lane] = impulse.x;
-        if (packed.frictionless) continue;
-        for (const int f : {PacketRow::kTangentImpulse, PacketRow::kTangentPrevious}) {
-            field[f][lane] = impulse.y;
-            field[f + 1][lane] = impulse.z;
-        }
+        set_impulse(field, lane, rows[at(source)].local.impulse, packed.frictionless);
     }
 }
 

@@ -100,6 +100,8 @@ void resize_rows(PackedContacts& packed);
 /// Copies the contents of a packet that was laid out; different packets may be filled side by side.
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t packet,
                  PackedContacts& packed);
+/// The same for a packet that holds these rows already, with other targets and impulses.
+void refill_packet(std::span<const ContactRow> rows, std::size_t packet, PackedContacts& packed);
 /// Copies the impulses of the packed row `row` back to the rows that they came from; different ones may be copied side
 /// by side.
 void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows);

@@ -258,8 +258,8 @@ void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& op
     }
 }
 
-ContactSolveStats summarize(const ContactScratch& s, int num_colors) {
-    ContactSolveStats stats{.islands = static_cast<int>(s.islands.size()), .colors = num_colors};
+ContactSolveStats summarize(const ContactScratch& s) {
+    ContactSolveStats stats{.islands = s.num_islands, .colors = s.num_colors};
     for (const Island& island : s.islands) {
         stats.iterations = std::max(stats.iterations, island.iterations);
         stats.visits += island.visits;
@@ -281,7 +281,7 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     FLOTILLA_ASSERT(impulses.size() == contacts.size());
     scratch.shocked.assign(bodies.velocity.size(), 0);
     scratch.unsolved.assign(bodies.velocity.size(), 0);
-    const int num_colors = assemble(contacts, bodies, options, impulses, scratch);
+    assemble(contacts, bodies, options, impulses, scratch);
     list_island_bodies(bodies, scratch);
     solve_islands(bodies, options, scratch);
     unpack_impulses(scratch, options.team);
@@ -292,7 +292,7 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     propagate_shocks(bodies, options, scratch);
     store_velocities(scratch, bodies);
     mark_unsolved(scratch);
-    return summarize(scratch, num_colors);
+    return summarize(scratch);
 }
 
 } // namespace flotilla

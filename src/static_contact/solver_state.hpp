@@ -75,16 +75,19 @@ struct ContactScratch {
     std::vector<std::uint8_t> shocked;  ///< per body id: its velocity comes from a shock pass
     std::vector<std::uint8_t> unsolved; ///< per body id: its island ended above its tolerance
 
-    struct Island {
+    /// Where an island is in the arrays below.
+    struct IslandPlace {
         std::int32_t first = 0, end = 0; ///< blocks
         std::int32_t first_packet = 0, end_packet = 0;
         std::int32_t first_group = 0, end_group = 0; ///< in groups
         std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
+    };
+    struct Island : IslandPlace {
         int iterations = 0;
         double residual = 0;                      ///< m/s, of the final state
         double tolerance = 0;                     ///< m/s
         double exact_tolerance = 0;               ///< m/s, asked of an exact solve
-        double energy_before = 0, energy_pgs = 0; ///< J, kinetic
+        double energy_before = 0, energy_pgs = 0; ///< J, kinetic; the latter of unsolved ones
         double speed = 0;                         ///< m/s, at which its mass has its energy before the solve
         std::int64_t visits = 0;
         int part_rounds = 0;
@@ -98,6 +101,28 @@ struct ContactScratch {
     struct Weight {
         double linear = 0, angular = 0;
     };
+    /// A body as rows see it: what their frames and masses depend on, beside the contacts. Without padding.
+    struct PlacedBody {
+        Vec3 position;            ///< m, centre of mass
+        double inv_mass = 0;      ///< 1/kg
+        Sym3 inv_inertia;         ///< 1/(kg m^2), world; zero where inv_mass is
+        std::uint64_t locked = 0; ///< AxisMask
+    };
+    /// What the solve before went by; this one makes anew only what depends on something else (assemble.hpp).
+    struct LastSolve {
+        bool complete = false; ///< all that it assembled is there
+        std::vector<BodyPair> pairs;
+        std::vector<std::uint8_t> movable;
+        std::vector<std::int32_t> first_contact, num_awake, pair_order;
+        Cone cone = Cone::none;
+        bool to_and_fro = false;
+    };
+    LastSolve last;
+    int num_colors = 0, num_islands = 0;
+    std::int32_t most_regions = 1;           ///< of an island
+    std::vector<PlacedBody> placed;          ///< per body in contact
+    std::vector<std::uint8_t> body_stands;   ///< per body in contact: placed as in the solve before
+    std::vector<std::uint8_t> block_stands;  ///< per block: its rows have the frames and masses of the solve before
     std::vector<std::int32_t> order;         ///< contacts in (a, b, feature key) order, infinite pairs left out
     std::vector<std::int32_t> bodies;        ///< ids of the bodies in contact, ascending
     std::vector<std::int32_t> local;         ///< per body id: its place in `bodies`
