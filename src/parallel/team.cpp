@@ -33,8 +33,9 @@ Team::~Team() = default;
 std::vector<ThreadTimes> Team::times() const {
     std::vector<ThreadTimes> out;
     for (int k = 0; k < size_; ++k) {
-        out.push_back(times_[static_cast<std::size_t>(k)].value);
-        out.back().busy_ms += crew_.helped_ms(k);
+        const PaddedTimes& times = times_[static_cast<std::size_t>(k)];
+        out.push_back(times.value);
+        out.back().busy_ms += crew_.helped_ms(k) + rate_.ms(times.busy);
     }
     return out;
 }
@@ -115,16 +116,15 @@ void Team::run_chunks(const char* name, std::size_t chunks, const Task& work) {
             recorder->add_task(share, {begin, recorder->now(), region, static_cast<std::int32_t>(chunk)});
     };
     if (threads == 1) {
-        const std::int64_t begin = now_ns();
+        const TickWatch watch(ticks_of(0));
         for (std::size_t chunk = 0; chunk < chunks; ++chunk) run_one(chunk, 0);
         times_of(0).tasks += static_cast<std::int64_t>(chunks);
-        times_of(0).busy_ms += 1e-6 * static_cast<double>(now_ns() - begin);
     } else {
         FirstError error;
         chunks_->start(chunks, threads);
         const auto section = [&](std::size_t, int share, int) {
             ThreadTimes& times = times_of(share);
-            const std::int64_t begin = now_ns();
+            const TickWatch watch(ticks_of(share));
             chunks_->take(static_cast<std::size_t>(share), [&](std::size_t chunk, std::size_t whose) {
                 ++times.tasks;
                 times.stolen += whose != static_cast<std::size_t>(share) ? 1 : 0;
@@ -135,7 +135,6 @@ void Team::run_chunks(const char* name, std::size_t chunks, const Task& work) {
                     error.keep(chunk);
                 }
             });
-            times.busy_ms += 1e-6 * static_cast<double>(now_ns() - begin);
         };
         crew_.run(threads, 1, Crew::Work::of(section));
         error.rethrow();
@@ -152,14 +151,13 @@ void Team::run_order(const char* name, const TaskOrder& order, const Task& work)
         recorder != nullptr ? recorder->begin_region(name, RegionKind::ordered, tasks, order.successors().data()) : -1;
     const int threads = width(order.size());
     if (threads == 1) {
-        const std::int64_t begin = now_ns();
+        const TickWatch watch(ticks_of(0));
         for (std::int32_t task = 0; task < tasks; ++task) {
             const std::int64_t from = recorder != nullptr ? recorder->now() : 0;
             work(static_cast<std::size_t>(task), 0);
             if (recorder != nullptr) recorder->add_task(0, {from, recorder->now(), region, task});
         }
         times_of(0).tasks += tasks;
-        times_of(0).busy_ms += 1e-6 * static_cast<double>(now_ns() - begin);
     } else {
         Ordered run(*this, order, work, threads, region);
         const auto section = [&](std::size_t, int share, int thread) { run.serve(share, thread); };
@@ -171,7 +169,7 @@ void Team::run_order(const char* name, const TaskOrder& order, const Task& work)
 
 void Team::run_phases(int shares, std::size_t phases, const CallRef<std::size_t, int>& work) {
     if (!in_region_ && size_ > 1 && shares > 1) return region([&] { run_phases(shares, phases, work); });
-    const std::int64_t begin = now_ns();
+    const TickWatch watch(ticks_of(0));
     if (shares == 1 || phases == 0 || present_ == 1) {
         for (std::size_t phase = 0; phase < phases; ++phase)
             for (int share = 0; share < shares; ++share) work(phase, share);
@@ -179,7 +177,6 @@ void Team::run_phases(int shares, std::size_t phases, const CallRef<std::size_t,
         const auto section = [&](std::size_t phase, int share, int) { work(phase, share); };
         crew_.run(shares, phases, Crew::Work::of(section));
     }
-    times_of(0).busy_ms += 1e-6 * static_cast<double>(now_ns() - begin);
 }
 
 } // namespace flotilla

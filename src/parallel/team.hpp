@@ -23,6 +23,7 @@
 #include "parallel/task_order.hpp"
 #include "parallel/task_recorder.hpp"
 #include "parallel/threads.hpp"
+#include "parallel/ticks.hpp"
 
 namespace flotilla {
 
@@ -130,6 +131,7 @@ class Team {
     void run_order(const char* name, const TaskOrder& order, const Task& work);
     void run_phases(int shares, std::size_t phases, const CallRef<std::size_t, int>& work);
     [[nodiscard]] ThreadTimes& times_of(int thread) { return times_[static_cast<std::size_t>(thread)].value; }
+    [[nodiscard]] std::int64_t& ticks_of(int thread) { return times_[static_cast<std::size_t>(thread)].busy; }
 
     TeamOptions options_;
     int size_;
@@ -140,8 +142,10 @@ class Team {
     Division* division_ = nullptr;
     struct alignas(64) PaddedTimes {
         ThreadTimes value;
+        std::int64_t busy = 0; ///< ticks in tasks, beside value.busy_ms
     };
     std::vector<PaddedTimes> times_; ///< by share
+    TickRate rate_;
     Crew crew_;
     std::unique_ptr<OrderedMemory> ordered_;
     std::unique_ptr<Chunks> chunks_;

@@ -53,6 +53,24 @@ TEST(Team, SeveralThreadsTakePart) {
     EXPECT_EQ(tasks, 3);
 }
 
+TEST(Team, BusyIsTheTimeInTasks) {
+    using Clock = std::chrono::steady_clock;
+    const auto ms_since = [](Clock::time_point begin) {
+        return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+    };
+    Team team;
+    const Clock::time_point begin = Clock::now();
+    for (int loop = 0; loop < 10; ++loop)
+        team.for_each("test", 2, 1, [&](std::size_t, int) {
+            const Clock::time_point start = Clock::now();
+            while (ms_since(start) < 1) {
+            }
+        });
+    const double least = 20, most = ms_since(begin);
+    EXPECT_GE(team.times()[0].busy_ms, 0.99 * least);
+    EXPECT_LE(team.times()[0].busy_ms, 1.01 * most);
+}
+
 TEST(Team, OneThreadStaysOnTheCallersThreadAndInOrder) {
     Team team;
     const auto caller = std::this_thread::get_id();
