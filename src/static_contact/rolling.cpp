@@ -132,6 +132,7 @@ void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
 /// well; without this rule 36. A heap of bars creeps at 1.2e-4 sizes a second with a whole, 6e-6 with a quarter.
 constexpr double kStraight = 0.25;
 
+/// `still` (m): what static contact leaves undone.
 bool turn_little(const Model& model, std::int32_t a, std::int32_t b, const VelocityArrays& bodies, double still) {
     const auto fastest = [&](std::int32_t body) {
         return length(bodies.angular_velocity[at(body)]) * model.shape_of(at(body)).radius;

@@ -10,6 +10,7 @@
 #include "base/rotation.hpp"
 #include "ccd/hull_gap.hpp"
 #include "mesh/primitives.hpp"
+#include "support/convex_pair.hpp"
 
 namespace flotilla {
 namespace {
@@ -25,25 +26,14 @@ class Random {
     std::int64_t seed_, count_ = 0;
 };
 
-RigidShape make_shape(TriangleMesh mesh) {
-    RigidShape shape;
-    shape.mesh = std::move(mesh);
-    shape.topology = build_topology(shape.mesh);
-    shape.bvh = build_bvh(shape.mesh);
-    shape.box = bounding_box(shape.mesh);
-    shape.outline = support_points(shape.mesh.vertices);
-    shape.radius = bounding_radius(shape.mesh, {});
-    return shape;
-}
-
 /// Two bodies and their straight motions.
 struct Pair {
     Model model;
     Trajectories trajectories;
 
     Pair(TriangleMesh a, TriangleMesh b) {
-        model.shapes.push_back(make_shape(std::move(a)));
-        model.shapes.push_back(make_shape(std::move(b)));
+        model.shapes.push_back(test::shape_of(std::move(a)));
+        model.shapes.push_back(test::shape_of(std::move(b)));
         model.bodies.resize(2);
         model.bodies[1].shape = 1;
     }
