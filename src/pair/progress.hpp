@@ -17,8 +17,10 @@ namespace flotilla {
 /// pairs.
 class Progress {
   public:
-    /// `trips`: there and back, in which nothing may have fallen.
-    explicit Progress(std::size_t trips = 1) : trips_(trips) {}
+    /// `least_trips`: there and back, in which nothing may have fallen. `halves`: wait for impulses to halve. Along a
+    /// tight chain those of sweep after sweep spread as heat does, and halve in a time that goes with the square of its
+    /// pairs.
+    explicit Progress(std::size_t least_trips = 1, bool halves = false) : least_trips_(least_trips), halves_(halves) {}
 
     /// `hits`: pairs that hit in a sweep, of `all` that a blow goes through. Where none did, what hits next is another
     /// blow. `pushed`: the largest impulse, N s.
@@ -30,12 +32,18 @@ class Progress {
         weakest_ = hits > 0 ? pushed : kNoPush;
         since_ = sweeps_;
     }
-    [[nodiscard]] bool stalled() const { return sweeps_ - since_ > trips_ * kThereAndBack * all_; }
+    [[nodiscard]] bool stalled() const { return sweeps_ - since_ > patience(); }
 
   private:
+    [[nodiscard]] std::size_t patience() const {
+        const std::size_t trips = least_trips_ * kThereAndBack;
+        return (halves_ ? std::max(trips, all_) : trips) * all_;
+    }
+
     static constexpr double kNoPush = std::numeric_limits<double>::infinity();
     static constexpr std::size_t kThereAndBack = 2, kNone = std::numeric_limits<std::size_t>::max();
-    std::size_t trips_;
+    std::size_t least_trips_;
+    bool halves_;
     std::size_t sweeps_ = 0, since_ = 0, all_ = 0, fewest_ = kNone;
     double weakest_ = kNoPush; ///< N s
 };
