@@ -10,31 +10,36 @@
 namespace flotilla {
 namespace {
 
-/// When Algorithm 2 is given up. The hits get fewer geometrically, and what a sweep costs with them; of a hundred
-/// thousand a deep pile in an impact may still have some at the limit. In chain mail that is taut all rings hit to the
-/// end, but ever more softly. The failsafe would merge those into clusters, and these with all that they push, a body a
-/// sweep. So from the limit on it is given up when for half as many sweeps the list of pairs was never shorter than
-/// before, nor the largest push less by a fifth.
+/// When Algorithm 2 is given up: after the limit of sweeps, when as many pairs hit again as had up to it, and when for
+/// half as many sweeps the list of pairs was never shorter than before, nor the largest push less by a fifth. What hits
+/// gets fewer geometrically, and what a sweep costs with it: of a hundred thousand a deep pile in an impact has a few at
+/// the limit. In chain mail that is taut all rings hit to the end, but ever more softly. The failsafe would merge those
+/// into clusters, and these with all that they push, which costs more than all sweeps did.
 class Patience {
   public:
     explicit Patience(int limit) : limit_(limit) {}
 
-    /// Whether a sweep may follow `sweeps` of them, of which the last pushed by `pushed` N s at most and left `size`
-    /// pairs listed.
-    bool allows(int sweeps, std::size_t size, double pushed) {
-        if (size < shortest_ || pushed < kLeastFall * weakest_) since_ = sweeps;
-        shortest_ = std::min(shortest_, size);
+    /// Of a sweep: pairs that hit, pairs listed, and the largest push, N s.
+    void add(std::int64_t hits, std::size_t listed, double pushed) {
+        ++sweeps_;
+        (sweeps_ <= limit_ ? hits_ : more_hits_) += hits;
+        if (listed < shortest_ || pushed < kLeastFall * weakest_) since_ = sweeps_;
+        shortest_ = std::min(shortest_, listed);
         if (pushed < kLeastFall * weakest_) weakest_ = pushed;
-        return sweeps < limit_ || (sweeps - since_ < limit_ / 2 && sweeps / kMostLimits < limit_);
+    }
+
+    [[nodiscard]] bool ends() const {
+        if (sweeps_ < limit_ || more_hits_ < hits_) return false;
+        return sweeps_ - since_ >= limit_ / 2 || sweeps_ / kMostLimits >= limit_;
     }
 
   private:
     static constexpr int kMostLimits = 10;
     static constexpr double kLeastFall = 0.8;
-    int limit_;     ///< sweeps
-    int since_ = 0; ///< sweeps after which the list was shorter, or the push weaker
-    double weakest_ = std::numeric_limits<double>::infinity(); ///< N s
+    int limit_, sweeps_ = 0, since_ = 0;
+    std::int64_t hits_ = 0, more_hits_ = 0; ///< up to the limit, and after it
     std::size_t shortest_ = std::numeric_limits<std::size_t>::max();
+    double weakest_ = std::numeric_limits<double>::infinity(); ///< N s
 };
 
 /// Algorithm 2.
@@ -53,7 +58,7 @@ class DynamicContact {
         for (int sweep = 0;; ++sweep) {
             FrozenList frozen = freeze_clusters(view_, book_, workers_.team, clusters_);
             if (clusters_.empty()) return stats_;
-            stats_.counters.limit = !patience_.allows(sweep, clusters_.size(), pushed_) || progress_.stalled();
+            stats_.counters.limit = patience_.ends() || progress_.stalled();
             if (stats_.counters.limit) return stats_;
             if (alone()) close_apart(frozen);
             stats_.counters.pairs += static_cast<std::int64_t>(frozen.num_closed());
@@ -101,8 +106,9 @@ class DynamicContact {
         collect(workers_, stats_.counters);
         const auto hits =
             std::count_if(resolutions_.begin(), resolutions_.end(), [](const Resolution& r) { return r.found; });
-        pushed_ = take_largest_push(workers_);
-        progress_.add(static_cast<std::size_t>(hits), clusters_.size(), pushed_);
+        const double pushed = take_largest_push(workers_);
+        patience_.add(hits, clusters_.size(), pushed);
+        progress_.add(static_cast<std::size_t>(hits), clusters_.size(), pushed);
     }
 
     [[nodiscard]] SharedSweep shared_sweep(const FrozenList& frozen) {
@@ -134,7 +140,6 @@ class DynamicContact {
     DynamicContactStats stats_;
     std::vector<CandidatePair> clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
-    double pushed_ = std::numeric_limits<double>::infinity(); ///< N s, the largest of the last sweep
     Patience patience_;
     /// Giving up makes clusters of what hits: of 8 links of a tight chain in 100 steps, preset accurate, two trips alone
     /// leave 6 merges that are not needed.
