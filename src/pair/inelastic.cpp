@@ -11,7 +11,9 @@ namespace {
 
 // The exact-rest target may lie below the present velocity when the bodies turn: the hit would stay. Then the approach
 // is halved, later stopped, and if the points do not even approach they are pushed apart at this many separations per
-// step.
+// step. So it is done in the second half of the tries anyway: a body pinched by another from two sides, with less room
+// than two rest distances, would be thrown from one side to the other (of 10,002 boats at rest one pair was merged for
+// that in each of 141 steps).
 constexpr double kPushSeparations = 4;
 
 // So many impulses share out the tries of such targets, whatever the limit: where the exact one does not end the hit,
@@ -59,7 +61,7 @@ double inelastic_target(double dt, const SweptContact& contact, const PairLength
     const double exact = (lengths.rest - contact.start_gap) / dt;
     if (exact > vn && iteration < iterations / 2) return exact;
     if (vn < 0 && exact <= vn && iteration < iterations / 4) return 0.5 * vn;
-    return std::max({exact, 0.0, vn + kPushSeparations * lengths.separation / dt});
+    return std::max(0.0, vn + kPushSeparations * lengths.separation / dt);
 }
 
 } // namespace
