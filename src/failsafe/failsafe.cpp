@@ -9,12 +9,13 @@
 namespace flotilla {
 namespace {
 
-enum class RequestKind { merge_kinematic, merge_rigid, go_down, hold_script };
+/// How much a motion that keeps bodies apart may shrink their distance, at most (Clusters::evolve).
+constexpr double kShrinks = 2;
 
-struct Request {
-    RequestKind kind;
-    std::int32_t a, b; ///< clusters; go_down: only a; hold_script: the scripted body and the one in its way
-    double toi = 1;    ///< hold_script: of what it would hit
+struct Member {
+    Box box;
+    double reach; ///< m
+    std::int32_t body;
 };
 
 class Failsafe {
@@ -27,10 +28,9 @@ class Failsafe {
             check_moved_clusters();
             freeze_clusters(view_, book_, workers_.team, list_);
             if (list_.empty()) break;
-            requests_.clear();
-            taken_.assign(view_.model.size(), 0);
-            for (const CandidatePair& pair : list_) operate(pair);
-            for (const Request& r : requests_) apply(r);
+            merged_.assign(view_.model.size(), 0);
+            lowered_.assign(view_.model.size(), 0);
+            for (const CandidatePair& pair : list_) operate(clusters_of(pair));
             ++stats_.counters.sweeps;
         }
         collect(workers_, stats_.counters);
@@ -51,13 +51,34 @@ class Failsafe {
     }
 
     bool members_apart(std::int32_t c) {
-        const auto& members = view_.clusters[c].members;
         const bool kept_apart = view_.clusters[c].internal_proved;
-        for (std::size_t i = 0; i < members.size(); ++i)
-            for (std::size_t j = i + 1; j < members.size(); ++j)
-                if (!(kept_apart && far_enough(members[i], members[j])) && !proved_apart(members[i], members[j]))
+        gather_members(c, kept_apart);
+        double widest = 0;
+        for (const Member& m : members_) widest = std::max(widest, m.reach);
+        for (auto x = members_.begin(); x != members_.end(); ++x)
+            for (auto y = x + 1; y != members_.end(); ++y) {
+                if (y->box.lower.x - x->box.upper.x > x->reach + widest) break;
+                if (boxes_overlap(x->box, y->box, x->reach + y->reach) &&
+                    !(kept_apart && far_enough(x->body, y->body)) && !proved_apart(x->body, y->body))
                     return false;
+            }
         return true;
+    }
+
+    /// Fills members_, sorted along x: with boxes at x^n that reach as far as far_enough() asks for, or those that a
+    /// continuous query would ask about.
+    void gather_members(std::int32_t c, bool at_start) {
+        members_.clear();
+        for (const std::int32_t i : view_.clusters[c].members) {
+            const BodyMotion motion = view_.trajectories.motion(at(i));
+            if (at_start)
+                members_.push_back({*motion.at0.box, kShrinks * ccd_floor(motion.max_abs()), i});
+            else
+                members_.push_back({motion.swept(), list_reach(view_.model, at(i), ListReach::separation), i});
+        }
+        std::sort(members_.begin(), members_.end(), [](const Member& x, const Member& y) {
+            return std::pair(x.box.lower.x, x.body) < std::pair(y.box.lower.x, y.body);
+        });
     }
 
     bool proved_apart(std::int32_t a, std::int32_t b) {
@@ -71,7 +92,6 @@ class Failsafe {
     /// Whether a common motion that halves the distance of two bodies at most keeps it above the rounding of their
     /// coordinates.
     bool far_enough(std::int32_t a, std::int32_t b) {
-        constexpr double kShrinks = 2;
         const BodyMotion x = view_.trajectories.motion(at(a)), y = view_.trajectories.motion(at(b));
         const double least = kShrinks * ccd_floor(std::max(x.max_abs(), y.max_abs()));
         if (!boxes_overlap(*x.at0.box, *y.at0.box, least)) return true;
@@ -80,23 +100,29 @@ class Failsafe {
         return std::min(start, kShrinks * record.lengths.separation) > least;
     }
 
+    /// Of bodies of those that were frozen: the clusters that have them by now.
+    [[nodiscard]] CandidatePair clusters_of(const CandidatePair& pair) const {
+        const std::int32_t a = view_.clusters.of(at(pair.a)), b = view_.clusters.of(at(pair.b));
+        return {std::min(a, b), std::max(a, b)};
+    }
+
     void operate(const CandidatePair& pair) {
-        if (taken_[at(pair.a)] != 0 || taken_[at(pair.b)] != 0) return;
-        ++stats_.counters.pairs;
+        if (pair.a == pair.b || lowered_[at(pair.a)] != 0 || lowered_[at(pair.b)] != 0) return;
         const bool infinite_a = view_.clusters[pair.a].infinite(), infinite_b = view_.clusters[pair.b].infinite();
+        const bool infinite = infinite_a || infinite_b;
+        if (infinite && (merged_[at(pair.a)] != 0 || merged_[at(pair.b)] != 0)) return;
+        ++stats_.counters.pairs;
         const Resolution r = resolve_inelastic(view_, movers_, book_.table, workers_[0], pair,
                                                view_.model.settings.dynamic_pair_iterations);
         if (!r.found) return;
         if (stats_.trigger_a < 0) stats_.trigger_a = r.first_a, stats_.trigger_b = r.first_b;
         if (infinite_a && infinite_b) {
             const bool first = view_.model.bodies[at(pair.a)].scripted();
-            request({RequestKind::hold_script, first ? pair.a : pair.b, first ? r.first_b : r.first_a, r.toi});
-        } else if (infinite_a || infinite_b) {
+            hold_script(first ? pair.a : pair.b, first ? r.first_b : r.first_a, r.toi);
+        } else if (infinite) {
             meet_infinite(infinite_a ? pair.b : pair.a, infinite_a ? pair.a : pair.b, r.resolved);
         } else {
-            const bool kinematic = r.resolved && view_.model.settings.rigidification == Rigidification::kinematic;
-            taken_[at(pair.a)] = taken_[at(pair.b)] = 1;
-            request({kinematic ? RequestKind::merge_kinematic : RequestKind::merge_rigid, pair.a, pair.b});
+            merge(pair, !r.resolved || view_.model.settings.rigidification != Rigidification::kinematic);
         }
     }
 
@@ -108,23 +134,15 @@ class Failsafe {
             met.push_back(infinite);
             return;
         }
-        taken_[at(cluster)] = 1;
-        request({RequestKind::go_down, cluster, -1});
+        lowered_[at(cluster)] = 1;
+        go_down(cluster);
     }
 
-    void request(const Request& r) { requests_.push_back(r); }
-
-    void apply(const Request& r) {
-        switch (r.kind) {
-        case RequestKind::go_down: go_down(r.a); break;
-        case RequestKind::hold_script: hold_script(r.a, r.b, r.toi); break;
-        default: {
-            ++stats_.merges;
-            const bool rigid = r.kind == RequestKind::merge_rigid;
-            const std::int32_t merged = clusters().merge(r.a, r.b, rigid, view_.dt, view_.trajectories);
-            if (rigid) movers_.evolve(merged);
-        }
-        }
+    void merge(const CandidatePair& pair, bool rigid) {
+        ++stats_.merges;
+        const std::int32_t merged = clusters().merge(pair.a, pair.b, rigid, view_.dt, view_.trajectories);
+        merged_[at(merged)] = 1;
+        if (rigid) movers_.evolve(merged);
     }
 
     /// One rung down. A body alone moves in the same way on the first three, so it goes to the last at once.
@@ -179,8 +197,9 @@ class Failsafe {
     Workers& workers_;
     FailsafeStats stats_;
     std::vector<CandidatePair> list_;
-    std::vector<Request> requests_;
-    std::vector<std::uint8_t> taken_; ///< clusters that a request of this sweep merges or moves
+    std::vector<Member> members_;       ///< of one cluster
+    std::vector<std::uint8_t> merged_;  ///< clusters that this sweep made
+    std::vector<std::uint8_t> lowered_; ///< those that it took a rung down
 };
 
 } // namespace

@@ -65,6 +65,25 @@ TEST(Failsafe, APairThatIsNotResolvedMergesRigidly) {
     }
 }
 
+// A body between six that fly at it takes in all of them in one sweep.
+TEST(Failsafe, AClusterGrowsByAllThatItMeets) {
+    for (const int impulses : {0, 20}) {
+        SceneDescription s = weightless_scene();
+        s.settings.dynamic_pair_iterations = impulses;
+        const std::int32_t shape = add_octahedron(s, 1);
+        add_body(s, shape, BodyType::dynamic, {}, 0, 0);
+        for (const double side : {-1.0, 1.0})
+            for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+                add_body(s, shape, BodyType::dynamic, side * (1 + kGap) * axis, 0, 0).velocity = -12 * side * axis;
+        StageWorld world(s);
+        const FailsafeStats stats = run_failsafe_of(world);
+        EXPECT_EQ(stats.merges, 6);
+        EXPECT_EQ(stats.counters.sweeps, 1);
+        EXPECT_EQ(world.clusters()[0].members.size(), 7u);
+        expect_resolved(world, stats);
+    }
+}
+
 // Once, and the body stays as free as it was.
 TEST(Failsafe, AgainstAWallABodyIsResolved) {
     StageWorld world(shot(12, BodyType::fixed));
