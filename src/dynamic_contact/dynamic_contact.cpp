@@ -11,10 +11,11 @@ namespace flotilla {
 namespace {
 
 /// When Algorithm 2 is given up: after the limit of sweeps, when as many pairs hit again as had up to it, and when for
-/// half as many sweeps the list of pairs was never shorter than before, nor the largest push less by a fifth. What hits
-/// gets fewer geometrically, and what a sweep costs with it: of a hundred thousand a deep pile in an impact has a few at
+/// half as many sweeps the list of pairs was never shorter than before, nor the largest push less by a fifth. Hits get
+/// fewer geometrically, and what a sweep costs with them: of a hundred thousand a deep pile in an impact has a few at
 /// the limit. In chain mail that is taut all rings hit to the end, but ever more softly. The failsafe would merge those
-/// into clusters, and these with all that they push, which costs more than all sweeps did.
+/// into clusters, and these with all that they push, which costs more than all sweeps did: seven hits left of 5,439
+/// made one of 2,600 of 10,002 boats.
 class Patience {
   public:
     explicit Patience(int limit) : limit_(limit) {}
@@ -141,8 +142,8 @@ class DynamicContact {
     std::vector<CandidatePair> clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
     Patience patience_;
-    /// Giving up makes clusters of what hits: of 8 links of a tight chain in 100 steps, preset accurate, two trips alone
-    /// leave 6 merges that are not needed.
+    /// Giving up makes clusters of what hits: of 8 links of a tight chain in 100 steps, preset accurate, two trips
+    /// alone leave 6 merges without need.
     Progress progress_{2, true};
 };
 

@@ -18,9 +18,7 @@ namespace flotilla {
 ///  - a level of a resting island ended above the tolerance. Bodies jammed between frozen ones have no solution at all;
 ///    in a resting pile of 10,000 boats levels ended at up to twelve times what PGS had left, and with such passes it
 ///    never came to rest: 0.7 J for ever, where PGS alone leaves 0.003 J. A stack's levels end below the tolerance.
-///    Under impact passes stand: two runs of that pile that undid them, and one with passes only where more than the
-///    rest speed was left, came to steps in which the failsafe merged pairs at its foot, one neighbour a sweep, without
-///    an end.
+///    In motion passes stand, where they are asked for (ContactSolveOptions::shock_in_motion).
 ///  - every prescribed body rests, and the kinetic energy came out above both that of PGS and that before the solve.
 /// Adds to the island's visits; sets its residual where the pass stands: that of the contacts with the pass's impulses
 /// and PGS's bounds of friction.

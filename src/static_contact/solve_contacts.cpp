@@ -237,7 +237,8 @@ void mark_unsolved(ContactScratch& s) {
 
 void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     const auto unfinished = [&](const Island& i) {
-        return !i.solved && i.residual > options.shock_above * i.tolerance;
+        if (i.solved || !(i.residual > options.shock_above * i.tolerance)) return false;
+        return i.rests || options.shock_in_motion || i.residual > rest_speed_of(i, bodies, options.rest_speed, s);
     };
     if (!options.shock || std::none_of(s.islands.begin(), s.islands.end(), unfinished)) return;
     s.level.resize(s.bodies.size());

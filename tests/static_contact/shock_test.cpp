@@ -59,6 +59,17 @@ TEST(Shock, StandsAtRestWhereItSolvesEveryLevel) {
     for (std::size_t i = 1; i < w.velocity.size(); ++i) EXPECT_NEAR(w.velocity[i].z, 0, 1e-8) << i;
 }
 
+TEST(Shock, InMotionIsAChoice) {
+    const auto shocked = [](double rest_speed, bool in_motion) {
+        ContactWorld w = make_column(100, 0.4);
+        return w.solve({.iterations = 20, .tolerance = 1e-9, .rest_speed = rest_speed, .shock_in_motion = in_motion})
+            .shocked_islands;
+    };
+    EXPECT_EQ(shocked(0.3, true), 1);
+    EXPECT_EQ(shocked(0.3, false), 0);
+    EXPECT_EQ(shocked(0.8, false), 1) << "at rest";
+}
+
 TEST(Shock, NeedsTheGround) {
     ContactWorld w = make_column(30, 0.4);
     w.inv_mass[0] = 1; // nothing prescribed any more
