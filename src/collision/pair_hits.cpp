@@ -42,12 +42,13 @@ double approach_of(const StepView& view, std::int32_t a, std::int32_t b) {
     return std::max(view.approach, 0.5 * most_acceleration(view.model, a, b) * view.dt);
 }
 
-/// Whether static contact stops points of a pair that approach at `speed`, m/s: those whose rebound is slower than
-/// `least_approach`, if they come no farther in a step than contacts are found, so that stage 3 knows them. It stops
-/// all of them together. An impulse here would be one more beside those of stages 3 and 7, often ahead of the time at
-/// which the points meet: what rolls loses its energy so, and in a pile that falls two of three impulses are such.
-bool stops_calmly(const StepView& view, const PairRecord& pair, double speed) {
-    return view.model.settings.approach_threshold < 0 && speed * view.dt <= pair.lengths.proximity &&
+/// Whether static contact stops points of a pair that approach at `speed`, m/s, from `gap` m above their rest distance:
+/// those whose rebound is slower than `least_approach`, if they come no farther beyond it in a step than contacts are
+/// found, so that stages 3 and 7 know them. They stop all of them together. An impulse here would be one more beside
+/// theirs, often ahead of the time at which the points meet: what rolls loses its energy so, and in a pile that falls
+/// two of three impulses are such.
+bool stops_calmly(const StepView& view, const PairRecord& pair, double speed, double gap) {
+    return view.model.settings.approach_threshold < 0 && speed * view.dt - gap <= pair.lengths.proximity &&
            pair_restitution(view.model, pair.a, pair.b) * speed <=
                least_approach(view, pair.a, pair.b, pair.lengths.rest);
 }
@@ -67,7 +68,7 @@ void find_fast_points(const StepView& view, Worker& worker, const PairRecord& pa
         const double apart = dot(p.normal, arc_acceleration(body_b.angular_velocity, c.arm_b) -
                                                arc_acceleration(body_a.angular_velocity, c.arm_a));
         const double arrives = approach_on_arrival(approach, gap, apart);
-        if (arrives > least && !stops_calmly(view, pair, arrives)) worker.points.push_back(p);
+        if (arrives > least && !stops_calmly(view, pair, arrives, gap)) worker.points.push_back(p);
     }
     std::stable_sort(worker.points.begin(), worker.points.end(),
                      [](const ProximityPoint& p, const ProximityPoint& q) { return p.distance < q.distance; });
@@ -111,7 +112,7 @@ CollisionFinding find_collision(const StepView& view, Worker& worker, const Pair
         out.processed = true;
         out.urgent = rebounding(view, pair, swept_contact(view, {found.hit, pair.a, pair.b}).point);
         const double approach = -dot(out.urgent->relative_velocity, out.urgent->normal);
-        if (approach >= 0 && stops_calmly(view, pair, approach)) {
+        if (approach >= 0 && stops_calmly(view, pair, approach, 0)) {
             out.urgent.reset();
             out.verdict = Verdict::settled; // stage 5 has the proof
         }

@@ -52,6 +52,8 @@ struct ArcContact {
     double approach = 0; ///< m/s, along the normal, with which they still come nearer at the end of the step; <= 0
     Vec3 shift;          ///< m, to where the contact then is, seen from the centre of mass of the body whose arc it is
     double apart = 0;    ///< m/s^2, acceleration of the points away from each other
+    double rises = 0;    ///< m/s, along the normal, how much faster the place of the shift moves than the point
+    double friction = 1; ///< of that of the pair
 };
 
 /// For a contact of a and b with the normal n from a to b.

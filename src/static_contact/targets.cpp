@@ -125,6 +125,8 @@ class PairTargets {
             std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed); // whoever comes first
         else if (input_.all_level)
             c.target = std::min(0.0, full + together);
+        c.target += arcs.rises;
+        c.friction *= arcs.friction;
         if (input_.keep_approach && set_.processed[i] == 0)
             c.target = std::min(c.target, -kept_approach(model_, c, input_.start, input_.poses, bodies_));
         c.point += arcs.shift;
