@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/assert.hpp"
 #include "base/index.hpp"
 #include "pair/pair_distance.hpp"
 
@@ -32,6 +33,7 @@ class Failsafe {
             lowered_.assign(view_.model.size(), 0);
             for (const CandidatePair& pair : list_) operate(clusters_of(pair));
             ++stats_.counters.sweeps;
+            FLOTILLA_ASSERT(within_bounds());
         }
         collect(workers_, stats_.counters);
         std::sort(stats_.delayed_scripts.begin(), stats_.delayed_scripts.end());
@@ -39,6 +41,12 @@ class Failsafe {
     }
 
   private:
+    /// README.md#bounds.
+    [[nodiscard]] bool within_bounds() const {
+        const auto bodies = std::ssize(view_.model.active);
+        return stats_.merges < bodies && stats_.rung_changes <= 3 * bodies;
+    }
+
     /// Clusters whose motion does not keep their members apart by itself need a proof for every pair of members, others
     /// for those that are nearer than rounding can tell; without it a kinematic one becomes rigid and a rigid one is
     /// held (step/certificate.hpp).

@@ -132,8 +132,8 @@ const std::vector<SettingRow>& table() {
          0,
          kMaxSweeps,
          {},
-         "sweeps of Algorithm 2 after which it is given up unless the pairs left get fewer; before, when they gain "
-         "nothing",
+         "sweeps of Algorithm 2 after which it is given up, unless fewer pairs hit than up to it or those left get "
+         "fewer; before, when sweeps gain nothing",
          "a limit below about 50 leaves work to the failsafe"},
         {"dynamic_pair_iterations",
          &Settings::dynamic_pair_iterations,

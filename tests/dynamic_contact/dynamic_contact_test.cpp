@@ -195,6 +195,21 @@ SceneDescription crush() {
     return row(bodies, 0.01, 0.2);
 }
 
+// Most pairs hit in the first sweeps, few in the last ones, which cost little: the limit does not end those.
+TEST(DynamicContact, GoesOnBeyondItsLimitWhileFewerHit) {
+    StageWorld whole(crush());
+    const std::int64_t sweeps = run(whole).counters.sweeps;
+    EXPECT_GT(sweeps, 8);
+    SceneDescription s = crush();
+    s.settings.dynamic_iterations = static_cast<int>(3 * sweeps / 4);
+    StageWorld limited(s);
+    const DynamicContactStats stats = run(limited);
+    EXPECT_FALSE(stats.counters.limit);
+    EXPECT_EQ(stats.counters.sweeps, sweeps);
+    EXPECT_EQ(stats.merges, 0);
+    EXPECT_EQ(limited.ends(), whole.ends());
+}
+
 TEST(DynamicContact, HasTheBitsOfThePlainLoopOnAnyNumberOfThreads) {
     for (const int impulses : {0, 1, 20}) {
         SceneDescription s = crush();
