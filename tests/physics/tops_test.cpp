@@ -59,7 +59,7 @@ void ring_on_a_knife_edge(const Run& run) {
 [[maybe_unused]] const bool registered = [] {
     add_runs("Tops", "AsymmetricTopFlipsInTime", runs(), true, asymmetric_top_moves);
     add_runs("Tops", "SymmetricTopPrecesses", runs(), true, symmetric_top_moves);
-    add_runs("Tops", "EulersDisk", runs({480, 24, 120}), true, eulers_disk_moves); // 1/24 s is asked little
+    add_runs("Tops", "EulersDisk", runs({120, 24, 480}), true, eulers_disk_moves); // 1/24 s is asked little
     add_runs("Tops", "RingSwingsOnAKnifeEdge", runs(), true, ring_on_a_knife_edge);
     return true;
 }();
