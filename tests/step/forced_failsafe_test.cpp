@@ -65,7 +65,7 @@ TEST(ForcedFailsafe, KinematicLetsAStackBreakUpAndRigidMovesItAsOne) {
                 static_cast<long long>(o->totals.rung_changes));
         EXPECT_GE(kinematic.totals.merges, 10);
         EXPECT_GE(rigid.totals.merges, 5);
-        EXPECT_EQ(rigid.together, 9); // ball and stack
+        EXPECT_GE(rigid.together, iterations == 0 ? 9 : 8); // ball and stack, or the stack
         EXPECT_GT(kinematic.broken, 0.5);
         EXPECT_LT(rigid.broken, 0.1);
         EXPECT_LT(rigid.ball_speed, 0.6 * kinematic.ball_speed);
@@ -95,7 +95,7 @@ void expect_no_energy_growth(std::uint64_t seed, int iterations) {
         "50 boats, seed %d, limit %d, failsafe in %lld of 100 steps: energy %.6g J to %.6g J, largest growth in a step "
         "%.3g J\n",
         static_cast<int>(seed), iterations, static_cast<long long>(totals.failsafe_steps), start, last, growth);
-    EXPECT_GE(totals.failsafe_steps, iterations == 0 ? 50 : 20);
+    EXPECT_GE(totals.failsafe_steps, iterations == 0 ? 50 : 10); // from a limit of 1 on dynamic contact may go on
     EXPECT_LT(growth, 1e-9 * start);
 }
 
@@ -116,16 +116,16 @@ std::int64_t count_merges(std::uint64_t seed, int limit) {
 }
 
 // 258 to 295 merges a seed where four sweeps were the end of dynamic contact, 71 to 157 where it ends when two in a row
-// left no fewer pairs than any before.
-TEST(ForcedFailsafe, DynamicContactGoesOnWhilePairsLeftGetFewer) {
+// left no fewer pairs than any before, 0 to 34 where as many pairs must have hit again as well.
+TEST(ForcedFailsafe, DynamicContactGoesOnWhileFewerPairsHit) {
     std::int64_t merges = 0;
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
         const std::int64_t count = count_merges(seed, 4);
         std::printf("50 boats, seed %d, limit 4: %lld merges\n", static_cast<int>(seed), static_cast<long long>(count));
         merges += count;
     }
-    EXPECT_GE(merges, 100); // the failsafe is there
-    EXPECT_LE(merges, 600);
+    EXPECT_GE(merges, 10); // the failsafe is there
+    EXPECT_LE(merges, 200);
 }
 
 } // namespace
