@@ -142,6 +142,7 @@ TEST(DynamicContact, NeverTakesABodyOfInfiniteMassIntoACluster) {
     const DynamicContactStats stats = run(world);
     EXPECT_EQ(stats.merges, 0);
     EXPECT_TRUE(stats.counters.limit);
+    EXPECT_GE(stats.counters.sweeps, 4);
     EXPECT_LE(stats.counters.sweeps, 8) << "as many hits again as up to the limit";
     EXPECT_EQ(world.ends(), ends);
     EXPECT_FALSE(proved_apart(world)) << "the failsafe's to solve";
@@ -208,6 +209,21 @@ TEST(DynamicContact, GoesOnBeyondItsLimitWhileFewerHit) {
     EXPECT_EQ(stats.counters.sweeps, sweeps);
     EXPECT_EQ(stats.merges, 0);
     EXPECT_EQ(limited.ends(), whole.ends());
+}
+
+// Of twenty pairs that hit nineteen merge; the other one has a wall in it, and hits in every sweep.
+TEST(DynamicContact, EndsAtTenLimitsInAnyCase) {
+    SceneDescription s = row({{1, 12}, {0, 0}});
+    for (int k = 1; k < 20; ++k)
+        for (const double side : {-0.51, 0.51})
+            add_body(s, 0, BodyType::dynamic, {side, 3.0 * k, 0}, 0, 0).velocity = {-20 * side, 0, 0};
+    s.settings.dynamic_pair_iterations = 0;
+    s.settings.dynamic_iterations = 1;
+    StageWorld world(s);
+    const DynamicContactStats stats = run(world);
+    EXPECT_EQ(stats.merges, 19);
+    EXPECT_TRUE(stats.counters.limit);
+    EXPECT_EQ(stats.counters.sweeps, 10);
 }
 
 TEST(DynamicContact, HasTheBitsOfThePlainLoopOnAnyNumberOfThreads) {
