@@ -2,6 +2,8 @@
 #include "parallel/crew.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <thread>
 
 namespace flotilla {
 namespace {
@@ -27,6 +29,9 @@ void Crew::publish(const Section& section) {
     n.first.store(section.first, std::memory_order_release);
     n.done_before.store(section.done_before, std::memory_order_release);
     n.phases.store(section.phases, std::memory_order_release);
+    n.chain_begin.store(section.chain_begin, std::memory_order_release);
+    n.chain_end.store(section.chain_end, std::memory_order_release);
+    n.chain.store(section.chain, std::memory_order_release);
     n.function.store(section.work.function, std::memory_order_release);
     n.object.store(section.work.object, std::memory_order_release);
     n.shares.store(section.shares, std::memory_order_release);
@@ -40,6 +45,9 @@ bool Crew::read(std::uint64_t version, Section& section) const {
     section.first = n.first.load(std::memory_order_acquire);
     section.done_before = n.done_before.load(std::memory_order_acquire);
     section.phases = n.phases.load(std::memory_order_acquire);
+    section.chain_begin = n.chain_begin.load(std::memory_order_acquire);
+    section.chain_end = n.chain_end.load(std::memory_order_acquire);
+    section.chain = n.chain.load(std::memory_order_acquire);
     section.work.function = n.function.load(std::memory_order_acquire);
     section.work.object = n.object.load(std::memory_order_acquire);
     section.shares = n.shares.load(std::memory_order_acquire);
@@ -73,54 +81,138 @@ void Crew::wake_all_in_run() {
 }
 
 bool Crew::claim(int share, std::uint64_t phase) {
-    return seat(share).next.load(std::memory_order_relaxed) == phase &&
-           seat(share).next.compare_exchange_strong(phase, phase + 1, std::memory_order_acq_rel);
+    std::uint64_t free = 2 * phase;
+    return seat(share).next.load(std::memory_order_relaxed) == free &&
+           seat(share).next.compare_exchange_strong(free, free + 1, std::memory_order_acq_rel);
 }
 
 void Crew::perform(const Section& section, std::uint64_t phase, int share, int thread) {
     section.work(static_cast<std::size_t>(phase - section.first), share, thread);
-    if (done_.fetch_add(1) + 1 == section.done_after(phase) && thread != 0) seat(0).bed.wake(Bed::at_end);
+    finish(section, phase, share, thread);
 }
 
-/// Does the shares that nobody claimed; whether there were any.
-bool Crew::take_over(const Section& section, std::uint64_t phase, int thread) {
+void Crew::finish(const Section& section, std::uint64_t phase, int share, int thread) {
+    std::uint64_t next = phase + 1;
+    bool goes_on = false; // in the same stretch
+    if (section.chained(phase)) {
+        next = section.first + section.chain->next_after(phase - section.first, share);
+        goes_on = section.chained(next);
+    }
+    seat(share).next.store(2 * next, std::memory_order_release);
+    if (goes_on) return;
+    if (done_.fetch_add(1) + 1 == section.done_after(section.stretch_of(phase)) && thread != 0)
+        seat(0).bed.wake(Bed::at_end);
+}
+
+/// Of a claimed share: whether its neighbours have done what they have in the phases before.
+bool Crew::ready(const Section& section, std::uint64_t phase, int share) const {
+    const std::size_t words = PhaseChain::words(section.shares);
+    for (std::size_t w = 0; w < words; ++w)
+        for (std::uint64_t set = section.chain->near[static_cast<std::size_t>(share) * words + w]; set != 0;
+             set &= set - 1)
+            if (seat(static_cast<int>(64 * w) + std::countr_zero(set)).next.load(std::memory_order_acquire) < 2 * phase)
+                return false;
+    return true;
+}
+
+void Crew::perform_in_chain(const Section& section, std::uint64_t phase, int share, int thread) {
+    const auto is_ready = [&] { return ready(section, phase, share); };
+    while (!spin(kPatience, is_ready)) take_over_ready(section, phase, thread);
+    perform(section, phase, share, thread);
+}
+
+/// With a share claimed: does what is ready in phases before of shares that nobody claimed, or gives the core away.
+void Crew::take_over_ready(const Section& section, std::uint64_t before, int thread) {
     bool any = false;
-    for (int share = 0; share < section.shares; ++share)
-        if (claim(share, phase)) {
+    for (int share = 0; share < section.shares; ++share) {
+        const std::uint64_t next = seat(share).next.load(std::memory_order_acquire);
+        if (next % 2 != 0 || next >= 2 * before || !ready(section, next / 2, share) || !claim(share, next / 2))
+            continue;
+        perform(section, next / 2, share, thread);
+        any = true;
+    }
+    if (!any) std::this_thread::yield();
+}
+
+/// The thread's own share of a chain, until it is done or others do it.
+void Crew::do_chain(const Section& section, int thread) {
+    const std::uint64_t end = 2 * (section.first + section.chain_end);
+    for (;;) {
+        const std::uint64_t next = seat(thread).next.load(std::memory_order_acquire);
+        if (next >= end) return;
+        if (next % 2 == 0 && claim(thread, next / 2))
+            perform_in_chain(section, next / 2, thread, thread);
+        else if (!spin(spin_time(), [&] { return seat(thread).next.load(std::memory_order_relaxed) != next; }))
+            return;
+    }
+}
+
+void Crew::do_share(const Section& section, std::size_t stretch, int thread) {
+    const std::uint64_t phase = section.first_phase(stretch);
+    if (section.chained(phase))
+        do_chain(section, thread);
+    else if (claim(thread, phase))
+        perform(section, phase, thread, thread);
+}
+
+/// Does the shares that nobody claimed, of a chain a phase of each; whether there were any.
+bool Crew::take_over(const Section& section, std::size_t stretch, int thread) {
+    bool any = false;
+    const std::uint64_t first = section.first_phase(stretch);
+    for (int share = 0; share < section.shares; ++share) {
+        const std::uint64_t phase =
+            section.chained(first) ? seat(share).next.load(std::memory_order_acquire) / 2 : first;
+        if (phase != first && !section.chained(phase)) continue;
+        if (!claim(share, phase)) continue;
+        any = true;
+        if (section.chained(first))
+            perform_in_chain(section, phase, share, thread);
+        else
             perform(section, phase, share, thread);
-            any = true;
-        }
+    }
     return any;
 }
 
-void Crew::run(int shares, std::size_t phases, const Work& work) {
-    const Section section{next_phase_, done_.load(std::memory_order_relaxed), phases, shares, work};
+void Crew::run(int shares, std::size_t phases, const PhaseChain* chain, const Work& work) {
+    const bool chained = chain != nullptr && chain->size() > 0;
+    const Section section{.first = next_phase_,
+                          .done_before = done_.load(std::memory_order_relaxed),
+                          .phases = phases,
+                          .chain_begin = chained ? chain->begin : phases,
+                          .chain_end = chained ? chain->end : phases,
+                          .chain = chained ? chain : nullptr,
+                          .shares = shares,
+                          .work = work};
     next_phase_ += phases;
     for (int k = 0; k < shares; ++k)
-        if (seat(k).next.load(std::memory_order_relaxed) != section.first)
-            seat(k).next.store(section.first, std::memory_order_relaxed);
+        if (seat(k).next.load(std::memory_order_relaxed) != 2 * section.first)
+            seat(k).next.store(2 * section.first, std::memory_order_relaxed);
     publish(section);
     invite(shares);
     bool late = phases == 1; // whether owners seem not to be there; one phase's shares share out their own work
-    for (std::uint64_t p = section.first; p < section.end(); ++p) {
-        const auto is_over = [&] { return over(section, p); };
-        if (claim(0, p)) perform(section, p, 0, 0);
+    for (std::size_t s = 0; s < section.num_stretches(); ++s) {
+        const auto is_over = [&] { return over(section, s); };
+        do_share(section, s, 0);
         if (is_over() || (!late && spin(kPatience, is_over))) continue;
-        late = take_over(section, p, 0);
+        late = take_over(section, s, 0);
+        if (section.chained(section.first_phase(s))) { // what is claimed now may be free in its next phase
+            while (!spin(kPatience, is_over))
+                if (!take_over(section, s, 0)) std::this_thread::yield();
+        }
         while (!spin(spin_time(), is_over)) seat(0).bed.sleep(Bed::at_end, is_over);
     }
 }
 
 void Crew::help(int thread, const Section& section) {
     const std::uint64_t done = done_.load(std::memory_order_acquire) - section.done_before;
-    std::uint64_t p =
-        section.first + std::min<std::uint64_t>(section.phases, done / static_cast<unsigned>(section.shares));
-    for (bool late = false; p < section.end(); ++p) {
-        const auto is_over = [&] { return over(section, p); };
-        if (claim(thread, p)) perform(section, p, thread, thread);
-        if (p + 1 == section.end()) return;
+    const std::size_t stretches = section.num_stretches();
+    std::size_t s = std::min<std::size_t>(stretches, done / static_cast<unsigned>(section.shares));
+    for (bool late = false; s < stretches; ++s) {
+        const auto is_over = [&] { return over(section, s); };
+        do_share(section, s, thread);
+        if (s + 1 == stretches) return;
         if (is_over() || (!late && spin(kPatience, is_over))) continue;
-        late = take_over(section, p, thread);
+        late = take_over(section, s, thread);
         if (!spin(spin_time(), is_over)) return; // others do without
     }
 }

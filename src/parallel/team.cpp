@@ -136,7 +136,7 @@ void Team::run_chunks(const char* name, std::size_t chunks, const Task& work) {
                 }
             });
         };
-        crew_.run(threads, 1, Crew::Work::of(section));
+        crew_.run(threads, 1, nullptr, Crew::Work::of(section));
         error.rethrow();
     }
     if (recorder != nullptr) recorder->end_region(region);
@@ -161,21 +161,22 @@ void Team::run_order(const char* name, const TaskOrder& order, const Task& work)
     } else {
         Ordered run(*this, order, work, threads, region);
         const auto section = [&](std::size_t, int share, int thread) { run.serve(share, thread); };
-        crew_.run(threads, 1, Crew::Work::of(section));
+        crew_.run(threads, 1, nullptr, Crew::Work::of(section));
         run.rethrow();
     }
     if (recorder != nullptr) recorder->end_region(region);
 }
 
-void Team::run_phases(int shares, std::size_t phases, const CallRef<std::size_t, int>& work) {
-    if (!in_region_ && size_ > 1 && shares > 1) return region([&] { run_phases(shares, phases, work); });
+void Team::run_phases(int shares, std::size_t phases, const PhaseChain* chain, const CallRef<std::size_t, int>& work) {
+    if (!in_region_ && size_ > 1 && shares > 1) return region([&] { run_phases(shares, phases, chain, work); });
     const TickWatch watch(ticks_of(0));
     if (shares == 1 || phases == 0 || present_ == 1) {
         for (std::size_t phase = 0; phase < phases; ++phase)
-            for (int share = 0; share < shares; ++share) work(phase, share);
+            for (int share = 0; share < shares; ++share)
+                if (chain == nullptr || chain->works(phase, share)) work(phase, share);
     } else {
         const auto section = [&](std::size_t phase, int share, int) { work(phase, share); };
-        crew_.run(shares, phases, Crew::Work::of(section));
+        crew_.run(shares, phases, chain, Crew::Work::of(section));
     }
 }
 

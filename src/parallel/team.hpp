@@ -112,10 +112,10 @@ class Team {
         return static_cast<int>(std::clamp<std::size_t>(tasks, 1, static_cast<std::size_t>(present_)));
     }
     /// Calls work(phase, share) once for each of `shares` shares (at most size()) of each phase; a phase begins when
-    /// all shares of the one before are done. No exceptions.
+    /// all shares of the one before are done, or where both are of the chain its neighbours. No exceptions.
     template <class Work>
-    void phases(int shares, std::size_t phases, Work&& work) {
-        run_phases(shares, phases, CallRef<std::size_t, int>::of(work));
+    void phases(int shares, std::size_t phases, Work&& work, const PhaseChain* chain = nullptr) {
+        run_phases(shares, phases, chain, CallRef<std::size_t, int>::of(work));
     }
 
   private:
@@ -129,7 +129,7 @@ class Team {
     void enter(const CallRef<>& work, int threads);
     void run_chunks(const char* name, std::size_t chunks, const Task& work);
     void run_order(const char* name, const TaskOrder& order, const Task& work);
-    void run_phases(int shares, std::size_t phases, const CallRef<std::size_t, int>& work);
+    void run_phases(int shares, std::size_t phases, const PhaseChain* chain, const CallRef<std::size_t, int>& work);
     [[nodiscard]] ThreadTimes& times_of(int thread) { return times_[static_cast<std::size_t>(thread)].value; }
     [[nodiscard]] std::int64_t& ticks_of(int thread) { return times_[static_cast<std::size_t>(thread)].busy; }
 
@@ -162,8 +162,8 @@ void for_each(Team* team, const char* name, std::size_t n, std::size_t grain, Wo
 
 /// Calls work(phase, share) for all shares of phase 0, then of phase 1 and so on; several shares need a team.
 template <class Work>
-void for_phases(Team* team, int shares, std::size_t phases, Work&& work) {
-    if (shares > 1) return team->phases(shares, phases, work);
+void for_phases(Team* team, int shares, std::size_t phases, Work&& work, const PhaseChain* chain = nullptr) {
+    if (shares > 1) return team->phases(shares, phases, work, chain);
     for (std::size_t phase = 0; phase < phases; ++phase) work(phase, 0);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "parallel/team.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cfenv>
 #include <chrono>
@@ -195,6 +196,95 @@ TEST(Team, PhasesBeginWhenTheOneBeforeIsDone) {
         }
 }
 
+/// Shares in a row, each the neighbour of the next, with work in some phases of a chain between two phases of all.
+struct ChainOfShares {
+    int shares;
+    std::size_t length;
+    std::vector<std::uint8_t> works; ///< by share and phase of the chain
+    std::vector<std::uint64_t> near;
+    std::vector<std::int32_t> next;
+
+    ChainOfShares(int of_shares, std::size_t of_length, std::uint64_t seed) : shares(of_shares), length(of_length) {
+        std::mt19937_64 random(seed);
+        const auto n = static_cast<std::size_t>(shares), words = PhaseChain::words(shares);
+        near.assign(n * words, 0);
+        works.assign(n * length, 1);
+        next.assign(n * length, 0);
+        for (std::size_t k = 0; k < n; ++k) {
+            if (k > 0) near[k * words + (k - 1) / 64] |= std::uint64_t{1} << (k - 1) % 64;
+            if (k + 1 < n) near[k * words + (k + 1) / 64] |= std::uint64_t{1} << (k + 1) % 64;
+            for (std::size_t p = 1; p < length; ++p) works[k * length + p] = random() % 3 != 0 ? 1 : 0;
+            auto to = static_cast<std::int32_t>(length);
+            for (std::size_t p = length; p-- > 0;) {
+                next[k * length + p] = to;
+                if (works[k * length + p] != 0) to = static_cast<std::int32_t>(p);
+            }
+        }
+    }
+    [[nodiscard]] PhaseChain chain() const { return {1, 1 + length, near, next}; }
+};
+
+/// What was done in one section, checked as it is done.
+class ChainWatch {
+  public:
+    explicit ChainWatch(const ChainOfShares& chain) : chain_(chain), done_(chain.works.size(), 0) {}
+
+    void work(std::size_t phase, int share) {
+        const auto n = static_cast<std::size_t>(chain_.shares), k = static_cast<std::size_t>(share);
+        if (phase == 0) return;
+        if (phase > chain_.length) {
+            if (done_ != chain_.works) ++wrong;
+            return;
+        }
+        const std::size_t p = phase - 1;
+        for (std::size_t j = k > 0 ? k - 1 : 0; j < std::min(k + 2, n); ++j)
+            for (std::size_t q = 0; q < p; ++q)
+                if (done_[j * chain_.length + q] != chain_.works[j * chain_.length + q]) ++wrong;
+        if (++done_[k * chain_.length + p] != 1 || chain_.works[k * chain_.length + p] == 0) ++wrong;
+    }
+    std::atomic<int> wrong = 0;
+
+  private:
+    const ChainOfShares& chain_;
+    std::vector<std::uint8_t> done_; ///< as ChainOfShares::works
+};
+
+TEST(Team, InAChainSharesWaitForTheirNeighboursAlone) {
+    for (const int threads : {2, 3, 8, 70})
+        for (const bool crowds : {false, true}) {
+            if (crowds && threads > 8) continue;
+            Team team({.threads = threads, .crowds = crowds});
+            team.region([&] {
+                for (std::uint64_t round = 0; round < 200; ++round) {
+                    const ChainOfShares shares(threads, 1 + round % 20, round);
+                    const PhaseChain chain = shares.chain();
+                    ChainWatch watch(shares);
+                    team.phases(
+                        threads, shares.length + 2, [&](std::size_t p, int share) { watch.work(p, share); }, &chain);
+                    ASSERT_EQ(watch.wrong, 0) << threads << " threads, round " << round;
+                }
+            });
+        }
+}
+
+// The first share is held up in the first phase: far from it others go on to the last.
+TEST(Team, InAChainAShareThatIsLateHoldsUpItsNeighboursAlone) {
+    Team team({.threads = 2, .crowds = true});
+    const std::vector<std::uint64_t> near{0, 0}; // no neighbours
+    const std::vector<std::int32_t> next{1, 2, 3, 1, 2, 3};
+    const PhaseChain chain{0, 3, near, next};
+    std::atomic<bool> released = false;
+    std::atomic<int> done = 0;
+    const auto work = [&](std::size_t phase, int share) {
+        if (share == 0 && phase == 0)
+            while (!released) std::this_thread::yield();
+        if (share == 1 && phase == 2) released = true;
+        ++done;
+    };
+    team.region([&] { team.phases(2, 3, work, &chain); });
+    EXPECT_EQ(done, 6);
+}
+
 TEST(Team, SectionsOfAllKindsAndWidthsFollowOneAnother) {
     for (const int threads : {2, 3, 8}) {
         Team team({.threads = threads, .crowds = true});
@@ -208,8 +298,17 @@ TEST(Team, SectionsOfAllKindsAndWidthsFollowOneAnother) {
             for (int round = 0; round < 2000; ++round) {
                 const auto n = static_cast<std::size_t>(round % 7);
                 team.for_each("loop", n, 1, add);
-                team.phases(1 + round % threads, n, add);
-                expected += static_cast<int>(n) * (2 + round % threads);
+                const int shares = 1 + round % threads;
+                if (n >= 3 && round % 2 == 0) {
+                    const ChainOfShares row(shares, n - 2, static_cast<std::uint64_t>(round));
+                    const PhaseChain chain = row.chain();
+                    team.phases(shares, n, add, &chain);
+                    expected += 2 * shares + static_cast<int>(std::ranges::count(row.works, 1));
+                } else {
+                    team.phases(shares, n, add);
+                    expected += static_cast<int>(n) * shares;
+                }
+                expected += static_cast<int>(n);
                 if (round % 5 == 0) team.run("ordered", order, add), expected += 20;
                 ASSERT_EQ(count, expected);
             }
