@@ -145,9 +145,10 @@ void register_trace(CLI::App& app, Action& action) {
         app.add_subcommand("trace", "Work, critical path and predicted speed-up of a run recorded with run --trace");
     command->footer("Regions (parallel sections) follow one another; what lies between them is serial. A loop's chunks "
                     "and ordered tasks\n"
-                    "are given to cores greedily, lowest number first; sweeps take ceil(tasks / cores) rounds and a "
-                    "barrier for each visit\n"
-                    "of a group. A region pays fork and join once, a task that waited for one on another core its "
+                    "are given to cores greedily, lowest number first; sweeps take ceil(tasks / cores) rounds for each "
+                    "visit of a group,\n"
+                    "and a barrier after it or, where shares wait for their neighbours alone, a hand-over. A region "
+                    "pays fork and join once, a task that waited for one on another core its "
                     "hand-over. Costs are those\n"
                     "measured on the machine of the run up to its cores; beyond them --growth tells how fork-join and "
                     "barrier grow.\n"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How many threads sweeps with a barrier after every group are worth: the one rule, for the solver that runs them and
-// for the prediction of what more cores would give.
+// How many threads sweeps over groups of tasks are worth: the one rule, for the solver that runs them and for the
+// prediction of what more cores would give.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +8,16 @@
 
 namespace flotilla {
 
-/// Tasks that a thread needs in the average group for a barrier to pay: a batch of contacts (a packet) takes some
-/// hundreds of nanoseconds, a barrier of two threads as much. Changes times only, never a bit.
-inline constexpr std::size_t kTasksPerSweeper = 4;
+/// Tasks in the average group for each of two threads below which one does all: a batch of contacts (a packet) takes
+/// some hundreds of nanoseconds, and to wait for another thread as much. Changes times only, never a bit.
+inline constexpr std::size_t kTasksOfTwo = 4;
 
-/// At most `threads`; `tasks` is the number in all groups together.
+/// At most `threads`, and as many as have a task each in the average group; `tasks` is the number in all groups
+/// together. Where shares wait for their neighbours alone, one more thread costs the others nothing.
 [[nodiscard]] inline int sweep_width(std::size_t tasks, std::size_t groups, int threads) {
-    const std::size_t worth = tasks / (kTasksPerSweeper * std::max<std::size_t>(groups, 1));
-    return static_cast<int>(std::clamp<std::size_t>(worth, 1, static_cast<std::size_t>(std::max(threads, 1))));
+    const std::size_t in_group = tasks / std::max<std::size_t>(groups, 1);
+    if (in_group < 2 * kTasksOfTwo) return 1;
+    return static_cast<int>(std::clamp<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)), 1, in_group));
 }
 
 } // namespace flotilla

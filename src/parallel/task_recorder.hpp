@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What a team of threads did, task by task: the executed task graph of a run.
 //
-// A region is one parallel section: a loop over chunks, an ordered run of tasks, or sweeps over groups with a barrier
-// after each. Regions follow one another; what lies between them ran on one thread. Recording changes times and nothing
+// A region is one parallel section: a loop over chunks, an ordered run of tasks, or sweeps over groups one after
+// another. Regions follow one another; what lies between them ran on one thread. Recording changes times and nothing
 // else.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace flotilla {
 enum class RegionKind : std::uint8_t {
     loop,    ///< independent tasks
     ordered, ///< tasks with successors
-    sweeps,  ///< groups of equal tasks, in order, with a barrier after each group; all of it repeated
+    sweeps,  ///< groups of equal tasks, in order; all of it repeated
 };
 
 /// One task of a loop or an ordered run.
@@ -28,9 +28,10 @@ struct TaskSpan {
 /// All visits of one group of a region of sweeps.
 struct GroupSpan {
     std::int32_t region = 0;
-    std::int32_t tasks = 0;  ///< that may run side by side
-    std::int64_t visits = 0; ///< each followed by a barrier
-    std::int64_t busy = 0;   ///< ns, all visits and threads together
+    std::int32_t tasks = 0; ///< that may run side by side
+    std::int64_t visits = 0;
+    std::int64_t barriers = 0; ///< visits after which all threads wait for all; after the others for their neighbours
+    std::int64_t busy = 0;     ///< ns, all visits and threads together
 };
 
 /// The tasks that wait for a task; -1: none.

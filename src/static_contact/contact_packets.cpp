@@ -108,23 +108,6 @@ void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, bool parked,
     }
 }
 
-// Packets that one thread takes about as long for as many threads wait for one another; two threads lose hardly
-// anything.
-constexpr std::int32_t kMostAlone = 8;
-
-// Puts neighbouring groups from `first` on together where they are small; `end` is the last one's end.
-void join_small_groups(std::vector<PacketGroup>& groups, std::size_t first, std::int32_t end) {
-    std::size_t kept = first;
-    for (std::size_t g = first, next = first; g < groups.size(); g = next) {
-        const auto end_of = [&](std::size_t i) { return i + 1 < groups.size() ? groups[i + 1].first : end; };
-        const std::int32_t begin = groups[g].first;
-        std::int32_t swept = 0;
-        while (next < groups.size() && (next == g || end_of(next) - begin <= kMostAlone)) swept += groups[next++].swept;
-        groups[kept++] = {begin, swept, next - g > 1};
-    }
-    groups.resize(kept);
-}
-
 } // namespace
 
 void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_block, std::int32_t end_block,
@@ -154,13 +137,11 @@ void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first_bl
 }
 
 void group_packets(std::span<const ContactPacket> packets, std::int32_t first, std::vector<PacketGroup>& groups) {
-    const std::size_t first_group = groups.size();
     for (std::size_t p = 0; p < packets.size(); ++p) {
         if (p == 0 || packets[p].color != packets[p - 1].color)
-            groups.push_back({first + static_cast<std::int32_t>(p), 0, false});
+            groups.push_back({first + static_cast<std::int32_t>(p), 0});
         groups.back().swept += packets[p].swept() ? 1 : 0;
     }
-    join_small_groups(groups, first_group, first + static_cast<std::int32_t>(packets.size()));
 }
 
 void resize_rows(PackedContacts& packed) {

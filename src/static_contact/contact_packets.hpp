@@ -81,12 +81,10 @@ struct PackedContacts {
     [[nodiscard]] std::size_t num_rows() const { return frictionless ? normal_rows.size() : rows.size(); }
 };
 
-/// What threads sweep together before they wait for one another: the packets of a colour, shared out; or those of
-/// several small colours in a row, all to one thread, which takes less time than the others would wait for one another.
+/// The packets of a colour, which threads may sweep side by side.
 struct PacketGroup {
     std::int32_t first = 0; ///< packet
     std::int32_t swept = 0; ///< packets with active rows
-    bool alone = false;     ///< one thread does it
 };
 
 /// Appends packets, without their contents, for the blocks [first, end) given in colour order: neighbours of one colour

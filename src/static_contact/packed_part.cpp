@@ -117,10 +117,11 @@ int sweep_packed_part(const SweepEngine& whole, bool momentum, std::int64_t most
     const std::span<const ContactPacket> packets = part.packed.packets;
     const auto end = static_cast<std::int32_t>(packets.size());
     SweepCrew crew = whole.crew();
-    crew.shares = sweep_width_of(part.groups, end, packets, crew.shares); // that the part is worth
+    crew.shares = sweep_width_of(part.groups, end, crew.shares); // that the part is worth
     crew.seen = crew.seen.first(at(crew.shares));
     crew.record_group = part_group(whole);
     crew.one_group = true;
+    crew.memory = &s.part_shares;
     crew.division = nullptr;
     const SweepView view{
         .rows = part.packed.rows.data(), .normal_rows = part.packed.normal_rows.data(), .bodies = s.velocity.data()};

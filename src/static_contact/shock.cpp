@@ -117,8 +117,8 @@ LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions&
                       bool together, ContactScratch& s) {
     const std::span<const ContactPacket> packets = s.shock_packed.packets;
     const auto end = static_cast<std::int32_t>(packets.size());
-    const auto width = [&](int most) { return sweep_width_of(s.shock_groups, end, packets, most); };
-    Sharing sharing(together ? options.team : nullptr, "shock sweeps", width, s.shock_groups.size(), s);
+    const auto width = [&](int most) { return sweep_width_of(s.shock_groups, end, most); };
+    Sharing sharing(together ? options.team : nullptr, "shock sweeps", width, s.shock_groups.size() + 2, s);
     SweepEngine engine({.view = {.rows = s.shock_packed.rows.data(),
                                  .normal_rows = s.shock_packed.normal_rows.data(),
                                  .bodies = s.velocity.data()},
@@ -136,8 +136,6 @@ LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions&
         before = worst;
         return AfterSweep::go_on;
     });
-    sharing.record().end([&](std::size_t g) { return engine.packets_of(g).num_tasks(); },
-                         [&](std::size_t) { return sweeps; });
     island.visits += sweeps * static_cast<std::int64_t>(s.shock_rows.size());
     if (DividedSweeps* divided = engine.divided()) {
         for (const auto& own : divided->own())
@@ -145,9 +143,19 @@ LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions&
         left.residual = divided->share_velocities(left.residual);
         return left;
     }
+    const std::size_t look = engine.evaluation_group();
     left.residual = engine.largest(1, [&](std::size_t, int share) {
-        return largest_violation(engine.cone(), engine.view(share_of(packets, share, engine.crew().shares)),
-                                 options.isa);
+        double worst = 0;
+        engine.timed(share, look, [&] {
+            worst = largest_violation(engine.cone(), engine.view(share_of(packets, share, engine.crew().shares)),
+                                      options.isa);
+        });
+        return worst;
+    });
+    sharing.record().end([&](std::size_t g) {
+        if (g < engine.num_groups()) return engine.span_of(g, sweeps);
+        const std::int64_t looks = g == look ? 1 + SweepShares::kPreparations : 0;
+        return GroupSpan{.tasks = end, .visits = looks, .barriers = looks};
     });
     return left;
 }

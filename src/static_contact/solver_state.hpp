@@ -15,6 +15,7 @@
 #include "static_contact/contact_packets.hpp"
 #include "static_contact/contact_tuning.hpp"
 #include "static_contact/interior_point.hpp"
+#include "static_contact/sweep_shares.hpp"
 
 namespace flotilla {
 
@@ -160,9 +161,10 @@ struct ContactScratch {
         Vec3 linear;
         double turn = 0;
     };
-    LargeVector<Change> change;      ///< per body in contact
-    std::vector<double> sums;        ///< parts of sums, at the place of their first body in island_bodies
-    std::vector<PacketGroup> groups; ///< by island
+    LargeVector<Change> change;            ///< per body in contact
+    std::vector<double> sums;              ///< parts of sums, at the place of their first body in island_bodies
+    std::vector<PacketGroup> groups;       ///< by island
+    ShareMemory whole_shares, part_shares; ///< of an island or a level, and of a part of it
     std::vector<std::int32_t> small_islands;
     /// What a share of a sweep, or of an evaluation of the residual, found.
     struct alignas(64) Seen {

@@ -13,6 +13,12 @@ std::int64_t SweepRecord::busy(std::size_t group) const {
     return sum;
 }
 
+void SweepEngine::prepare_shares() {
+    for_phases(SweepShares::kPreparations, [&](std::size_t phase, int share) {
+        timed(share, evaluation_group(), [&] { shares_.prepare(phase, share); });
+    });
+}
+
 void SweepEngine::move_on(int share, double m) {
     for_bodies(share, [&](std::span<const std::int32_t> bodies, double&) {
         for (const std::int32_t body : bodies) {
@@ -76,7 +82,8 @@ double SweepEngine::sweep_divided(double m) {
 double SweepEngine::sweep(double m) {
     if (divided_ != nullptr) return sweep_divided(m);
     const std::size_t before = set_.momentum ? 1 : 0;
-    return largest(num_groups() + 2 * before, [&](std::size_t phase, int share) {
+    const PhaseChain chain = shares_.chain(before);
+    const auto work = [&](std::size_t phase, int share) {
         double worst = 0;
         if (phase < before) {
             move_on(share, m);
@@ -84,12 +91,12 @@ double SweepEngine::sweep(double m) {
             add_up(share);
         } else {
             timed(share, phase - before, [&] {
-                const auto packets = packets_of(phase - before).share(share, crew_.shares);
-                worst = flotilla::sweep(cone_, view(packets, m), options_.isa);
+                worst = flotilla::sweep(cone_, view(shares_.packets(phase - before, share), m), options_.isa);
             });
         }
         return worst;
-    });
+    };
+    return largest(num_groups() + 2 * before, work, &chain);
 }
 
 void SweepEngine::apply_impulses() {
@@ -101,9 +108,11 @@ void SweepEngine::apply_impulses() {
         divided_->share_velocities(0);
         return;
     }
-    for_phases(num_groups(), [&](std::size_t g, int share) {
-        flotilla::apply_impulses(cone_, view(packets_of(g).share(share, crew_.shares)), options_.isa);
-    });
+    const PhaseChain chain = shares_.chain(0);
+    const auto work = [&](std::size_t g, int share) {
+        timed(share, g, [&] { flotilla::apply_impulses(cone_, view(shares_.packets(g, share)), options_.isa); });
+    };
+    for_phases(num_groups(), work, &chain);
 }
 
 } // namespace flotilla

@@ -14,8 +14,8 @@
 // The law with friction is no minimum of anything, so nothing is proved about m > 0; a plain sweep after every restart
 // and the residual at the end decide.
 //
-// Sweeps run in shares for several threads. Decisions fall between phases, on the calling thread, and rest on what does
-// not depend on the number of shares: packets of one colour touch different bodies, sums of bodies are cut at fixed
+// Sweeps run in shares for several threads, which within a sweep wait for their neighbours alone (sweep_shares.hpp).
+// Decisions fall between sweeps, on the calling thread, and rest on what does not depend on the number of shares: packets of one colour touch different bodies, sums of bodies are cut at fixed
 // places and added up in their order, and the rest are maxima.
 #pragma once
 
@@ -29,8 +29,8 @@
 #include "parallel/team.hpp"
 #include "static_contact/divided_sweeps.hpp"
 #include "static_contact/momentum.hpp"
-#include "static_contact/packet_shares.hpp"
 #include "static_contact/solver_state.hpp"
+#include "static_contact/sweep_shares.hpp"
 
 namespace flotilla {
 
@@ -53,6 +53,7 @@ class SweepRecord {
         busy_.assign(static_cast<std::size_t>(shares) * groups, 0);
     }
 
+    [[nodiscard]] bool active() const { return recorder_ != nullptr; }
     /// Does the work and adds its time to a group.
     template <class Work>
     void timed(int share, std::size_t group, Work&& work) {
@@ -61,12 +62,16 @@ class SweepRecord {
         work();
         busy_[static_cast<std::size_t>(share) * groups_ + group] += recorder_->now() - begin;
     }
-    /// Ends the region. tasks(group) could be done side by side, visits(group) times.
-    template <class Tasks, class Visits>
-    void end(Tasks&& tasks, Visits&& visits) {
+    /// Ends the region. group(k) says of the k-th group what the record does not know of it.
+    template <class Group>
+    void end(Group&& group) {
         if (recorder_ == nullptr) return;
-        for (std::size_t g = 0; g < groups_; ++g)
-            recorder_->add_group({region_, static_cast<std::int32_t>(tasks(g)), visits(g), busy(g)});
+        for (std::size_t g = 0; g < groups_; ++g) {
+            GroupSpan span = group(g);
+            span.region = region_;
+            span.busy = busy(g);
+            recorder_->add_group(span);
+        }
         recorder_->end_region(region_);
     }
 
@@ -88,6 +93,7 @@ struct SweepCrew {
     std::size_t record_group = 0; ///< of the first group
     bool one_group = false;       ///< everything is recorded as that group
     Division* division = nullptr; ///< all ranks sweep; null: this one
+    ShareMemory* memory = nullptr;
 };
 
 /// A crew of as many of the team as sweeps are worth, with its record; without a team the calling thread alone,
@@ -101,6 +107,7 @@ class Sharing {
         if (crew_.shares > 1) s.seen.assign(static_cast<std::size_t>(crew_.shares), {});
         crew_.seen = crew_.shares > 1 ? std::span(s.seen) : std::span(&alone_, 1);
         crew_.record = &record_;
+        crew_.memory = &s.whole_shares;
         if (team != nullptr) crew_.division = team->division();
     }
     Sharing(const Sharing&) = delete;
@@ -138,7 +145,13 @@ class SweepEngine {
   public:
     SweepEngine(const SweepSet& set, const SweepCrew& crew, Cone cone, const ContactSolveOptions& options,
                 ContactScratch& scratch)
-        : set_(set), crew_(crew), cone_(cone), options_(options), s_(scratch) {
+        : set_(set),
+          crew_(crew),
+          cone_(cone),
+          options_(options),
+          s_(scratch),
+          shares_(crew.shares, set.groups, set.end, set.packets, scratch.movable, *crew.memory) {
+        if (crew.shares > 1 || crew.record->active()) prepare_shares(); // one share needs it for the record alone
         if (crew.division == nullptr || set.groups.empty()) return;
         const auto first = static_cast<std::size_t>(set.groups.front().first);
         divided_ = std::make_unique<DividedSweeps>(
@@ -165,24 +178,27 @@ class SweepEngine {
 
     /// The largest of what found(phase, share) returns in all shares of the phases, one after the other.
     template <class Found>
-    double largest(std::size_t phases, Found&& found) {
+    double largest(std::size_t phases, Found&& found, const PhaseChain* chain = nullptr) {
         for (auto& seen : crew_.seen) seen.worst = 0;
-        for_phases(phases, [&](std::size_t phase, int share) {
-            double& worst = crew_.seen[static_cast<std::size_t>(share)].worst;
-            worst = std::max(worst, found(phase, share));
-        });
+        for_phases(
+            phases,
+            [&](std::size_t phase, int share) {
+                double& worst = crew_.seen[static_cast<std::size_t>(share)].worst;
+                worst = std::max(worst, found(phase, share));
+            },
+            chain);
         double worst = 0;
         for (const auto& seen : crew_.seen) worst = std::max(worst, seen.worst);
         return worst;
     }
     template <class Work>
-    void for_phases(std::size_t phases, Work&& work) {
-        flotilla::for_phases(crew_.team, crew_.shares, phases, work);
+    void for_phases(std::size_t phases, Work&& work, const PhaseChain* chain = nullptr) {
+        flotilla::for_phases(crew_.team, crew_.shares, phases, work, chain);
     }
     /// Calls work(bodies, sum) for this share's stretches of the bodies.
     template <class Work>
     void for_bodies(int share, Work&& work) {
-        timed(share, set_.groups.size(), [&] {
+        timed(share, body_group(), [&] {
             const auto cut = [&](int at) {
                 return set_.sums.size() * static_cast<std::size_t>(at) / static_cast<std::size_t>(crew_.shares);
             };
@@ -200,11 +216,16 @@ class SweepEngine {
     /// Null: this rank sweeps all.
     [[nodiscard]] DividedSweeps* divided() const { return divided_.get(); }
     [[nodiscard]] SweepView view(std::span<const ContactPacket> packets, double momentum = 0) const;
-    [[nodiscard]] GroupPackets packets_of(std::size_t group) const {
-        return flotilla::packets_of(set_.groups, group, set_.end, set_.packets);
+    /// What a record is told of a colour of so many sweeps: after all but the last shares wait for neighbours alone.
+    [[nodiscard]] GroupSpan span_of(std::size_t group, std::int64_t sweeps) const {
+        return {
+            .tasks = set_.groups[group].swept, .visits = sweeps, .barriers = group + 1 == num_groups() ? sweeps : 0};
     }
     [[nodiscard]] const SweepCrew& crew() const { return crew_; }
     [[nodiscard]] std::size_t num_groups() const { return set_.groups.size(); }
+    // Groups of a record behind those of the colours.
+    [[nodiscard]] std::size_t body_group() const { return num_groups(); }
+    [[nodiscard]] std::size_t evaluation_group() const { return num_groups() + 1; } ///< and preparation of shares
     [[nodiscard]] Cone cone() const { return cone_; }
     [[nodiscard]] const ContactSolveOptions& options() const { return options_; }
 
@@ -212,6 +233,7 @@ class SweepEngine {
     /// The sequence of m.
     double sweep(double m);
     double sweep_divided(double m);
+    void prepare_shares();
     /// Remembers the velocities x of the bodies and moves them on to y.
     void move_on(int share, double m);
     /// The sums of (y - x) . (x - x_before), twice the energy of the product; a body turns with its mean inertia.
@@ -223,6 +245,7 @@ class SweepEngine {
     Cone cone_;
     const ContactSolveOptions& options_;
     ContactScratch& s_;
+    SweepShares shares_;
     std::unique_ptr<DividedSweeps> divided_;
 };
 

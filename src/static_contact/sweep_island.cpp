@@ -23,7 +23,7 @@ std::span<const PacketGroup> groups_of(const Island& island, const ContactScratc
 }
 
 int width_of(const Island& island, const ContactScratch& s, int most) {
-    return sweep_width_of(groups_of(island, s), island.end_packet, s.packed.packets, most);
+    return sweep_width_of(groups_of(island, s), island.end_packet, most);
 }
 
 /// What an evaluation of the residual found.
@@ -177,6 +177,7 @@ class IslandSweeps {
     /// Evaluates the residual, and activates violated parked contacts.
     void evaluate() {
         if (engine_.divided() != nullptr) return evaluate_divided();
+        ++evaluations_;
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             Seen& seen = engine_.crew().seen[at(share)];
             if (phase == 0) {
@@ -202,7 +203,7 @@ class IslandSweeps {
     }
     double find_left(int share) {
         double residual = 0;
-        engine_.timed(share, evaluation_group(engine_), [&] { residual = residual_of(share_of_packets(share)); });
+        engine_.timed(share, engine_.evaluation_group(), [&] { residual = residual_of(share_of_packets(share)); });
         return residual;
     }
     double residual_of(std::span<const ContactPacket> packets) {
@@ -240,6 +241,7 @@ class IslandSweeps {
             engine_.divided()->share_found(0, packets_, violated_);
             return;
         }
+        ++evaluations_;
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             if (phase == 0) return note_changes(share);
             activate_violated(share);
@@ -248,7 +250,7 @@ class IslandSweeps {
     /// After note_changes() of all shares; returns the largest violation of contacts that were parked.
     double activate_violated(int share) {
         double worst = 0;
-        engine_.timed(share, evaluation_group(engine_), [&] {
+        engine_.timed(share, engine_.evaluation_group(), [&] {
             worst = activate_violated_of(share_of_packets(share)); // as in evaluate(), which reads what this changes
         });
         return worst;
@@ -338,6 +340,7 @@ class IslandSweeps {
         course_.of_parts += static_cast<int>(std::max<std::int64_t>(1, sweeps * packets / whole));
         part_tasks_ += sweeps * packets;
         part_visits_ += sweeps * static_cast<std::int64_t>(groups);
+        part_sweeps_ += sweeps;
         ++part_rounds_;
     }
 
@@ -348,19 +351,26 @@ class IslandSweeps {
         for (std::int32_t p = island_.first_packet; p < island_.end_packet; ++p)
             island_.visits += course_.whole * num_contacts(s_, at(p));
         island_.part_rounds += part_rounds_;
-        sharing_.record().end([&](std::size_t g) { return tasks_of(g); }, [&](std::size_t g) { return visits_of(g); });
+        sharing_.record().end([&](std::size_t group) { return span_of(group); });
     }
-    [[nodiscard]] std::int64_t tasks_of(std::size_t group) const {
-        if (group == choice_group(engine_)) return 1;
-        if (group == part_group(engine_))
-            return std::max(part_tasks_ / std::max(part_visits_, std::int64_t{1}), std::int64_t{1});
-        if (group == evaluation_group(engine_)) return static_cast<std::int64_t>(packets_.size());
-        if (group == body_group(engine_)) return static_cast<std::int64_t>(num_sums(bodies_.size()));
-        return engine_.packets_of(group).num_tasks();
+    /// What a record is told of a group.
+    [[nodiscard]] GroupSpan span_of(std::size_t group) const {
+        if (group < engine_.num_groups())
+            return engine_.span_of(group, course_.whole + (start_.apply_impulses ? 1 : 0));
+        if (group == engine_.body_group()) // before and after a sweep with momentum
+            return all_wait(num_sums(bodies_.size()), start_.momentum ? 2 * course_.whole : 0);
+        if (group == engine_.evaluation_group())
+            return all_wait(packets_.size(), 2 * evaluations_ + SweepShares::kPreparations);
+        if (group == choice_group(engine_)) return all_wait(1, part_rounds_);
+        const std::int64_t wait = (start_.momentum ? 3 : 1) * part_sweeps_ + part_rounds_ * SweepShares::kPreparations;
+        const std::int64_t visits = part_visits_ + wait - part_sweeps_;
+        return {.tasks = static_cast<std::int32_t>(
+                    std::max<std::int64_t>(1, part_tasks_ / std::max<std::int64_t>(1, visits))),
+                .visits = visits,
+                .barriers = wait};
     }
-    [[nodiscard]] std::int64_t visits_of(std::size_t group) const {
-        if (group == choice_group(engine_)) return part_rounds_;
-        return group == part_group(engine_) ? part_visits_ : course_.whole;
+    [[nodiscard]] static GroupSpan all_wait(std::size_t tasks, std::int64_t visits) {
+        return {.tasks = static_cast<std::int32_t>(tasks), .visits = visits, .barriers = visits};
     }
 
     [[nodiscard]] std::span<const ContactPacket> share_of_packets(int share) const {
@@ -384,7 +394,8 @@ class IslandSweeps {
     double chosen_above_ = options_.tolerance; ///< m/s: violations that evaluations mark
     bool known_ = false;                       ///< course_.left is that of the last sweep
     int part_rounds_ = 0;
-    std::int64_t part_tasks_ = 0, part_visits_ = 0; ///< of packets and of groups
+    std::int64_t evaluations_ = 0;
+    std::int64_t part_tasks_ = 0, part_visits_ = 0, part_sweeps_ = 0; ///< of packets, of groups, of all
     Sharing& sharing_;
     SweepEngine engine_;
 };

@@ -81,10 +81,11 @@ int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, C
     ContactScratch::Unsolved& part = s.part;
     const auto end = static_cast<std::int32_t>(part.packets.size());
     SweepCrew crew = whole.crew();
-    crew.shares = sweep_width_of(part.groups, end, part.packets, crew.shares); // that the part is worth
+    crew.shares = sweep_width_of(part.groups, end, crew.shares); // that the part is worth
     crew.seen = crew.seen.first(at(crew.shares));
     crew.record_group = part_group(whole);
     crew.one_group = true;
+    crew.memory = &s.part_shares;
     SweepEngine engine({whole.view({}), part.packets, end, part.groups, momentum, part.bodies, part.sums}, crew,
                        whole.cone(), options, s);
     return engine.run(

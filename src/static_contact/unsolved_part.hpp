@@ -26,8 +26,6 @@ int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, C
 
 /// Groups of an island's record behind those of its batches: the loops over bodies, a task per sum of them; evaluations
 /// of the residual; the choice of parts; their sweeps.
-[[nodiscard]] inline std::size_t body_group(const SweepEngine& whole) { return whole.num_groups(); }
-[[nodiscard]] inline std::size_t evaluation_group(const SweepEngine& whole) { return whole.num_groups() + 1; }
 [[nodiscard]] inline std::size_t choice_group(const SweepEngine& whole) { return whole.num_groups() + 2; }
 [[nodiscard]] inline std::size_t part_group(const SweepEngine& whole) { return whole.num_groups() + 3; }
 inline constexpr std::size_t kGroupsOfWhole = 4;

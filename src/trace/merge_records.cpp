@@ -63,7 +63,7 @@ bool same_tasks(const TaskRecord& a, const TaskRecord& b) {
         return p.region == q.region && p.task == q.task;
     };
     const auto same_group = [](const GroupSpan& p, const GroupSpan& q) {
-        return p.region == q.region && p.tasks == q.tasks && p.visits == q.visits;
+        return p.region == q.region && p.tasks == q.tasks && p.visits == q.visits && p.barriers == q.barriers;
     };
     const auto equal = [](const auto& x, const auto& y, const auto& same) {
         return std::equal(x.begin(), x.end(), y.begin(), y.end(), same);

@@ -202,7 +202,8 @@ double sweeps_time(const RegionTasks& region, int cores, const CostModel& costs)
     double time = c.fork_join;
     for (const GroupSpan& g : region.groups) {
         const std::int64_t rounds = (g.tasks + width - 1) / width;
-        time += static_cast<double>(g.visits) * (static_cast<double>(rounds) * task_time(g) + c.barrier);
+        time += static_cast<double>(g.visits * rounds) * task_time(g);
+        time += static_cast<double>(g.barriers) * c.barrier + static_cast<double>(g.visits - g.barriers) * c.hand_over;
     }
     return time;
 }

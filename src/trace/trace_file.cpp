@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 constexpr std::array<std::string_view, 3> kRegionKinds{"loop", "ordered", "sweeps"};
 
 /// ns as us with three decimals.
@@ -133,7 +133,7 @@ class TraceWriter {
         std::vector<std::string> groups(record_.regions.size());
         for (const GroupSpan& g : record_.groups) {
             std::string& text = groups[static_cast<std::size_t>(g.region)];
-            append_integers(text, text.empty() ? "" : ",", {g.tasks, g.visits, g.busy});
+            append_integers(text, text.empty() ? "" : ",", {g.tasks, g.visits, g.barriers, g.busy});
         }
         for (std::size_t r = 0; r < record_.regions.size(); ++r) {
             const RegionRecord& region = record_.regions[r];
@@ -332,11 +332,15 @@ class TraceReader : public nlohmann::json_sax<Json> {
     }
 
     void take_groups(std::int32_t region) {
-        if (event_.groups.size() % 3 != 0) refuse_event("groups are not in threes");
-        for (std::size_t i = 0; i < event_.groups.size(); i += 3) {
-            const std::int64_t visits = event_.groups[i + 1], busy = event_.groups[i + 2];
-            if (visits < 0 || busy < 0) refuse_event("a group is out of range");
-            trace_.record.groups.push_back({region, argument(event_.groups[i], kMostTasks, "group"), visits, busy});
+        if (event_.groups.size() % 4 != 0) refuse_event("groups are not in fours");
+        for (std::size_t i = 0; i < event_.groups.size(); i += 4) {
+            GroupSpan group{region, argument(event_.groups[i], kMostTasks, "group")};
+            group.visits = event_.groups[i + 1];
+            group.barriers = event_.groups[i + 2];
+            group.busy = event_.groups[i + 3];
+            if (group.barriers < 0 || group.visits < group.barriers || group.busy < 0)
+                refuse_event("a group is out of range");
+            trace_.record.groups.push_back(group);
         }
     }
 

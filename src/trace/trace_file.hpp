@@ -3,7 +3,7 @@
 // Perfetto show.
 //
 // A JSON object:
-//   "otherData"    flotilla_trace (the format's version, 1), version, commit, processor, threads, command_line, steps,
+//   "otherData"    flotilla_trace (the format's version, 2), version, commit, processor, threads, command_line, steps,
 //                  trace_every, cpu_seconds and wall_seconds of the recorded steps, and what was measured of thread
 //                  costs: the arrays cost_threads, cost_fork_join_ns, cost_barrier_ns, cost_hand_over_ns, an element
 //                  per width
@@ -11,8 +11,8 @@
 //     by cat:
 //     phase                  a step or a part of one; args: step
 //     loop, ordered, sweeps  a region, named as the team's call; args: region (its number), tasks, step; of sweeps
-//                            tasks is the most threads they get, and groups is [tasks, visits, busy ns] of each,
-//                            because visits are too many
+//                            tasks is the most threads they get, and groups is [tasks, visits, barriers, busy ns]
+//                            of each, because visits are too many
 //     task                   a task of a loop or an ordered run; tid is its thread; args: region, task (number within
 //                            it), and of ordered ones next: the tasks that waited for it
 // Phases and regions are on the thread that calls the team, 0. Regions come before all tasks.

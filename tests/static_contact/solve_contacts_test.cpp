@@ -10,7 +10,6 @@
 
 #include "static_contact/assemble.hpp"
 #include "static_contact/contact_systems.hpp"
-#include "static_contact/packet_shares.hpp"
 #include "static_contact/tangents.hpp"
 
 namespace flotilla {
@@ -488,37 +487,6 @@ TEST(SolveContacts, ParkedContactsAreObeyed) {
     EXPECT_GT(parked, 100);
     EXPECT_GT(woken, 10);
 }
-
-TEST(SolveContacts, SmallColorsInARowAreLeftToOneThread) {
-    std::vector<ContactBlock> blocks;
-    for (const auto& [color, pairs] : {std::pair{0, 40}, {1, 8}, {2, 20}, {3, 4}, {4, 40}, {5, 1}})
-        for (int k = 0; k < pairs; ++k) {
-            ContactBlock& block = blocks.emplace_back();
-            block.color = color;
-            block.parked = block.end = block.first + 1;
-        }
-    PackedContacts packed;
-    std::vector<PacketGroup> groups{{-1, 0, false}}; // an earlier island's
-    lay_out_packets(blocks, 0, static_cast<std::int32_t>(blocks.size()), packed, groups);
-    ASSERT_EQ(packed.packets.size(), 10u + 2 + 5 + 1 + 10 + 1);
-    std::vector<std::pair<int, bool>> found;
-    for (const PacketGroup& group : groups) found.emplace_back(group.first, group.alone);
-    const std::vector<std::pair<int, bool>> expected{{-1, false}, {0, false}, {10, true}, {18, false}, {28, false}};
-    EXPECT_EQ(found, expected);
-    const std::span<const PacketGroup> island = std::span(groups).subspan(1);
-    const GroupPackets small = packets_of(island, 1, 29, packed.packets);
-    EXPECT_EQ(small.packets.size(), 8u);
-    EXPECT_EQ(small.num_tasks(), 1);
-    EXPECT_EQ(small.share(0, 3).size(), 8u);
-    EXPECT_TRUE(small.share(1, 3).empty());
-    const GroupPackets large = packets_of(island, 2, 29, packed.packets);
-    EXPECT_EQ(large.num_tasks(), 10);
-    EXPECT_EQ(large.share(0, 2).size() + large.share(1, 2).size(), 10u);
-    EXPECT_EQ(sweep_width_of(island.subspan(1, 1), 18, packed.packets, 2), 1) << "nothing to share out";
-    EXPECT_EQ(sweep_width_of(island.subspan(2, 1), 28, packed.packets, 2), 2);
-}
-
-// --- order ---
 
 TEST(SolveContacts, TheOrderOfTheInputChangesNoBit) {
     for (const Tangents tangents : {Tangents::random, Tangents::cone}) {

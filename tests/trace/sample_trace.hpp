@@ -30,8 +30,8 @@ inline TaskRecorder record_sample(int threads) {
     recorder.add_phase("collisions", middle, recorder.now());
     const std::int32_t region = recorder.begin_region("sweeps", RegionKind::sweeps, 12, nullptr);
     recorder.end_region(region);
-    recorder.add_group({region, 8, 3, 240});
-    recorder.add_group({region, 4, 3, 120});
+    recorder.add_group({region, 8, 3, 0, 240});
+    recorder.add_group({region, 4, 3, 3, 120});
     recorder.add_phase("step", begin, recorder.now());
     team.record_to(nullptr);
     return recorder;

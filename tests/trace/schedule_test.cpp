@@ -114,20 +114,23 @@ TEST(Schedule, ALoopFillsTheCoresInListOrder) {
 
 TEST(Schedule, SweepsTakeRoundsAndBarriers) {
     // 100 ns for each visit of a task.
-    const std::vector<GroupSpan> groups{{0, 16, 10, 16'000}, {0, 8, 10, 8'000}};
+    const std::vector<GroupSpan> groups{{0, 16, 10, 0, 16'000}, {0, 8, 10, 10, 8'000}};
     const RegionTasks sweeps{RegionKind::sweeps, {}, {}, groups};
     EXPECT_EQ(sweeps.num_tasks(), 240);
     EXPECT_EQ(region_work(sweeps), 24'000);
     EXPECT_EQ(region_critical_path(sweeps), 2'000);
-    const CostModel costs({{2, 500, 20, 0}, {3, 700, 40, 0}});
+    const CostModel costs({{2, 500, 20, 5}, {3, 700, 40, 5}});
     EXPECT_EQ(time_of(sweeps, 1, costs), 24'000);
-    EXPECT_EQ(time_of(sweeps, 2, costs), 500 + 10 * (800 + 20) + 10 * (400 + 20));
-    EXPECT_EQ(time_of(sweeps, 3, costs), 700 + 10 * (600 + 40) + 10 * (300 + 40));
-    EXPECT_EQ(time_of(sweeps, 256, costs), time_of(sweeps, 3, costs)) << "12 tasks in the average group: three threads";
+    EXPECT_EQ(time_of(sweeps, 2, costs), 500 + 10 * (800 + 5) + 10 * (400 + 20));
+    EXPECT_EQ(time_of(sweeps, 3, costs), 700 + 10 * (600 + 5) + 10 * (300 + 40));
+    EXPECT_EQ(time_of(sweeps, 256, costs), time_of(sweeps, 12, costs)) << "12 tasks in the average group";
     RegionTasks told = sweeps;
     told.most_threads = 2;
     EXPECT_EQ(time_of(told, 256, costs), time_of(sweeps, 2, costs));
-    EXPECT_EQ(sweep_width(24, 2, 256), 3);
+    EXPECT_EQ(sweep_width(24, 2, 256), 12);
+    EXPECT_EQ(sweep_width(16, 2, 256), 8);
+    EXPECT_EQ(sweep_width(15, 2, 256), 1);
+    EXPECT_EQ(sweep_width(24, 2, 5), 5);
     EXPECT_EQ(sweep_width(3, 2, 256), 1);
     EXPECT_EQ(sweep_width(0, 0, 4), 1);
 }
@@ -239,8 +242,8 @@ TEST(Schedule, WhatSweepsSpendOutsideTheirGroupsIsSerial) {
     TaskRecord record;
     record.threads.resize(1);
     record.regions.push_back({"sweeps", RegionKind::sweeps, 2, 100, 1100, 0, 0});
-    record.groups.push_back({0, 8, 10, 500});
-    record.groups.push_back({0, 8, 10, 300});
+    record.groups.push_back({.tasks = 8, .visits = 10, .busy = 500});
+    record.groups.push_back({.tasks = 8, .visits = 10, .busy = 300});
     record.phases.push_back({"step", 0, 1200, 0});
     const Schedule s = make_schedule(record, kFree, {1, 2});
     EXPECT_EQ(s.total.serial, 400);

@@ -159,8 +159,8 @@ TEST(TraceFile, RefusesWhatIsNoTraceOfOurs) {
     EXPECT_NE(problem("{\"traceEvents\": [{\"name\": \"a\", \"ph\": \"X\", \"ts\": 1, \"dur\": 2}]}")
                   .find("no flotilla_trace"),
               std::string::npos);
-    EXPECT_NE(problem("{\"otherData\": {\"flotilla_trace\": 2}}").find("of format 2"), std::string::npos);
-    EXPECT_NE(problem("{\"otherData\": {\"flotilla_trace\": \"1\"}}").find("no flotilla_trace"), std::string::npos);
+    EXPECT_NE(problem("{\"otherData\": {\"flotilla_trace\": 1}}").find("of format 1"), std::string::npos);
+    EXPECT_NE(problem("{\"otherData\": {\"flotilla_trace\": \"2\"}}").find("no flotilla_trace"), std::string::npos);
     EXPECT_EQ(problem_of(folder.path() / "none.json").find("io: "), 0u);
     EXPECT_EQ(problem_of(folder.path()).find("io: "), 0u);
 }
@@ -187,7 +187,7 @@ TEST(TraceFile, RefusesDamage) {
                   .find("more threads"),
               std::string::npos);
     EXPECT_NE(changed("\"task\":99,\"next\":[]", "\"task\":99,\"next\":[98]").find("lower number"), std::string::npos);
-    EXPECT_NE(changed("\"groups\":[[8,", "\"groups\":[[").find("threes"), std::string::npos);
+    EXPECT_NE(changed("\"groups\":[[8,", "\"groups\":[[").find("fours"), std::string::npos);
     EXPECT_NE(changed("\"ts\":", "\"ts\":-").find("out of range"), std::string::npos);
     const std::size_t line = text.find("\"task\":5");
     std::string copy = text;
