@@ -10,6 +10,7 @@
 #include "base/assert.hpp"
 #include "base/index.hpp"
 #include "base/same_bits.hpp"
+#include "parallel/compact.hpp"
 #include "static_contact/tangents.hpp"
 
 namespace flotilla {
@@ -26,19 +27,35 @@ bool can_move(std::size_t id, const Contact& c, const ContactBodies& bodies) {
     return mobility > kLeastMobility * bodies.inv_mass[id];
 }
 
+constexpr std::size_t kContactGrain = 512, kBodyGrain = 64; // of a task
+
 // The total order in which contacts are taken; input in that order already is the common case and is not sorted again.
-void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodies, ContactScratch& s) {
-    s.order.clear();
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-        const Contact& c = contacts[k];
-        FLOTILLA_ASSERT(0 <= c.a && c.a < c.b && at(c.b) < bodies.velocity.size());
-        if (can_move(at(c.a), c, bodies) || can_move(at(c.b), c, bodies)) s.order.push_back(count_of(k));
-    }
-    const auto less = [&](std::int32_t i, std::int32_t j) {
-        const Contact &x = contacts[at(i)], &y = contacts[at(j)];
+// Also whether any of them has friction.
+void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
+                    ContactScratch& s) {
+    Team* team = options.team;
+    enum : std::uint8_t { kMoves = 1, kInOrder = 2, kRubs = 4 };
+    const auto less = [&](std::size_t i, std::size_t j) {
+        const Contact &x = contacts[i], &y = contacts[j];
         return std::tie(x.a, x.b, x.feature_key, i) < std::tie(y.a, y.b, y.feature_key, j);
     };
-    if (!std::is_sorted(s.order.begin(), s.order.end(), less)) std::sort(s.order.begin(), s.order.end(), less);
+    s.look.resize(contacts.size());
+    for_each(team, "look at contacts", contacts.size(), kContactGrain, [&](std::size_t k) {
+        const Contact& c = contacts[k];
+        FLOTILLA_ASSERT(0 <= c.a && c.a < c.b && at(c.b) < bodies.velocity.size());
+        const bool moves = can_move(at(c.a), c, bodies) || can_move(at(c.b), c, bodies);
+        s.look[k] = static_cast<std::uint8_t>((moves ? kMoves : 0) | (k == 0 || less(k - 1, k) ? kInOrder : 0) |
+                                              (moves && c.friction != 0 ? kRubs : 0));
+    });
+    const ListLoop loop{team, "order contacts", kContactGrain, s.places};
+    const auto moves = [&](std::size_t k) { return (s.look[k] & kMoves) != 0; };
+    s.order.clear();
+    compact_if(loop, contacts.size(), moves, s.order, 0, count_of);
+    s.packed.frictionless =
+        options.normal_rows && std::ranges::none_of(s.look, [](std::uint8_t look) { return (look & kRubs) != 0; });
+    const auto in_order = [](std::uint8_t look) { return (look & kInOrder) != 0; };
+    if (!std::ranges::all_of(s.look, in_order))
+        std::ranges::sort(s.order, [&](std::int32_t i, std::int32_t j) { return less(at(i), at(j)); });
 }
 
 Sym3 symmetric(const Mat3& a) {
@@ -52,46 +69,57 @@ ContactScratch::PlacedBody placed_body(std::size_t id, const ContactBodies& bodi
 }
 
 // Notes how the bodies in contact are placed, and which of them as in the solve before.
-void place_bodies(const ContactBodies& bodies, bool known, ContactScratch& s) {
+void place_bodies(const ContactBodies& bodies, bool known, Team* team, ContactScratch& s) {
     const std::size_t before = known ? s.placed.size() : 0;
     s.placed.resize(s.bodies.size());
     s.body_stands.resize(s.bodies.size());
-    for (std::size_t k = 0; k < s.bodies.size(); ++k) {
+    for_each(team, "place bodies", s.bodies.size(), kBodyGrain, [&](std::size_t k) {
         const ContactScratch::PlacedBody now = placed_body(at(s.bodies[k]), bodies);
         s.body_stands[k] = k < before && same_bits(s.placed[k], now) ? 1 : 0;
         if (s.body_stands[k] == 0) s.placed[k] = now;
-    }
+    });
 }
 
-// Numbers the bodies that have contacts, in id order, and copies their velocities.
-void gather_bodies(std::span<const Contact> contacts, const ContactBodies& bodies, ContactScratch& s) {
+// The pairs of body ids that have contacts, and where in the order those of each begin.
+void gather_pairs(std::span<const Contact> contacts, Team* team, ContactScratch& s) {
+    const auto pair_at = [&](std::size_t i) {
+        const Contact& c = contacts[at(s.order[i])];
+        return BodyPair{c.a, c.b};
+    };
+    const auto begins = [&](std::size_t i) { return i == 0 || !(pair_at(i - 1) == pair_at(i)); };
+    const ListLoop loop{team, "gather pairs", kContactGrain, s.places};
+    s.look.resize(s.order.size());
+    const auto look = [&](std::size_t i) { return (s.look[i] = begins(i) ? 1 : 0) != 0; };
+    s.first_contact.clear();
+    compact_if(
+        loop, s.order.size(), look, [&](std::size_t i) { return s.look[i] != 0; }, s.first_contact, 0, count_of);
+    s.pairs.resize(s.first_contact.size());
+    for_each(team, "gather pairs", s.pairs.size(), kContactGrain,
+             [&](std::size_t p) { s.pairs[p] = pair_at(at(s.first_contact[p])); });
+    s.first_contact.push_back(count_of(s.order.size()));
+}
+
+// Numbers the bodies of the pairs in id order, copies their velocities, and puts the numbers in place of the ids.
+void gather_bodies(const ContactBodies& bodies, Team* team, ContactScratch& s) {
     s.local.assign(bodies.velocity.size(), -1);
-    for (const std::int32_t k : s.order) s.local[at(contacts[at(k)].a)] = s.local[at(contacts[at(k)].b)] = 0;
+    for (const BodyPair& pair : s.pairs) s.local[at(pair.a)] = s.local[at(pair.b)] = 0;
     s.bodies.clear();
     s.movable.clear();
-    s.velocity.clear();
     for (std::size_t id = 0; id < s.local.size(); ++id) {
         if (s.local[id] < 0) continue;
         s.local[id] = count_of(s.bodies.size());
         s.bodies.push_back(count_of(id));
         s.movable.push_back(bodies.inv_mass[id] > 0);
+    }
+    s.velocity.resize(s.bodies.size());
+    s.start_velocity.resize(s.bodies.size());
+    for_each(team, "gather bodies", s.bodies.size(), kBodyGrain, [&](std::size_t k) {
+        const std::size_t id = at(s.bodies[k]);
         // + 0: no component of a BodyVelocity is -0.
-        s.velocity.push_back({.linear = bodies.velocity[id] + Vec3{}, .angular = bodies.angular_velocity[id] + Vec3{}});
-    }
-    s.start_velocity = s.velocity;
-}
-
-void gather_pairs(std::span<const Contact> contacts, ContactScratch& s) {
-    s.pairs.clear();
-    s.first_contact.clear();
-    for (std::size_t i = 0; i < s.order.size(); ++i) {
-        const Contact& c = contacts[at(s.order[i])];
-        const BodyPair pair{s.local[at(c.a)], s.local[at(c.b)]};
-        if (!s.pairs.empty() && s.pairs.back() == pair) continue;
-        s.pairs.push_back(pair);
-        s.first_contact.push_back(count_of(i));
-    }
-    s.first_contact.push_back(count_of(s.order.size()));
+        s.velocity[k] = {.linear = bodies.velocity[id] + Vec3{}, .angular = bodies.angular_velocity[id] + Vec3{}};
+        s.start_velocity[k] = s.velocity[k];
+    });
+    for (BodyPair& pair : s.pairs) pair = {s.local[at(pair.a)], s.local[at(pair.b)]};
 }
 
 constexpr std::int32_t kBodiesPerRegion = 64, kMostRegions = 256;
@@ -212,17 +240,20 @@ bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& 
 
 constexpr std::size_t kPairGrain = 32; // body pairs of a task
 
-// Marks the inactive (parked) contacts of every pair, and counts the others.
+// Marks the inactive (parked) contacts of every pair, counts the others, and finds the least tolerance of all.
 void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
                    std::span<const Vec3> impulses, ContactScratch& s) {
     s.parked.resize(s.order.size());
     s.num_awake.resize(s.pairs.size());
+    s.tolerance.resize(s.pairs.size());
     for_each(options.team, "park contacts", s.pairs.size(), kPairGrain, [&](std::size_t p) {
         s.num_awake[p] = 0;
+        s.tolerance[p] = options.tolerance;
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
             const std::size_t c = at(s.order[at(i)]);
             s.parked[at(i)] = is_parked(contacts[c], options.warm_start ? impulses[c] : Vec3{}, bodies, options, s);
             s.num_awake[p] += s.parked[at(i)] ? 0 : 1;
+            s.tolerance[p] = std::min(s.tolerance[p], contacts[c].tolerance);
         }
     });
 }
@@ -286,12 +317,11 @@ void cut_islands(ContactScratch& s) {
     }
 }
 
-void set_tolerances(std::span<const Contact> contacts, double most, ContactScratch& s) {
+void set_tolerances(double most, ContactScratch& s) {
     for (ContactScratch::Island& island : s.islands) island.tolerance = most;
     for (std::size_t p = 0; p < s.pairs.size(); ++p) {
         double& tolerance = s.islands[at(s.island_of_pair[p])].tolerance;
-        for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i)
-            tolerance = std::min(tolerance, contacts[at(s.order[at(i)])].tolerance);
+        tolerance = std::min(tolerance, s.tolerance[p]);
     }
 }
 
@@ -455,13 +485,10 @@ void assemble(std::span<const Contact> contacts, const ContactBodies& bodies, co
               std::span<const Vec3> impulses, ContactScratch& s) {
     const bool known = std::exchange(s.last.complete, false);
     remember_last(s);
-    order_contacts(contacts, bodies, s);
-    s.packed.frictionless = options.normal_rows && std::all_of(s.order.begin(), s.order.end(), [&](std::int32_t k) {
-                                return contacts[at(k)].friction == 0;
-                            });
-    gather_bodies(contacts, bodies, s);
-    place_bodies(bodies, known, s);
-    gather_pairs(contacts, s);
+    order_contacts(contacts, bodies, options, s);
+    gather_pairs(contacts, options.team, s);
+    gather_bodies(bodies, options.team, s);
+    place_bodies(bodies, known, options.team, s);
     park_contacts(contacts, bodies, options, impulses, s);
     const bool same_pairs = known && s.pairs == s.last.pairs && s.movable == s.last.movable;
     if (!same_pairs) find_colors_and_islands(s);
@@ -475,7 +502,7 @@ void assemble(std::span<const Contact> contacts, const ContactBodies& bodies, co
         lay_out_blocks(s);
         lay_out_packets(s);
     }
-    set_tolerances(contacts, options.tolerance, s);
+    set_tolerances(options.tolerance, s);
     make_rows(contacts, options, impulses, same_places, s);
     fill_packets(options.team, s);
     s.last.complete = true;

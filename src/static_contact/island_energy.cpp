@@ -44,26 +44,17 @@ double kinetic_energy(const ContactScratch::Island& island, const ContactBodies&
     return twice / 2;
 }
 
-void take_back_gain(const ContactScratch::Island& island, ContactScratch& s) {
-    double given = 0, from_start = 0; // J: l W l and l (u - target)
-    const auto for_rows = [&](auto&& work) {
-        for (const ContactBlock& block : std::span(s.blocks).subspan(at(island.first), at(island.end - island.first)))
-            for (std::int32_t r = block.first; r < block.end; ++r) work(block, s.rows[at(r)]);
-    };
-    for_rows([&](const ContactBlock& block, const ContactRow& row) {
-        const auto velocity = [&](std::span<const BodyVelocity> of) {
-            return to_contact(row, relative_velocity(row, of[at(block.a)], of[at(block.b)]));
-        };
-        const Vec3 start = velocity(s.start_velocity), &l = row.local.impulse;
-        given += dot(l, velocity(s.velocity) - start);
-        from_start += dot(l, start) - l.x * row.local.target;
-    });
-    if (0.5 * given + from_start <= 0) return;
-    const bool numbers = std::isfinite(given) && std::isfinite(from_start);
-    const double share = numbers && given > 0 ? std::clamp(-from_start / given, 0.0, 1.0) : 0;
-    for_rows([&](const ContactBlock&, ContactRow& row) {
-        row.local.impulse = share > 0 ? share * row.local.impulse : Vec3{};
-    });
+namespace {
+
+constexpr std::size_t kBlockGrain = 64; // body pairs of a task
+
+/// Scales the island's impulses, and what they changed of velocities.
+void scale_impulses(const ContactScratch::Island& island, double share, ContactScratch& s) {
+    for (const ContactBlock& block : std::span(s.blocks).subspan(at(island.first), at(island.end - island.first)))
+        for (std::int32_t r = block.first; r < block.end; ++r) {
+            Vec3& impulse = s.rows[at(r)].local.impulse;
+            impulse = share > 0 ? share * impulse : Vec3{};
+        }
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
         const std::size_t body = at(s.island_bodies[at(k)]);
         const BodyVelocity& start = s.start_velocity[body];
@@ -75,6 +66,36 @@ void take_back_gain(const ContactScratch::Island& island, ContactScratch& s) {
             v = start;
         }
     }
+}
+
+} // namespace
+
+void take_back_gain(const ContactScratch::Island& island, Team* team, ContactScratch& s) {
+    const std::size_t first = at(island.first), n = at(island.end) - first;
+    s.gain.resize(std::max(s.gain.size(), n));
+    const auto find_gain = [&](std::size_t k) {
+        const ContactBlock& block = s.blocks[first + k];
+        ContactScratch::Gain gain;
+        for (std::int32_t r = block.first; r < block.end; ++r) {
+            const ContactRow& row = s.rows[at(r)];
+            const auto velocity = [&](std::span<const BodyVelocity> of) {
+                return to_contact(row, relative_velocity(row, of[at(block.a)], of[at(block.b)]));
+            };
+            const Vec3 start = velocity(s.start_velocity), &l = row.local.impulse;
+            gain.given += dot(l, velocity(s.velocity) - start);
+            gain.from_start += dot(l, start) - l.x * row.local.target;
+        }
+        s.gain[k] = gain;
+    };
+    for_each(n > kBlockGrain ? team : nullptr, "gain of energy", n, kBlockGrain, find_gain);
+    ContactScratch::Gain sum;
+    for (const ContactScratch::Gain& gain : std::span(s.gain).first(n)) {
+        sum.given += gain.given;
+        sum.from_start += gain.from_start;
+    }
+    if (0.5 * sum.given + sum.from_start <= 0) return;
+    const bool numbers = std::isfinite(sum.given) && std::isfinite(sum.from_start);
+    scale_impulses(island, numbers && sum.given > 0 ? std::clamp(-sum.from_start / sum.given, 0.0, 1.0) : 0, s);
 }
 
 } // namespace flotilla

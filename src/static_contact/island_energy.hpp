@@ -17,6 +17,6 @@ namespace flotilla {
 /// before the solve, is zero without impulses and negative at a solution. Where it is positive, as it is for impulses
 /// that grew without bound, all impulses are scaled by one factor to the minimum along their ray, which stays in their
 /// cones. Where they are not numbers they are dropped.
-void take_back_gain(const ContactScratch::Island& island, ContactScratch& scratch);
+void take_back_gain(const ContactScratch::Island& island, Team* team, ContactScratch& scratch);
 
 } // namespace flotilla

@@ -287,7 +287,7 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
     unpack_impulses(scratch, options.team);
     solve_exactly(bodies, options, scratch);
     for (const Island& island : scratch.islands)
-        if (!island.solved) take_back_gain(island, scratch);
+        if (!island.solved) take_back_gain(island, options.team, scratch);
     store_impulses(scratch, options.team, impulses);
     propagate_shocks(bodies, options, scratch);
     store_velocities(scratch, bodies);

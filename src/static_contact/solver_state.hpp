@@ -102,6 +102,10 @@ struct ContactScratch {
     struct Weight {
         double linear = 0, angular = 0;
     };
+    /// Of a pair, J: l W l and l (u - target), with u the velocities before the solve.
+    struct Gain {
+        double given = 0, from_start = 0;
+    };
     /// A body as rows see it: what their frames and masses depend on, beside the contacts. Without padding.
     struct PlacedBody {
         Vec3 position;            ///< m, centre of mass
@@ -131,7 +135,10 @@ struct ContactScratch {
     std::vector<BodyPair> pairs;             ///< bodies in contact, sorted
     std::vector<std::int32_t> first_contact; ///< per pair, into `order`; one more at the end
     std::vector<std::uint8_t> parked;        ///< as `order`
-    std::vector<std::int32_t> num_awake;     ///< active contacts of each pair
+    std::vector<std::uint8_t> look;          ///< per contact
+    std::vector<std::size_t> places;
+    std::vector<double> tolerance;       ///< per pair, the least of its contacts, m/s
+    std::vector<std::int32_t> num_awake; ///< active contacts of each pair
     std::vector<std::int32_t> color, island_of_pair, level, missing;
     std::vector<std::int32_t> pair_order; ///< pairs by (island, colour)
     std::vector<std::int32_t> packet_order;
@@ -164,6 +171,7 @@ struct ContactScratch {
     LargeVector<Change> change;            ///< per body in contact
     std::vector<double> sums;              ///< parts of sums, at the place of their first body in island_bodies
     std::vector<PacketGroup> groups;       ///< by island
+    std::vector<Gain> gain;                ///< by pair of one island
     ShareMemory whole_shares, part_shares; ///< of an island or a level, and of a part of it
     std::vector<std::int32_t> small_islands;
     /// What a share of a sweep, or of an evaluation of the residual, found.
@@ -178,6 +186,7 @@ struct ContactScratch {
     /// The part of a large island that is not solved yet (unsolved_part.hpp).
     struct Unsolved {
         std::vector<std::uint8_t> near, chosen; ///< per body in contact: of a pair violated so far; of a chosen packet
+        std::vector<std::uint8_t> touches;      ///< per packet: it has a near body
         std::vector<std::int32_t> bodies;       ///< the chosen movable ones
         std::vector<ContactPacket> packets;     ///< copies of the chosen ones
         std::vector<PacketGroup> groups;

@@ -15,8 +15,9 @@
 // and the residual at the end decide.
 //
 // Sweeps run in shares for several threads, which within a sweep wait for their neighbours alone (sweep_shares.hpp).
-// Decisions fall between sweeps, on the calling thread, and rest on what does not depend on the number of shares: packets of one colour touch different bodies, sums of bodies are cut at fixed
-// places and added up in their order, and the rest are maxima.
+// Decisions fall between sweeps, on the calling thread, and rest on what does not depend on the number of shares:
+// packets of one colour touch different bodies, sums of bodies are cut at fixed places and added up in their order, and
+// the rest are maxima.
 #pragma once
 
 #include <algorithm>

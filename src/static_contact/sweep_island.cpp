@@ -177,7 +177,7 @@ class IslandSweeps {
     /// Evaluates the residual, and activates violated parked contacts.
     void evaluate() {
         if (engine_.divided() != nullptr) return evaluate_divided();
-        ++evaluations_;
+        looks_ += 2;
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             Seen& seen = engine_.crew().seen[at(share)];
             if (phase == 0) {
@@ -241,7 +241,7 @@ class IslandSweeps {
             engine_.divided()->share_found(0, packets_, violated_);
             return;
         }
-        ++evaluations_;
+        looks_ += 2;
         engine_.for_phases(2, [&](std::size_t phase, int share) {
             if (phase == 0) return note_changes(share);
             activate_violated(share);
@@ -313,7 +313,17 @@ class IslandSweeps {
     /// One round; false where the part is too large.
     bool sweep_part(bool anew, int most_cost) {
         bool chosen = false;
-        engine_.timed(0, choice_group(engine_), [&] { chosen = choose_unsolved(island_, tuning(), anew, s_); });
+        engine_.timed(0, choice_group(engine_), [&] { chosen = mark_unsolved(island_, tuning(), anew, s_); });
+        if (!chosen) return false;
+        ++looks_;
+        engine_.for_phases(1, [&](std::size_t, int share) {
+            engine_.timed(share, engine_.evaluation_group(), [&] {
+                const auto packets = share_of_packets(share);
+                const std::size_t first = at(island_.first_packet) + first_of(packets);
+                find_touching(first, first + packets.size(), s_);
+            });
+        });
+        engine_.timed(0, choice_group(engine_), [&] { chosen = choose_unsolved(island_, tuning(), s_); });
         if (!chosen) return false;
         const auto part = static_cast<std::int64_t>(s_.part.packets.size());
         const auto whole = static_cast<std::int64_t>(packets_.size());
@@ -359,8 +369,7 @@ class IslandSweeps {
             return engine_.span_of(group, course_.whole + (start_.apply_impulses ? 1 : 0));
         if (group == engine_.body_group()) // before and after a sweep with momentum
             return all_wait(num_sums(bodies_.size()), start_.momentum ? 2 * course_.whole : 0);
-        if (group == engine_.evaluation_group())
-            return all_wait(packets_.size(), 2 * evaluations_ + SweepShares::kPreparations);
+        if (group == engine_.evaluation_group()) return all_wait(packets_.size(), looks_ + SweepShares::kPreparations);
         if (group == choice_group(engine_)) return all_wait(1, part_rounds_);
         const std::int64_t wait = (start_.momentum ? 3 : 1) * part_sweeps_ + part_rounds_ * SweepShares::kPreparations;
         const std::int64_t visits = part_visits_ + wait - part_sweeps_;
@@ -394,7 +403,7 @@ class IslandSweeps {
     double chosen_above_ = options_.tolerance; ///< m/s: violations that evaluations mark
     bool known_ = false;                       ///< course_.left is that of the last sweep
     int part_rounds_ = 0;
-    std::int64_t evaluations_ = 0;
+    std::int64_t looks_ = 0;                                          ///< phases over all packets, beside the sweeps
     std::int64_t part_tasks_ = 0, part_visits_ = 0, part_sweeps_ = 0; ///< of packets, of groups, of all
     Sharing& sharing_;
     SweepEngine engine_;

@@ -40,6 +40,7 @@ void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning&
     const std::size_t most = most_packets(island, tuning);
     part.near.resize(s.bodies.size());
     part.chosen.resize(s.bodies.size());
+    part.touches.resize(s.packed.packets.size());
     part.packets.reserve(most);
     part.groups.reserve(most);
     const std::size_t most_bodies = std::min(2 * kPacketLanes * most, at(island.end_body - island.first_body));
@@ -47,25 +48,34 @@ void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning&
     part.sums.reserve(num_sums(most_bodies));
 }
 
-bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew, ContactScratch& s) {
+bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew, ContactScratch& s) {
+    if (anew) s.part.near.assign(s.bodies.size(), 0);
+    return mark_violated(at(island.first_packet), at(island.end_packet), most_packets(island, tuning), s);
+}
+
+void find_touching(std::size_t first, std::size_t end, ContactScratch& s) {
+    for (std::size_t p = first; p < end; ++p) {
+        const ContactPacket& packet = s.packed.packets[p];
+        bool touches = false;
+        for_bodies(packet, kAllPairs, s, [&](std::int32_t body) { touches |= s.part.near[at(body)] != 0; });
+        s.part.touches[p] = touches && packet.swept() ? 1 : 0;
+    }
+}
+
+bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& s) {
     ContactScratch::Unsolved& part = s.part;
-    if (anew) part.near.assign(s.bodies.size(), 0);
-    const std::size_t first = at(island.first_packet);
-    const auto packets = std::span(s.packed.packets).subspan(first, at(island.end_packet) - first);
     const std::size_t most = most_packets(island, tuning);
-    if (!mark_violated(first, at(island.end_packet), most, s)) return false;
     part.packets.clear();
     part.bodies.clear();
     part.contacts = 0;
     part.chosen.assign(s.bodies.size(), 0);
-    for (std::size_t p = 0; p < packets.size(); ++p) {
-        bool touches = false;
-        for_bodies(packets[p], kAllPairs, s, [&](std::int32_t body) { touches |= part.near[at(body)] != 0; });
-        if (!touches || !packets[p].swept()) continue;
+    for (std::size_t p = at(island.first_packet); p < at(island.end_packet); ++p) {
+        if (part.touches[p] == 0) continue;
         if (part.packets.size() == most) return false;
-        part.packets.push_back(packets[p]);
-        part.contacts += num_contacts(s, first + p);
-        for_bodies(packets[p], kAllPairs, s, [&](std::int32_t body) {
+        const ContactPacket& packet = s.packed.packets[p];
+        part.packets.push_back(packet);
+        part.contacts += num_contacts(s, p);
+        for_bodies(packet, kAllPairs, s, [&](std::int32_t body) {
             if (part.chosen[at(body)] == 0) part.bodies.push_back(body);
             part.chosen[at(body)] = 1;
         });

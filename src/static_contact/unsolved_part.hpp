@@ -12,12 +12,15 @@ namespace flotilla {
 /// Room for the parts of the island, so that no later call allocates.
 void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
 
-/// Copies to scratch.part the batches of the island with a pair that shares a movable body with a violated pair,
-/// according to the bits in scratch.violated (see find_violated()); unless `anew`, also those chosen for earlier bits,
-/// or two neighbouring parts would hand the same load to and fro. False where there are none, or too many of the
-/// island's.
-bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
-                     ContactScratch& scratch);
+/// Marks the movable bodies of violated pairs, by the bits in scratch.violated (see find_violated()); unless `anew`,
+/// those of earlier bits stay marked, or two neighbouring parts would hand the same load to and fro. False where that
+/// are too many batches of the island's.
+bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
+                   ContactScratch& scratch);
+/// Finds those of the packets [first, end) that have a marked body.
+void find_touching(std::size_t first, std::size_t end, ContactScratch& scratch);
+/// Copies to scratch.part those that were found in the island. False where there are none, or too many.
+bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
 
 /// Sweeps them by the crew of the whole island's engine, without momentum or with a sequence of their own, until a
 /// sweep meets no violation above the tolerance, `most` times or ContactTuning::part_sweeps times. Returns the number

@@ -4,8 +4,8 @@
 // Work W is the time of all tasks, the critical path C the time on as many cores as one likes with all costs zero. Any
 // greedy schedule (no core idles while a task is ready) on P cores takes at most W/P + C (Graham 1969) and none takes
 // less than max(W/P, C). Here the greedy schedule is built task by task, with costs: what brings threads together for a
-// region, what a barrier takes, and what a task waits for longer because the task it waited for ran on another thread. The last also
-// stands for a share of a sweep that waits for its neighbours alone.
+// region, what a barrier takes, and what a task waits for longer because the task it waited for ran on another thread.
+// The last also stands for what a share of a sweep waits for its neighbours.
 //
 // Regions follow one another, so their times add up; what lies between them runs on one core. Times are ns.
 #pragma once
