@@ -4,7 +4,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "parallel/compact.hpp"
+
 namespace flotilla {
+namespace {
+
+constexpr std::size_t kGrain = 512; // contacts of a task
+
+} // namespace
 
 void ContactSet::add(const Contact& contact, double rest_distance, bool was_processed, bool is_ahead) {
     contacts.push_back(contact);
@@ -47,18 +54,25 @@ void ContactSet::append(const ContactSet& part, std::size_t begin, std::size_t e
     copy(part.ahead, ahead);
 }
 
-void ContactSet::list_pairs(std::vector<CandidatePair>& out) const {
-    out.clear();
-    for (std::size_t i = 0; i < size(); ++i)
-        if (ahead[i] == 0 && (out.empty() || !(out.back() == pair(i)))) out.push_back(pair(i));
+void ContactSet::list_pairs(Team& team, std::vector<std::size_t>& places, std::vector<CandidatePair>& out) const {
+    // A pair is listed with the first of its contacts that is not ahead.
+    const auto first = [&](std::size_t i) {
+        if (ahead[i] != 0) return false;
+        std::size_t before = i;
+        while (before > 0 && pair(before - 1) == pair(i) && ahead[before - 1] != 0) --before;
+        return before == 0 || !(pair(before - 1) == pair(i));
+    };
+    compact_if({&team, "list pairs", kGrain, places}, size(), first, out, 0, [&](std::size_t i) { return pair(i); });
 }
 
-void ContactSet::mark_processed(std::span<const CandidatePair> pairs) {
-    auto next = pairs.begin();
-    for (std::size_t i = 0; i < size(); ++i) {
-        while (next != pairs.end() && *next < pair(i)) ++next;
-        if (next != pairs.end() && *next == pair(i)) processed[i] = 1;
-    }
+void ContactSet::mark_processed(Team& team, std::span<const CandidatePair> pairs) {
+    team.for_chunks("mark pairs", size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+        auto next = std::lower_bound(pairs.begin(), pairs.end(), pair(begin));
+        for (std::size_t i = begin; i < end; ++i) {
+            while (next != pairs.end() && *next < pair(i)) ++next;
+            if (next != pairs.end() && *next == pair(i)) processed[i] = 1;
+        }
+    });
 }
 
 void ContactSet::merge(const ContactSet& others) {

@@ -31,9 +31,9 @@ struct ContactSet {
     void resize(std::size_t size);
     void add(const Contact& contact, double rest_distance, bool was_processed, bool is_ahead);
     /// The pairs of its contacts, without those that are only ahead.
-    void list_pairs(std::vector<CandidatePair>& out) const;
+    void list_pairs(Team& team, std::vector<std::size_t>& places, std::vector<CandidatePair>& out) const;
     /// Takes pairs for processed, given in the order of the contacts.
-    void mark_processed(std::span<const CandidatePair> pairs);
+    void mark_processed(Team& team, std::span<const CandidatePair> pairs);
     /// Writes the contacts of `part` over those from `place` on.
     void put(std::size_t place, const ContactSet& part);
     /// Appends those of `part` from `begin` to `end`.

@@ -110,8 +110,10 @@ void DividedSweeps::find_transfers() {
 
 void DividedSweeps::prepare(std::span<const Transfer> out, std::span<const Transfer> in) {
     const auto of = [](std::span<const Transfer> all, std::size_t color) {
-        const auto [begin, end] = std::ranges::equal_range(all, color, {}, &Transfer::color);
-        return std::span<const Transfer>(begin, end);
+        const auto first_from = [&](std::size_t c) {
+            return std::partition_point(all.begin(), all.end(), [&](const Transfer& t) { return t.color < c; });
+        };
+        return std::span<const Transfer>(first_from(color), first_from(color + 1));
     };
     const auto fill = [](std::span<const Transfer> transfers, std::vector<std::int32_t>& bodies,
                          std::vector<SentVelocity>& buffer) {

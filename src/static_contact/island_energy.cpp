@@ -22,6 +22,23 @@ double angular_energy_twice(Mat3 j, const Vec3& w) {
     return dot(w, momentum);
 }
 
+constexpr std::size_t kItemsPerSum = 64;
+
+/// The sum of term(k) for k in [0, n): of kItemsPerSum terms each, whatever the team, and then of these sums.
+template <class Term>
+double sum_in_parts(Team* team, const char* name, std::size_t n, std::span<double> sums, Term&& term) {
+    const std::size_t parts = (n + kItemsPerSum - 1) / kItemsPerSum;
+    for_each(parts > 1 ? team : nullptr, name, parts, 1, [&](std::size_t part) {
+        const std::size_t begin = part * kItemsPerSum, end = std::min(n, begin + kItemsPerSum);
+        double sum = 0;
+        for (std::size_t k = begin; k < end; ++k) sum += term(k);
+        sums[part] = sum;
+    });
+    double sum = 0;
+    for (const double part : sums.first(parts)) sum += part;
+    return sum;
+}
+
 } // namespace
 
 bool prescribed_at_rest(const ContactScratch::Island& island, const ContactScratch& s) {
@@ -33,15 +50,35 @@ bool prescribed_at_rest(const ContactScratch::Island& island, const ContactScrat
     return true;
 }
 
-double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies, const ContactScratch& s) {
-    double twice = 0;
-    for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
-        const std::int32_t body = s.island_bodies[at(k)];
+double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies, Team* team,
+                      ContactScratch& s) {
+    const auto twice = [&](std::size_t k) {
+        const std::int32_t body = s.island_bodies[at(island.first_body) + k];
         const std::size_t id = at(s.bodies[at(body)]);
         const BodyVelocity& v = s.velocity[at(body)];
-        twice += length_sq(v.linear) / bodies.inv_mass[id] + angular_energy_twice(bodies.inv_inertia[id], v.angular);
-    }
-    return twice / 2;
+        return length_sq(v.linear) / bodies.inv_mass[id] + angular_energy_twice(bodies.inv_inertia[id], v.angular);
+    };
+    const std::span<double> sums = std::span(s.energy_sums).subspan(at(island.first_body));
+    return sum_in_parts(team, "energy of bodies", at(island.end_body - island.first_body), sums, twice) / 2;
+}
+
+double work_of_targets(const ContactScratch::Island& island, Team* team, ContactScratch& s) {
+    const auto work = [&](std::size_t k) {
+        const ContactPacket& packet = s.packed.packets[at(island.first_packet) + k];
+        double sum = 0;
+        const auto add_rows = [&](std::int32_t first, std::int32_t end) {
+            for (auto r = at(first); r < at(end); ++r) {
+                const Lanes* field = s.packed.frictionless ? s.packed.normal_rows[r].field : s.packed.rows[r].field;
+                for (std::size_t lane = 0; lane < kPacketLanes; ++lane)
+                    sum += field[PacketRow::kNormalImpulse][lane] * field[PacketRow::kTarget][lane];
+            }
+        };
+        add_rows(packet.first, packet.end);
+        add_rows(packet.first_parked, packet.end_parked);
+        return sum;
+    };
+    const std::span<double> sums = std::span(s.work_sums).subspan(at(island.first_packet));
+    return sum_in_parts(team, "work of targets", at(island.end_packet - island.first_packet), sums, work);
 }
 
 namespace {

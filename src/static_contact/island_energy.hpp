@@ -9,9 +9,11 @@ namespace flotilla {
 /// Whether every body of prescribed velocity in the island stands still: impulses then do work on nothing outside it.
 [[nodiscard]] bool prescribed_at_rest(const ContactScratch::Island& island, const ContactScratch& scratch);
 
-/// J, with the velocities in `scratch`, summed over the island's movable bodies, ascending.
-[[nodiscard]] double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies,
-                                    const ContactScratch& scratch);
+/// J, with the velocities in `scratch`, of the island's movable bodies. Islands solved side by side have no team.
+[[nodiscard]] double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies, Team* team,
+                                    ContactScratch& scratch);
+/// J, what normal impulses do at the speeds that the targets ask for.
+[[nodiscard]] double work_of_targets(const ContactScratch::Island& island, Team* team, ContactScratch& scratch);
 
 /// Takes back energy that an unsolved island gained from nothing. 1/2 l W l + l (u - target), J, with u the velocities
 /// before the solve, is zero without impulses and negative at a solution. Where it is positive, as it is for impulses

@@ -189,8 +189,8 @@ bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies
     double residual = 0;
     const bool solved = solve_levels(island, options, residual, scratch);
     const auto adds_energy = [&] {
-        return prescribed_at_rest(island, scratch) &&
-               kinetic_energy(island, bodies, scratch) > std::max(island.energy_before, island.energy_pgs);
+        return prescribed_at_rest(island, scratch) && kinetic_energy(island, bodies, options.team, scratch) >
+                                                          std::max(island.energy_before, island.energy_pgs);
     };
     if (solved && !adds_energy()) {
         island.residual = residual;

@@ -55,16 +55,6 @@ void forget_warm_start(const Island& island, const ContactBodies& bodies, Contac
         }
 }
 
-// J, what normal impulses do at the speeds that the targets ask for.
-double work_of_targets(const Island& island, ContactScratch& s) {
-    double sum = 0;
-    for_rows(island, s, [&](const Lanes* field) {
-        for (int lane = 0; lane < kPacketLanes; ++lane)
-            sum += field[PacketRow::kNormalImpulse][lane] * field[PacketRow::kTarget][lane];
-    });
-    return sum;
-}
-
 // m/s, at which the island's mass has its energy before the solve.
 double mean_speed(const Island& island, const ContactScratch& s) {
     double mass = 0;
@@ -123,7 +113,7 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     options.tolerance = island.tolerance;
     options.rest_speed = rest_speed_of(island, bodies, options.rest_speed, s);
     const ContactTuning& tuning = options.tuning;
-    island.energy_before = kinetic_energy(island, bodies, s);
+    island.energy_before = kinetic_energy(island, bodies, options.team, s);
     island.speed = mean_speed(island, s);
     island.rests = options.rest_speed > 0 && island.speed <= options.rest_speed;
     // A caller that asked for a tolerance has all sweeps for it, and wants no more.
@@ -136,9 +126,10 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
         sweep_island(island, options, start, s);
         island.solved = island.solved || (options.tolerance == aim && island.residual <= island.tolerance);
         if (island.solved) return false;
-        island.energy_pgs = kinetic_energy(island, bodies, s);
+        island.energy_pgs = kinetic_energy(island, bodies, options.team, s);
         return island.energy_pgs - island.energy_before >
-               work_of_targets(island, s) + tuning.energy_rounding * (island.energy_pgs + island.energy_before);
+               work_of_targets(island, options.team, s) +
+                   tuning.energy_rounding * (island.energy_pgs + island.energy_before);
     };
     const bool gained = sweep_and_measure({options.warm_start, options.momentum});
     if (!gained || !options.warm_start || !prescribed_at_rest(island, s)) return;
@@ -198,8 +189,10 @@ void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& optio
     }
     if (s.small_islands.empty()) return;
     if (options.team->division() != nullptr) return solve_small_divided(bodies, options, s);
+    ContactSolveOptions alone = options;
+    alone.team = nullptr;
     options.team->for_each("small islands", s.small_islands.size(), 1, [&](std::size_t i, int) {
-        solve_island(s.islands[static_cast<std::size_t>(s.small_islands[i])], bodies, options, s);
+        solve_island(s.islands[static_cast<std::size_t>(s.small_islands[i])], bodies, alone, s);
     });
 }
 

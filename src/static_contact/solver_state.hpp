@@ -168,11 +168,12 @@ struct ContactScratch {
         Vec3 linear;
         double turn = 0;
     };
-    LargeVector<Change> change;            ///< per body in contact
-    std::vector<double> sums;              ///< parts of sums, at the place of their first body in island_bodies
-    std::vector<PacketGroup> groups;       ///< by island
-    std::vector<Gain> gain;                ///< by pair of one island
-    ShareMemory whole_shares, part_shares; ///< of an island or a level, and of a part of it
+    LargeVector<Change> change;                 ///< per body in contact
+    std::vector<double> sums;                   ///< parts of sums, at the place of their first body in island_bodies
+    std::vector<PacketGroup> groups;            ///< by island
+    std::vector<double> energy_sums, work_sums; ///< parts of sums, by the places of bodies and packets of islands
+    std::vector<Gain> gain;                     ///< by pair of one island
+    ShareMemory whole_shares, part_shares;      ///< of an island or a level, and of a part of it
     std::vector<std::int32_t> small_islands;
     /// What a share of a sweep, or of an evaluation of the residual, found.
     struct alignas(64) Seen {

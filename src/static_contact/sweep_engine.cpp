@@ -14,6 +14,7 @@ std::int64_t SweepRecord::busy(std::size_t group) const {
 }
 
 void SweepEngine::prepare_shares() {
+    shares_.reserve();
     for_phases(SweepShares::kPreparations, [&](std::size_t phase, int share) {
         timed(share, evaluation_group(), [&] { shares_.prepare(phase, share); });
     });

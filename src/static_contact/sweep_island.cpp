@@ -418,6 +418,8 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
     s.sweep_start.resize(n);
     s.weight.resize(n);
     s.sums.resize(n);
+    s.energy_sums.resize(n);
+    s.work_sums.resize(s.packed.packets.size());
     s.violated.resize(s.packed.packets.size());
     s.island_bodies.clear();
     for (std::size_t body = 0; body < n; ++body) {

@@ -28,12 +28,14 @@ int sweep_width_of(std::span<const PacketGroup> groups, std::int32_t end, int mo
 SweepShares::SweepShares(int shares, std::span<const PacketGroup> groups, std::int32_t end,
                          std::span<const ContactPacket> packets, std::span<const std::uint8_t> movable,
                          ShareMemory& memory)
-    : shares_(shares), groups_(groups), end_(end), packets_(packets), movable_(movable), memory_(memory) {
-    const std::size_t words = PhaseChain::words(shares);
-    memory.cut.resize(groups.size() * (at(shares) + 1));
-    memory.users.resize(movable.size() * words);
-    memory.near.resize(at(shares) * words);
-    memory.next.resize(at(shares) * groups.size());
+    : shares_(shares), groups_(groups), end_(end), packets_(packets), movable_(movable), memory_(memory) {}
+
+void SweepShares::reserve() {
+    const std::size_t words = PhaseChain::words(shares_);
+    memory_.cut.resize(groups_.size() * (at(shares_) + 1));
+    memory_.users.resize(movable_.size() * words);
+    memory_.near.resize(at(shares_) * words);
+    memory_.next.resize(at(shares_) * groups_.size());
 }
 
 void SweepShares::prepare(std::size_t phase, int share) {

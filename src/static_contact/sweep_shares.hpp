@@ -51,13 +51,15 @@ struct ShareMemory {
     std::vector<std::int32_t> next;   ///< PhaseChain::next
 };
 
-/// The shares of one engine. Several have to be prepared: every share in each of kPreparations phases.
+/// The shares of one engine. Several have to be prepared: reserve(), then every share in each of kPreparations phases.
+/// One share touches no memory: islands are swept side by side.
 class SweepShares {
   public:
     SweepShares(int shares, std::span<const PacketGroup> groups, std::int32_t end,
                 std::span<const ContactPacket> packets, std::span<const std::uint8_t> movable, ShareMemory& memory);
 
     static constexpr int kPreparations = 3;
+    void reserve();
     void prepare(std::size_t phase, int share);
 
     [[nodiscard]] int size() const { return shares_; }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "static_contact/velocity_arrays.hpp"
 
-#include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "base/index.hpp"
@@ -55,14 +55,16 @@ void VelocityArrays::set_inertia(const Model& model, std::size_t i, const Quat& 
     inertia[i] = now.locked == 0 ? world.tensor : free_block(now.locked, world.tensor);
 }
 
-void VelocityArrays::set_rest_speeds(const Model& model, const ContactTuning& tuning) {
-    rest_speed.clear();
-    const auto driven = [&](std::int32_t i) { return model.bodies[at(i)].driven(); };
-    if (std::none_of(model.active.begin(), model.active.end(), driven)) return;
+void VelocityArrays::set_rest_speeds(Team* team, const Model& model, const ContactTuning& tuning) {
     rest_speed.assign(model.size(), 0);
-    for (const std::int32_t i : model.active)
-        if (driven(i))
-            rest_speed[at(i)] = tuning.rest_speed * most_acceleration(model, at(i)) * model.settings.time_step;
+    std::atomic<bool> any = false;
+    for_each(team, "rest speeds", model.active.size(), kBodyGrain, [&](std::size_t k) {
+        const std::size_t i = at(model.active[k]);
+        if (!model.bodies[i].driven()) return;
+        rest_speed[i] = tuning.rest_speed * most_acceleration(model, i) * model.settings.time_step;
+        any.store(true, std::memory_order_relaxed);
+    });
+    if (!any) rest_speed.clear();
 }
 
 void VelocityArrays::store(Team* team, const Model& model, std::span<Motion> motion) const {

@@ -35,7 +35,7 @@ struct VelocityArrays {
               std::span<const Motion> motion);
     /// Makes the inertia of a body anew where it follows from something else than the last time.
     void set_inertia(const Model& model, std::size_t body, const Quat& rotation);
-    void set_rest_speeds(const Model& model, const ContactTuning& tuning);
+    void set_rest_speeds(Team* team, const Model& model, const ContactTuning& tuning);
     /// Writes back; a momentum changes only where the angular velocity did, so that untouched bodies keep theirs to the
     /// bit.
     void store(Team* team, const Model& model, std::span<Motion> motion) const;

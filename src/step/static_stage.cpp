@@ -107,10 +107,10 @@ void Stepper::final_static_contact(std::span<const Pose> end, std::span<Motion> 
 void Stepper::find_contacts_at_end(StepReport& report) {
     const PhaseWatch detection(report, Phase::static_detection, workers_.team);
     note_strays(report.step);
-    contacts_.list_pairs(start_pairs_);
+    contacts_.list_pairs(workers_.team, places_, start_pairs_);
     find_contacts(view(), pairs_, workers_, {report.step}, search_, contacts_);
     contacts_step_ = report.step;
-    contacts_.mark_processed(start_pairs_);
+    contacts_.mark_processed(workers_.team, start_pairs_);
     set_counters(contacts_.counters, report);
 }
 
@@ -156,7 +156,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     const bool final_stage = stage == ContactStage::final;
     auto& [velocities, targets, impulses, stored, solver] = static_;
     velocities.load(&workers_.team, model_, pairs_.lists.still_version, poses, motion);
-    velocities.set_rest_speeds(model_, options_.tuning);
+    velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1
     // ended by its limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up
     // would accelerate for ever.

@@ -275,6 +275,7 @@ class Stepper {
     /// With contacts at x^n. Stage 1 examined how they move from there, so that stage 7 misses no collision of theirs;
     /// left to a bounce in the next step, what passes a corner or a wire by less than the rest distance would keep the
     /// velocity that stages 3 and 5 do not let it follow, in every step.
+    std::vector<std::size_t> places_; ///< scratch of compactions
     std::vector<CandidatePair> start_pairs_;
     ContactSet contacts_;
     std::int64_t contacts_step_ = -1;        ///< the step at whose end they are contacts

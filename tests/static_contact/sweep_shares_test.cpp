@@ -74,6 +74,7 @@ TEST(SweepShares, SharesThatMeetABodyAreNeighbours) {
         ShareMemory memory;
         SweepShares shares(n, groups, static_cast<std::int32_t>(packed.packets.size()), packed.packets, movable,
                            memory);
+        shares.reserve();
         for (std::size_t phase = 0; phase < static_cast<std::size_t>(SweepShares::kPreparations); ++phase)
             for (int share = 0; share < n; ++share) shares.prepare(phase, share);
         const PhaseChain chain = shares.chain(1);
