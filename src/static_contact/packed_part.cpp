@@ -19,13 +19,6 @@ void for_swept_rows(const ContactPacket& packet, Work&& work) {
     for (std::int32_t r = packet.first_parked; r < packet.end_parked; ++r) work(at(r));
 }
 
-void mark_near(std::size_t first, std::size_t end, ContactScratch& s) {
-    std::vector<std::uint8_t>& near = s.packed_part.near;
-    near.assign(s.bodies.size(), 0);
-    for (std::size_t p = first; p < end; ++p)
-        for_bodies(s.packed.packets[p], s.violated[p], s, [&](std::int32_t body) { near[at(body)] = 1; });
-}
-
 bool is_near(const ContactPacket& packet, std::size_t lane, const ContactScratch& s) {
     bool near = false;
     for_bodies(packet, 1U << lane, s, [&](std::int32_t body) { near |= s.packed_part.near[at(body)] != 0; });
@@ -45,13 +38,14 @@ void choose_pairs(std::size_t first, std::size_t end, ContactScratch& s) {
     part.blocks.clear();
     part.contacts = 0;
     for (std::size_t p = first; p < end; ++p) {
+        if (part.near_pairs[p] == 0) continue;
         const ContactPacket& packet = s.packed.packets[p];
-        if (!packet.swept()) continue;
         const std::size_t before = part.blocks.size();
         for (std::size_t lane = 0; lane < at(packet.num_pairs); ++lane) {
+            if ((part.near_pairs[p] >> lane & 1) == 0) continue;
             const ContactBlock& pair = s.blocks[at(s.packed.first_block[p]) + lane];
             const ContactBlock swept = swept_rows_of(pair, packet.woken != 0);
-            if (swept.first == swept.end || !is_near(packet, lane, s)) continue;
+            if (swept.first == swept.end) continue;
             part.blocks.push_back(swept);
             part.contacts += swept.end - swept.first;
         }
@@ -72,21 +66,6 @@ void list_bodies(ContactScratch& s) {
     part.sums.resize(num_sums(part.bodies.size()));
 }
 
-void pack(Team* team, ContactScratch& s) {
-    ContactScratch::PackedPart& part = s.packed_part;
-    for_each(team, "unpack impulses", part.packets.size(), kGrain, [&](std::size_t k) {
-        for_swept_rows(s.packed.packets[at(part.packets[k])],
-                       [&](std::size_t row) { unpack_impulses(s.packed, row, s.rows); });
-    });
-    part.packed.clear();
-    part.packed.frictionless = s.packed.frictionless;
-    part.groups.clear();
-    lay_out_packets(part.blocks, 0, static_cast<std::int32_t>(part.blocks.size()), part.packed, part.groups);
-    resize_rows(part.packed);
-    for_each(team, "pack part", part.packed.packets.size(), kGrain,
-             [&](std::size_t p) { fill_packet(part.blocks, s.rows, p, part.packed); });
-}
-
 void write_impulses_back(Team* team, ContactScratch& s) {
     const ContactScratch::PackedPart& part = s.packed_part;
     for_each(team, "unpack part", part.packed.packets.size(), kGrain, [&](std::size_t p) {
@@ -100,15 +79,46 @@ void write_impulses_back(Team* team, ContactScratch& s) {
 
 } // namespace
 
-bool pack_unsolved(const ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
-    const std::size_t first = at(island.first_packet), end = at(island.end_packet);
-    mark_near(first, end, s);
-    choose_pairs(first, end, s);
-    const std::size_t most = at(island.end - island.first) / at(options.tuning.packed_divisor);
+void mark_near(const ContactScratch::Island& island, ContactScratch& s) {
+    ContactScratch::PackedPart& part = s.packed_part;
+    part.near.assign(s.bodies.size(), 0);
+    part.near_pairs.resize(s.packed.packets.size());
+    for (std::size_t p = at(island.first_packet); p < at(island.end_packet); ++p)
+        if (s.violated[p] != 0)
+            for_bodies(s.packed.packets[p], s.violated[p], s, [&](std::int32_t body) { part.near[at(body)] = 1; });
+}
+
+void find_near_pairs(std::size_t first, std::size_t end, ContactScratch& s) {
+    for (std::size_t p = first; p < end; ++p) {
+        const ContactPacket& packet = s.packed.packets[p];
+        unsigned near = 0;
+        for (std::size_t lane = 0; packet.swept() && lane < at(packet.num_pairs); ++lane)
+            if (is_near(packet, lane, s)) near |= 1U << lane;
+        s.packed_part.near_pairs[p] = static_cast<std::uint8_t>(near);
+    }
+}
+
+bool choose_near(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& s) {
+    choose_pairs(at(island.first_packet), at(island.end_packet), s);
+    const std::size_t most = at(island.end - island.first) / at(tuning.packed_divisor);
     if (s.packed_part.blocks.empty() || s.packed_part.blocks.size() > most) return false;
     list_bodies(s);
-    pack(options.team, s);
     return true;
+}
+
+void pack_part(Team* team, ContactScratch& s) {
+    ContactScratch::PackedPart& part = s.packed_part;
+    for_each(team, "unpack impulses", part.packets.size(), kGrain, [&](std::size_t k) {
+        for_swept_rows(s.packed.packets[at(part.packets[k])],
+                       [&](std::size_t row) { unpack_impulses(s.packed, row, s.rows); });
+    });
+    part.packed.clear();
+    part.packed.frictionless = s.packed.frictionless;
+    part.groups.clear();
+    lay_out_packets(part.blocks, 0, static_cast<std::int32_t>(part.blocks.size()), part.packed, part.groups);
+    resize_rows(part.packed);
+    for_each(team, "pack part", part.packed.packets.size(), kGrain,
+             [&](std::size_t p) { fill_packet(part.blocks, s.rows, p, part.packed); });
 }
 
 int sweep_packed_part(const SweepEngine& whole, bool momentum, std::int64_t most, double enough, ContactScratch& s) {

@@ -10,10 +10,15 @@
 
 namespace flotilla {
 
-/// Packs to scratch.packed_part the pairs of the island that share a movable body with a marked pair, by the bits in
-/// scratch.violated (see find_violated()), with their present impulses. False where there are none, or more than the
+/// Marks the movable bodies of violated pairs, by the bits in scratch.violated (see find_violated()).
+void mark_near(const ContactScratch::Island& island, ContactScratch& scratch);
+/// Finds the pairs of the packets [first, end) that have a marked body.
+void find_near_pairs(std::size_t first, std::size_t end, ContactScratch& scratch);
+/// Copies to scratch.packed_part those that were found in the island. False where there are none, or more than the
 /// island's pairs divided by ContactTuning::packed_divisor.
-bool pack_unsolved(const ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& scratch);
+bool choose_near(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
+/// Packs them with their present impulses.
+void pack_part(Team* team, ContactScratch& scratch);
 
 /// Sweeps them by the crew of the whole island's engine, without momentum or with a sequence of their own, until a
 /// sweep meets no violation above `enough` (m/s), `most` times or ContactTuning::packed_sweeps times; then writes their

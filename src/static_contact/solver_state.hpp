@@ -197,10 +197,11 @@ struct ContactScratch {
     Unsolved part;
     /// The part of a large island in motion that is not solved yet, packed anew (packed_part.hpp).
     struct PackedPart {
-        std::vector<std::uint8_t> near;    ///< per body in contact: of a violated pair, then of a chosen one
-        std::vector<std::int32_t> packets; ///< of the island: those with chosen pairs
-        std::vector<ContactBlock> blocks;  ///< copies of the chosen pairs, with the rows that are swept
-        std::vector<std::int32_t> bodies;  ///< the chosen movable ones
+        std::vector<std::uint8_t> near;       ///< per body in contact: of a violated pair, then of a chosen one
+        std::vector<std::uint8_t> near_pairs; ///< per packet, a bit for each pair with a near body
+        std::vector<std::int32_t> packets;    ///< of the island: those with chosen pairs
+        std::vector<ContactBlock> blocks;     ///< copies of the chosen pairs, with the rows that are swept
+        std::vector<std::int32_t> bodies;     ///< the chosen movable ones
         PackedContacts packed;
         std::vector<PacketGroup> groups;
         std::vector<double> sums;  ///< parts of a sum over the bodies

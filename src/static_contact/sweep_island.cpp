@@ -310,19 +310,24 @@ class IslandSweeps {
         if (swept) course_.parts_from = course_.whole + tuning().look_every;
         return swept;
     }
-    /// One round; false where the part is too large.
-    bool sweep_part(bool anew, int most_cost) {
-        bool chosen = false;
-        engine_.timed(0, choice_group(engine_), [&] { chosen = mark_unsolved(island_, tuning(), anew, s_); });
-        if (!chosen) return false;
+    /// Calls work(first, end) for each share of the packets, as places in those of all islands.
+    template <class Work>
+    void look(Work&& work) {
         ++looks_;
         engine_.for_phases(1, [&](std::size_t, int share) {
             engine_.timed(share, engine_.evaluation_group(), [&] {
                 const auto packets = share_of_packets(share);
                 const std::size_t first = at(island_.first_packet) + first_of(packets);
-                find_touching(first, first + packets.size(), s_);
+                work(first, first + packets.size());
             });
         });
+    }
+    /// One round; false where the part is too large.
+    bool sweep_part(bool anew, int most_cost) {
+        bool chosen = false;
+        engine_.timed(0, choice_group(engine_), [&] { chosen = mark_unsolved(island_, tuning(), anew, s_); });
+        if (!chosen) return false;
+        look([&](std::size_t first, std::size_t end) { find_touching(first, end, s_); });
         engine_.timed(0, choice_group(engine_), [&] { chosen = choose_unsolved(island_, tuning(), s_); });
         if (!chosen) return false;
         const auto part = static_cast<std::int64_t>(s_.part.packets.size());
@@ -334,9 +339,12 @@ class IslandSweeps {
     /// One round in an island in motion; false where the part is too large.
     bool sweep_packed(int most_cost) {
         if (engine_.divided() != nullptr) engine_.divided()->share_impulses(s_.packed); // each rank sweeps all of it
-        bool packed = false;
-        engine_.timed(0, choice_group(engine_), [&] { packed = pack_unsolved(island_, options_, s_); });
-        if (!packed) return false;
+        bool chosen = false;
+        engine_.timed(0, choice_group(engine_), [&] { mark_near(island_, s_); });
+        look([&](std::size_t first, std::size_t end) { find_near_pairs(first, end, s_); });
+        engine_.timed(0, choice_group(engine_), [&] { chosen = choose_near(island_, tuning(), s_); });
+        if (!chosen) return false;
+        pack_part(options_.team, s_);
         const auto part = static_cast<std::int64_t>(s_.packed_part.packed.packets.size());
         const std::int64_t most = most_cost * static_cast<std::int64_t>(packets_.size()) / part;
         const int sweeps = sweep_packed_part(engine_, start_.momentum, most, chosen_above_, s_);

@@ -395,21 +395,33 @@ class ScheduleMaker {
         for (double& t : row.time) t += time;
     }
 
+    /// ns of the regions that begin before this one ends: they follow it in the record.
+    [[nodiscard]] double inner_wall(std::size_t index) const {
+        double sum = 0;
+        for (std::size_t r = index + 1;
+             r < record_.regions.size() && record_.regions[r].begin < record_.regions[index].end; ++r)
+            sum += static_cast<double>(record_.regions[r].end - record_.regions[r].begin);
+        return sum;
+    }
+
     void add_region(std::size_t index) {
         const RegionRecord& record = record_.regions[index];
         const RegionTasks region = table_[index];
         const auto wall = static_cast<double>(record.end - record.begin);
         const double work = region_work(region), path = region_critical_path(region);
-        const double gaps = one_thread_ && region.kind == RegionKind::sweeps ? std::max(0.0, wall - work) : 0;
+        // Between its sweeps a region may have others, whose time is added with themselves.
+        const double of_others = region.kind == RegionKind::sweeps ? inner_wall(index) : 0;
+        const double gaps =
+            one_thread_ && region.kind == RegionKind::sweeps ? std::max(0.0, wall - of_others - work) : 0;
         std::vector<double> time(out_.widths.size());
         constexpr std::int64_t kLarge = 1 << 14; // tasks that are worth threads
         parallel_for(time.size(), region.durations.size() < kLarge ? 1 : default_threads(),
                      [&](std::size_t w) { time[w] = region_time(region, out_.widths[w], costs_, scratch_[w]); });
         const int phase = innermost();
         if (phase == RowTree::kRoot)
-            rows_.row(phase).wall += wall;
+            rows_.row(phase).wall += wall - of_others;
         else // was added as serial with its phase
-            rows_.up(phase, [&](ScheduleRow& row) { add_serial(row, -wall); });
+            rows_.up(phase, [&](ScheduleRow& row) { add_serial(row, of_others - wall); });
         const int node = rows_.part(phase, record.name, kind_of(record.kind));
         ++rows_.row(node).count;
         rows_.row(node).wall += wall;

@@ -250,6 +250,15 @@ TEST(Schedule, WhatSweepsSpendOutsideTheirGroupsIsSerial) {
     EXPECT_EQ(s.total.work, 1200);
     EXPECT_EQ(s.total.critical_path, 400 + 100);
     EXPECT_EQ(s.total.time[1], 400 + 400);
+    // A loop between its sweeps counts for itself.
+    record.regions.push_back({"loop", RegionKind::loop, 2, 600, 700, 0, 0});
+    record.threads[0] = {{600, 650, 1, 0}, {650, 700, 1, 1}};
+    const Schedule with_loop = make_schedule(record, kFree, {1, 2});
+    EXPECT_EQ(with_loop.total.serial, 300);
+    EXPECT_EQ(with_loop.total.work, 1200);
+    EXPECT_EQ(with_loop.total.time[1], 300 + 400 + 50);
+    record.regions.pop_back();
+    record.threads[0].clear();
     // With more threads, busy times overlap, and the region's own time says nothing.
     record.threads.resize(2);
     EXPECT_EQ(make_schedule(record, kFree, {1, 2}).total.serial, 200);
