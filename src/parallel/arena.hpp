@@ -21,9 +21,10 @@
 namespace flotilla {
 
 /// Threads that coarse work may take in this process. oneTBB's own limit, the cores that it sees, is lifted once: one
-/// that comes and goes loses workers. A limit of the host's stands.
+/// that comes and goes loses workers. Also where there is one core a job beside the caller (beside.hpp) has a thread:
+/// oneTBB complains on stderr of one that it cannot have. A limit of the host's stands.
 inline std::size_t most_coarse_threads() {
-    static const auto most = static_cast<std::size_t>(std::max(usable_cores(), default_threads()));
+    static const auto most = static_cast<std::size_t>(std::max({usable_cores(), default_threads(), 2}));
     static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, most);
     return most;
 }

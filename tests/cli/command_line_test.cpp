@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What the command prints about itself and about command lines that it does not understand.
+#if defined(__linux__)
+#include <sched.h>
+#endif
+
 #include <gtest/gtest.h>
 
 #include <regex>
@@ -153,6 +157,24 @@ TEST(RunCommand, QuietIsQuietButForProblems) {
     EXPECT_EQ(again.exit_code, 2);
     EXPECT_NE(again.err, "");
 }
+
+#if defined(__linux__)
+// Where there is one core nothing is left for the threads that write files.
+TEST(RunCommand, QuietIsQuietOnOneCore) {
+    const TemporaryFolder folder;
+    const std::string scene = boats(folder);
+    cpu_set_t all, one;
+    ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
+    ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0); // the command inherits it
+    const CommandOutput r =
+        run_flotilla("run --quiet --steps 3 --output " + (folder.path() / "run").string() + " " + scene);
+    ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
+    EXPECT_EQ(r.exit_code, 0);
+    EXPECT_EQ(r.out + r.err, "");
+}
+#endif
 
 TEST(RunCommand, PhaseTableSaysWhichTimesAreSumsOverThreads) {
     const TemporaryFolder folder;
