@@ -13,6 +13,9 @@ namespace {
 /// as one task up to so many.
 constexpr std::int32_t kMostAlone = 8;
 
+/// Two shares are taken for neighbours without a look: they nearly always are.
+constexpr std::uint64_t kBoth = 3;
+
 } // namespace
 
 int sweep_width_of(std::span<const PacketGroup> groups, std::int32_t end, int most) {
@@ -70,6 +73,7 @@ void SweepShares::for_bodies(int share, Work&& work) const {
 }
 
 void SweepShares::note_users(int share) {
+    if (shares_ == 2) return;
     const std::uint64_t bit = std::uint64_t{1} << share % 64;
     for_bodies(share, [&](std::span<std::uint64_t> users) {
         const std::atomic_ref<std::uint64_t> word(users[at(share / 64)]);
@@ -80,10 +84,11 @@ void SweepShares::note_users(int share) {
 void SweepShares::find_neighbours(int share) {
     const std::size_t words = PhaseChain::words(shares_);
     const auto near = std::span(memory_.near).subspan(at(share) * words, words);
-    std::ranges::fill(near, 0);
-    for_bodies(share, [&](std::span<const std::uint64_t> users) {
-        for (std::size_t w = 0; w < words; ++w) near[w] |= users[w];
-    });
+    std::ranges::fill(near, shares_ == 2 ? kBoth : 0);
+    if (shares_ > 2)
+        for_bodies(share, [&](std::span<const std::uint64_t> users) {
+            for (std::size_t w = 0; w < words; ++w) near[w] |= users[w];
+        });
     near[at(share / 64)] &= ~(std::uint64_t{1} << share % 64);
     const auto next = std::span(memory_.next).subspan(at(share) * groups_.size(), groups_.size());
     auto to = static_cast<std::int32_t>(groups_.size());
