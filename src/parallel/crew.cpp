@@ -11,6 +11,9 @@ namespace {
 /// ns that a thread lets the owner of a share come before it does the share itself: longer than a signal from core to
 /// core takes.
 constexpr std::int64_t kPatience = 500;
+/// The same in chains, whose shares may well wait so long for one another: to look for shares to take over reads what
+/// every thread writes.
+constexpr std::int64_t kPatienceInChain = 16 * kPatience;
 
 } // namespace
 
@@ -117,7 +120,7 @@ bool Crew::ready(const Section& section, std::uint64_t phase, int share) const {
 
 void Crew::perform_in_chain(const Section& section, std::uint64_t phase, int share, int thread) {
     const auto is_ready = [&] { return ready(section, phase, share); };
-    while (!spin(kPatience, is_ready)) take_over_ready(section, phase, thread);
+    while (!spin(kPatienceInChain, is_ready)) take_over_ready(section, phase, thread);
     perform(section, phase, share, thread);
 }
 
@@ -192,13 +195,12 @@ void Crew::run(int shares, std::size_t phases, const PhaseChain* chain, const Wo
     bool late = phases == 1; // whether owners seem not to be there; one phase's shares share out their own work
     for (std::size_t s = 0; s < section.num_stretches(); ++s) {
         const auto is_over = [&] { return over(section, s); };
+        const bool in_chain = section.chained(section.first_phase(s));
         do_share(section, s, 0);
-        if (is_over() || (!late && spin(kPatience, is_over))) continue;
+        if (is_over() || (!late && spin(in_chain ? kPatienceInChain : kPatience, is_over))) continue;
         late = take_over(section, s, 0);
-        if (section.chained(section.first_phase(s))) { // what is claimed now may be free in its next phase
-            while (!spin(kPatience, is_over))
-                if (!take_over(section, s, 0)) std::this_thread::yield();
-        }
+        while (in_chain && !spin(kPatienceInChain, is_over)) // what is claimed now may be free in its next phase
+            if (!take_over(section, s, 0)) std::this_thread::yield();
         while (!spin(spin_time(), is_over)) seat(0).bed.sleep(Bed::at_end, is_over);
     }
 }
@@ -209,9 +211,10 @@ void Crew::help(int thread, const Section& section) {
     std::size_t s = std::min<std::size_t>(stretches, done / static_cast<unsigned>(section.shares));
     for (bool late = false; s < stretches; ++s) {
         const auto is_over = [&] { return over(section, s); };
+        const bool in_chain = section.chained(section.first_phase(s));
         do_share(section, s, thread);
         if (s + 1 == stretches) return;
-        if (is_over() || (!late && spin(kPatience, is_over))) continue;
+        if (is_over() || (!late && spin(in_chain ? kPatienceInChain : kPatience, is_over))) continue;
         late = take_over(section, s, thread);
         if (!spin(spin_time(), is_over)) return; // others do without
     }
