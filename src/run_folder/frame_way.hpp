@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include <flotilla/types.hpp>
@@ -45,6 +46,8 @@ class WayWriter {
     void append(std::size_t frame, const Way& way);
     void write(Hdf5Writer& file, std::size_t inner_steps, std::size_t bodies) const;
     void clear();
+    /// All that append() lengthens.
+    [[nodiscard]] auto lists() { return std::tie(position_, rotation_, turn_, index_, checksums_); }
 
   private:
     std::vector<double> position_, rotation_, turn_;

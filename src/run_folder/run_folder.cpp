@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <tuple>
 #include <type_traits>
 
 #include <flotilla/error.hpp>
@@ -12,6 +13,7 @@
 #include "base/assert.hpp"
 #include "base/rotation.hpp"
 #include "io/flat.hpp"
+#include "run_folder/growth.hpp"
 #include "run_folder/run_files.hpp"
 #include "run_folder/step_csv.hpp"
 
@@ -208,6 +210,11 @@ void RunWriter::add_frame(const FrameView& frame) {
 }
 
 void RunWriter::append_frame(const FrameView& frame, std::span<const PathRotation> path) {
+    // All of it or nothing: where memory is refused, the frames before it are still to be written.
+    Growth growth(
+        std::tuple_cat(ways_.lists(), std::tie(path_index_, path_rotation_, activity_.contacts, activity_.cluster,
+                                               activity_.cost, activity_checksums_, steps_, times_, position_,
+                                               rotation_, velocity_, angular_velocity_, checksums_)));
     const auto frame_in_segment = static_cast<std::int32_t>(steps_.size());
     for (const auto& turn : path) {
         path_index_.insert(path_index_.end(), {frame_in_segment, turn.body});
@@ -222,6 +229,7 @@ void RunWriter::append_frame(const FrameView& frame, std::span<const PathRotatio
     append(velocity_, flat(frame.velocity));
     append(angular_velocity_, flat(frame.angular_velocity));
     checksums_.push_back(frame_checksum(frame, path));
+    growth.keep();
 }
 
 /// A segment has the activity of all its frames or of none: a run that older versions began goes on without it until

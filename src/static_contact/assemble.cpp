@@ -20,7 +20,8 @@ std::int32_t count_of(std::size_t n) { return static_cast<std::int32_t>(n); }
 
 // Whether an impulse along the normal moves the body.
 bool can_move(std::size_t id, const Contact& c, const ContactBodies& bodies) {
-    if (bodies.locked_of(id) == 0) return bodies.inv_mass[id] > 0;
+    if (!(bodies.inv_mass[id] > 0)) return false;
+    if (bodies.locked_of(id) == 0) return true;
     const Vec3 turn = cross(c.point - bodies.position[id], c.normal);
     const double mobility = bodies.inv_mass[id] * length_sq(free_part(bodies.locked_of(id), c.normal)) +
                             dot(turn, bodies.inv_inertia[id] * turn);

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Memory that is refused, at limits from what the command needs to be loaded to what the run needs.
 #include "faults/faulty_runs.hpp"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define FLOTILLA_SANITIZED 1
-#else
-#define FLOTILLA_SANITIZED 0
-#endif
+#include "support/sanitizers.hpp"
 
 namespace flotilla::test {
 namespace {
@@ -14,7 +9,7 @@ namespace {
 class RefusedMemory : public FaultyRuns {
   protected:
     void SetUp() override {
-        if (FLOTILLA_SANITIZED) GTEST_SKIP() << "a sanitizer's shadow needs more address space than any limit";
+        if (kSanitized) GTEST_SKIP() << "a sanitizer's shadow needs more address space than any limit";
     }
     static std::string limit(int kilobytes) { return "ulimit -c 0; ulimit -v " + std::to_string(kilobytes); }
     static bool loads(int kilobytes) { return run_flotilla("--version", limit(kilobytes)).exit_code == 0; }
