@@ -151,10 +151,10 @@ class Team {
     std::unique_ptr<Chunks> chunks_;
 };
 
-/// Calls work(i) for all i in [0, n): on the team, or where there is none in a plain loop.
+/// Calls work(i) for all i in [0, n): on the team, or where there is none or one task alone in a plain loop.
 template <class Work>
 void for_each(Team* team, const char* name, std::size_t n, std::size_t grain, Work&& work) {
-    if (team != nullptr)
+    if (team != nullptr && n > grain)
         team->for_each(name, n, grain, [&](std::size_t i, int) { work(i); });
     else
         for (std::size_t i = 0; i < n; ++i) work(i);

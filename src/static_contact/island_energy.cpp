@@ -28,7 +28,7 @@ constexpr std::size_t kItemsPerSum = 64;
 template <class Term>
 double sum_in_parts(Team* team, const char* name, std::size_t n, std::span<double> sums, Term&& term) {
     const std::size_t parts = (n + kItemsPerSum - 1) / kItemsPerSum;
-    for_each(parts > 1 ? team : nullptr, name, parts, 1, [&](std::size_t part) {
+    for_each(team, name, parts, 1, [&](std::size_t part) {
         const std::size_t begin = part * kItemsPerSum, end = std::min(n, begin + kItemsPerSum);
         double sum = 0;
         for (std::size_t k = begin; k < end; ++k) sum += term(k);
@@ -124,7 +124,7 @@ void take_back_gain(const ContactScratch::Island& island, Team* team, ContactScr
         }
         s.gain[k] = gain;
     };
-    for_each(n > kBlockGrain ? team : nullptr, "gain of energy", n, kBlockGrain, find_gain);
+    for_each(team, "gain of energy", n, kBlockGrain, find_gain);
     ContactScratch::Gain sum;
     for (const ContactScratch::Gain& gain : std::span(s.gain).first(n)) {
         sum.given += gain.given;
