@@ -45,8 +45,8 @@ namespace flotilla {
 /// Phases of a section in which shares wait for some of the others alone.
 struct PhaseChain {
     std::size_t begin = 0, end = 0; ///< phases
-    std::span<const std::uint64_t>
-        near{}; ///< by share, the set of its neighbours: words() words of a bit for each share
+    /// By share, the set of its neighbours: words() words of a bit for each share.
+    std::span<const std::uint64_t> near{};
     /// By share, a number for each phase of the chain: the next one after it in which the share has something to do,
     /// else the chain's end; counted from `begin`. In the first all have something to do.
     std::span<const std::int32_t> next{};

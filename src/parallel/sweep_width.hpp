@@ -9,7 +9,8 @@
 namespace flotilla {
 
 /// Tasks in the average group for each of two threads below which one does all: a batch of contacts (a packet) takes
-/// some hundreds of nanoseconds, and to wait for another thread as much. Changes times only, never a bit.
+/// some hundreds of nanoseconds, and to wait for another thread as much. How many threads there are changes no bit; but
+/// an island that is worth two is large (static_contact/sweep_island.hpp), and parts of it may be swept alone.
 inline constexpr std::size_t kTasksOfTwo = 4;
 
 /// At most `threads`, and as many as have a task each in the average group; `tasks` is the number in all groups

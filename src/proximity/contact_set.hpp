@@ -13,6 +13,8 @@
 
 namespace flotilla {
 
+class Team;
+
 /// Contact points of all pairs within their proximity distance, sorted by (a, b, feature key); those found ahead come
 /// after the others of their pair.
 struct ContactSet {
@@ -30,7 +32,7 @@ struct ContactSet {
     void clear();
     void resize(std::size_t size);
     void add(const Contact& contact, double rest_distance, bool was_processed, bool is_ahead);
-    /// The pairs of its contacts, without those that are only ahead.
+    /// The pairs of its contacts, without those that are only ahead. `places` is scratch.
     void list_pairs(Team& team, std::vector<std::size_t>& places, std::vector<CandidatePair>& out) const;
     /// Takes pairs for processed, given in the order of the contacts.
     void mark_processed(Team& team, std::span<const CandidatePair> pairs);

@@ -36,7 +36,7 @@ SweepShares::SweepShares(int shares, std::span<const PacketGroup> groups, std::i
 void SweepShares::reserve() {
     const std::size_t words = PhaseChain::words(shares_);
     memory_.cut.resize(groups_.size() * (at(shares_) + 1));
-    memory_.users.resize(movable_.size() * words);
+    memory_.users.resize(shares_ == 2 ? 0 : movable_.size() * words);
     memory_.near.resize(at(shares_) * words);
     memory_.next.resize(at(shares_) * groups_.size());
 }

@@ -281,7 +281,12 @@ TEST(Team, InAChainAShareThatIsLateHoldsUpItsNeighboursAlone) {
         if (share == 1 && phase == 2) released = true;
         ++done;
     };
-    team.region([&] { team.phases(2, 3, work, &chain); });
+    bool alone = false;
+    team.region([&] {
+        alone = team.alone(); // the system gave no second thread
+        if (!alone) team.phases(2, 3, work, &chain);
+    });
+    if (alone) GTEST_SKIP() << "needs two threads";
     EXPECT_EQ(done, 6);
 }
 
