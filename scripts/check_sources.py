@@ -105,7 +105,7 @@ LIBRARY_OF = [
     (r"(mutex|shared_mutex)$", "locks"),
     (r"(thread|condition_variable|future|execution|barrier|latch|semaphore|stop_token)$", "threads"),
     (r"\w*intrin\.h$", "std"),  # the compiler's own, for kernels compiled per instruction set
-    (r"(sys/|linux/|unistd\.h$|fcntl\.h$|sched\.h$|pthread\.h$|signal\.h$|poll\.h$|dirent\.h$|dlfcn\.h$)", "posix"),
+    (r"(sys/|linux/|malloc\.h$|unistd\.h$|fcntl\.h$|sched\.h$|pthread\.h$|signal\.h$|poll\.h$|dirent\.h$|dlfcn\.h$)", "posix"),
     (r"[a-z_]+$", "std"),  # <vector>, <cmath>: no other library here has headers without an extension or a folder
 ]
 

@@ -33,7 +33,8 @@ struct BodyContacts {
 
 struct MemoryUse {
     std::size_t shapes = 0;   ///< bytes, meshes and their hierarchies
-    std::size_t bodies = 0;   ///< world vertices and boxes, at both ends of a step
+    std::size_t bodies = 0;   ///< world vertices and boxes, at both ends of a step; sleeping bodies have
+                              ///< them only where somebody asks
     std::size_t contacts = 0; ///< and the impulses kept for the next step
     std::size_t pairs = 0;    ///< what is known of pairs
     [[nodiscard]] std::size_t total() const { return shapes + bodies + contacts + pairs; }

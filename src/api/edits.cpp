@@ -93,8 +93,8 @@ std::vector<std::int32_t> World::Impl::overlapping(std::size_t place, const Body
     for (std::size_t i = 0; i < model.size(); ++i) {
         const Body& other = model.bodies[i];
         if (i == place || !other.present || (body.type != BodyType::dynamic && !other.dynamic())) continue;
-        const double reach = least_certified_distance(there.box, *placed(i).at.box);
-        if (!boxes_overlap(there.box, *placed(i).at.box, reach)) continue;
+        const Box& its_box = stepper->trajectories().start_box(i);
+        if (!boxes_overlap(there.box, its_box, least_certified_distance(there.box, its_box))) continue;
         if (!filter.filter.empty() && place < filter.group.size() && filter.ignores(place, i)) continue;
         if (bodies_overlap(mine, placed(i))) found.push_back(static_cast<std::int32_t>(i));
     }

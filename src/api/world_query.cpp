@@ -86,7 +86,9 @@ std::optional<RayHit> World::ray(const Vec3& origin, const Vec3& direction, doub
     std::optional<RayHit> best;
     for (std::size_t i = 0; i < size(); ++i) {
         if (impl_->now.present[i] == 0) continue;
-        const auto hit = first_on_ray(impl_->placed(i), origin, unit, best ? best->distance : reach);
+        const double far = best ? best->distance : reach;
+        if (!may_meet_ray(impl_->stepper->trajectories().start_box(i), origin, unit, far)) continue;
+        const auto hit = first_on_ray(impl_->placed(i), origin, unit, far);
         if (!hit || (best && !(hit->distance < best->distance))) continue;
         best = {impl_->id(i), hit->triangle, hit->distance, origin + hit->distance * unit, hit->normal};
     }
@@ -126,8 +128,11 @@ std::vector<BodyId> World::bodies_in(const Vec3& lower, const Vec3& upper) const
         throw InputError("the lower corner of a box must not be above the upper one");
     impl_->stepper->place_changed();
     std::vector<BodyId> out;
+    const Box box{lower, upper};
     for (std::size_t i = 0; i < size(); ++i)
-        if (impl_->now.present[i] != 0 && meets_box(impl_->placed(i), {lower, upper})) out.push_back(impl_->id(i));
+        if (impl_->now.present[i] != 0 && boxes_overlap(impl_->stepper->trajectories().start_box(i), box, 0) &&
+            meets_box(impl_->placed(i), box))
+            out.push_back(impl_->id(i));
     return out;
 }
 

@@ -47,7 +47,7 @@ void place_still(const StepView& view, Team& team, ListBuffers& lists) {
         const Body& body = view.model.bodies[i];
         if (body.movable() || body.scripted()) return;
         const double waking = body.dynamic() ? list_reach(view.model, i, ListReach::proximity) : 0.0;
-        lists.swept[i] = {view.trajectories.at_start(i).swept(), 0, false, waking, body.present};
+        lists.swept[i] = {view.trajectories.start_box(i), 0, false, waking, body.present};
         lists.bounds[i] = {};
     });
     lists.still_placed = lists.still_version;

@@ -110,6 +110,10 @@ bool bodies_overlap(const PlacedShape& a, const PlacedShape& b) {
     return found;
 }
 
+bool may_meet_ray(const Box& box, const Vec3& origin, const Vec3& direction, double reach) {
+    return entry(to_box(merged(coarse_box(box.lower), coarse_box(box.upper))), origin, direction) <= reach;
+}
+
 std::optional<ShapeRayHit> first_on_ray(const PlacedShape& body, const Vec3& origin, const Vec3& direction,
                                         double reach) {
     std::optional<ShapeRayHit> best;

@@ -24,6 +24,9 @@ struct ShapeRayHit {
     std::int32_t triangle = -1; ///< of the shape
     Vec3 normal;                ///< unit, against the ray
 };
+/// Whether a ray may come to what is in a box nearer than `reach`, m. `direction`: unit.
+[[nodiscard]] bool may_meet_ray(const Box& box, const Vec3& origin, const Vec3& direction, double reach);
+
 /// The first triangle on a ray, of those nearer than `reach` (m); the lowest of equally near ones. `direction`: unit.
 [[nodiscard]] std::optional<ShapeRayHit> first_on_ray(const PlacedShape& body, const Vec3& origin,
                                                       const Vec3& direction, double reach);

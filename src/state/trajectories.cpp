@@ -56,6 +56,19 @@ void PlacedBody::place(const RigidShape& shape, const Pose& at) {
     refit(shape.bvh, points, nodes);
 }
 
+void PlacedBody::forget_features() {
+    x = std::vector<Vec3>(); // of {} a vector keeps its memory
+    points = std::vector<CoarseBox>();
+    nodes = std::vector<CoarseBox>();
+}
+
+void PlacedBody::make_features_again(const RigidShape& shape) {
+    x.resize(shape.mesh.vertices.size());
+    points.resize(x.size());
+    world_vertices(shape.mesh.vertices, pose.origin, pose.rotation, x, points);
+    refit(shape.bvh, points, nodes);
+}
+
 std::size_t PlacedBody::memory() const {
     return x.capacity() * sizeof(Vec3) + (points.capacity() + nodes.capacity()) * sizeof(CoarseBox);
 }
@@ -77,6 +90,7 @@ void Trajectories::start(const Model& model, std::size_t body, const Pose& pose)
     e.shape = &model.shape_of(body);
     stamps_[body].version = 1;
     e.at0.place(*e.shape, pose);
+    e.features = Features::there;
 }
 
 void Trajectories::grow(const Model& model) {
@@ -89,11 +103,40 @@ void Trajectories::place(const Model& model, std::size_t body, const Pose& pose)
     e.shape = &model.shape_of(body);
     e.turn = {};
     e.at0.place(*e.shape, pose);
+    e.features = Features::there;
     stamps_[body] = {version(body) + 1, true};
 }
 
-void Trajectories::forget_end(std::size_t body) {
-    if (still(body)) entries_[body].at1 = {};
+std::size_t Trajectories::forget_features(std::size_t body) {
+    Entry& e = entries_[body];
+    const std::size_t bytes = e.at0.memory() + e.at1.memory();
+    if (!still(body) || bytes == 0) return 0;
+    e.at0.forget_features();
+    e.at1.forget_features();
+    e.features = Features::forgotten;
+    return bytes;
+}
+
+void Trajectories::make_features_again(const Entry& e) {
+    const std::atomic_ref state(e.features);
+    for (;;) {
+        Features found = Features::forgotten;
+        if (!state.compare_exchange_strong(found, Features::being_made, std::memory_order_acquire)) {
+            if (found == Features::there) return;
+            state.wait(Features::being_made, std::memory_order_acquire);
+            continue;
+        }
+        try {
+            e.at0.make_features_again(*e.shape);
+        } catch (...) { // no memory
+            state.store(Features::forgotten, std::memory_order_release);
+            state.notify_all();
+            throw;
+        }
+        state.store(Features::there, std::memory_order_release);
+        state.notify_all();
+        return;
+    }
 }
 
 std::size_t Trajectories::memory() const {
@@ -106,7 +149,10 @@ void Trajectories::advance(std::span<const std::int32_t> moved) {
     for (const std::int32_t body : moved) {
         const auto i = static_cast<std::size_t>(body);
         Entry& e = entries_[i];
-        if (!still(i)) std::swap(e.at0, e.at1);
+        if (!still(i)) {
+            std::swap(e.at0, e.at1);
+            e.features = Features::there;
+        }
         e.turn = {};
         stamps_[i] = {version(i) + 1, true};
     }
@@ -130,18 +176,18 @@ void Trajectories::take_end(std::size_t body, const Pose& end, const Vec3& turn,
 void Trajectories::hold(std::size_t body) { set_end(body, entries_[body].at0.pose, {}); }
 
 BodyMotion Trajectories::motion(std::size_t body) const {
-    const Entry& e = entries_[body];
+    const Entry& e = entry(body);
     const bool stays = still(body);
     return {e.shape, e.at0.view(), (stays ? e.at0 : e.at1).view(), rigid_ && !stays ? e.turn : Vec3{}};
 }
 
 BodyMotion Trajectories::at_start(std::size_t body) const {
-    const Entry& e = entries_[body];
+    const Entry& e = entry(body);
     return {e.shape, e.at0.view(), e.at0.view(), {}};
 }
 
 BodyMotion Trajectories::at_end(std::size_t body) const {
-    const Entry& e = entries_[body];
+    const Entry& e = entry(body);
     const BodyPlacement end = (still(body) ? e.at0 : e.at1).view();
     return {e.shape, end, end, {}};
 }

@@ -2,6 +2,8 @@
 // Where every body starts and ends in the step under way: poses, world vertices, boxes, versions.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <span>
 
 #include "state/model.hpp"
@@ -50,6 +52,8 @@ struct PlacedBody {
     std::vector<CoarseBox> points, nodes;
 
     void place(const RigidShape& shape, const Pose& at);
+    void forget_features(); ///< frees vertices and boxes, but for that of all of them
+    void make_features_again(const RigidShape& shape);
     [[nodiscard]] std::size_t memory() const; ///< bytes
     [[nodiscard]] BodyPlacement view() const { return {x, points, nodes, &box, &pose, &rotation}; }
 };
@@ -67,8 +71,9 @@ class Trajectories {
     /// Between steps: room for bodies that came, and a body that is elsewhere, or another one, now.
     void grow(const Model& model);
     void place(const Model& model, std::size_t body, const Pose& pose);
-    /// Frees what a still body's end state would take, until it moves.
-    void forget_end(std::size_t body);
+    /// Frees the vertices and boxes of a still body. They are made again when somebody asks for them, and those of its
+    /// end state when it moves. Returns how many bytes became free.
+    std::size_t forget_features(std::size_t body);
     /// Makes the end states of the given bodies the start states of the next step; the others stood still.
     void advance(std::span<const std::int32_t> moved);
 
@@ -79,11 +84,13 @@ class Trajectories {
     /// Commits the start state as the end state, bit for bit.
     void hold(std::size_t body);
 
-    [[nodiscard]] const Pose& start_pose(std::size_t body) const { return entry(body).at0.pose; }
+    [[nodiscard]] const Pose& start_pose(std::size_t body) const { return entries_[body].at0.pose; }
     [[nodiscard]] const Pose& end_pose(std::size_t body) const {
-        return still(body) ? entry(body).at0.pose : entry(body).at1.pose;
+        return still(body) ? entries_[body].at0.pose : entries_[body].at1.pose;
     }
-    [[nodiscard]] const Vec3& turn(std::size_t body) const { return entry(body).turn; }
+    /// Of all vertices at the start pose; also of a body whose features are forgotten.
+    [[nodiscard]] const Box& start_box(std::size_t body) const { return entries_[body].at0.box; }
+    [[nodiscard]] const Vec3& turn(std::size_t body) const { return entries_[body].turn; }
     [[nodiscard]] std::uint64_t version(std::size_t body) const { return stamps_[body].version; }
     /// The end is bitwise the start, and the body does not move on the way either.
     [[nodiscard]] bool still(std::size_t body) const { return stamps_[body].still; }
@@ -94,12 +101,21 @@ class Trajectories {
     [[nodiscard]] std::size_t memory() const; ///< bytes
 
   private:
+    enum class Features : std::uint8_t { there, forgotten, being_made };
     struct Entry {
         Vec3 turn;
         const RigidShape* shape = nullptr;
-        PlacedBody at0, at1;
+        mutable PlacedBody at0;
+        PlacedBody at1;
+        mutable Features features = Features::there; ///< of at0; read and written as an atomic
     };
-    [[nodiscard]] const Entry& entry(std::size_t body) const { return entries_[body]; }
+    /// With its features. Threads may ask side by side.
+    [[nodiscard]] const Entry& entry(std::size_t body) const {
+        const Entry& e = entries_[body];
+        if (std::atomic_ref(e.features).load(std::memory_order_acquire) != Features::there) make_features_again(e);
+        return e;
+    }
+    static void make_features_again(const Entry& e);
 
     struct Stamp {
         std::uint64_t version = 0;

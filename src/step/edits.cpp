@@ -176,7 +176,7 @@ void Stepper::wake(std::int32_t body) {
 void Stepper::wake_neighbours(std::int32_t body) {
     wake(body);
     place_changed();
-    const auto box = [&](std::size_t i) -> const Box& { return *trajectories_.at_start(i).at0.box; };
+    const auto box = [&](std::size_t i) -> const Box& { return trajectories_.start_box(i); };
     const double reach = body_lengths(model_, at(body)).proximity;
     for (std::size_t i = 0; i < model_.size(); ++i) {
         if (!model_.bodies[i].dynamic() || i == at(body)) continue;

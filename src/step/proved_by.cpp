@@ -21,7 +21,7 @@ ProofWay Stepper::proved_by(std::int32_t a, std::int32_t b) const {
     // The certificate lists pairs whose swept boxes come within the separation, and of those that are left both bodies
     // stand still. So it listed them where their boxes do so now, or else way a holds.
     const double separation = pair_lengths(model_, state_, a, b).separation;
-    const auto box = [&](std::int32_t i) { return *trajectories_.at_start(at(i)).at0.box; };
+    const auto box = [&](std::int32_t i) { return trajectories_.start_box(at(i)); };
     return boxes_overlap(box(a), box(b), separation) ? ProofWay::still : ProofWay::boxes;
 }
 

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "base/index.hpp"
+#include "parallel/heap.hpp"
 #include "step/stepper.hpp"
 
 namespace flotilla {
@@ -102,11 +103,12 @@ void Stepper::put_to_sleep() {
     std::erase_if(contacts_.near, [&](const CandidatePair& c) { return rests(c.a, c.b); });
 }
 
-/// Of large scenes most sleeps most of the time: half of what a body takes is its end state, and lists that held what
-/// is due are mostly empty now.
+/// Of large scenes most sleeps most of the time: most of what a body takes are its vertices and boxes, and lists that
+/// held what is due are mostly empty now.
 void Stepper::free_memory_of_sleepers() {
+    sleepers_.freed_step = state_.step;
     for (std::size_t i = 0; i < model_.size(); ++i)
-        if (model_.bodies[i].asleep) trajectories_.forget_end(i);
+        if (model_.bodies[i].asleep) sleepers_.freed += trajectories_.forget_features(i);
     const auto fit = [](auto& list) {
         constexpr std::size_t kSpare = 4; // what takes more than so many times its size was larger once
         if (list.capacity() > kSpare * list.size()) list.shrink_to_fit();
@@ -115,6 +117,19 @@ void Stepper::free_memory_of_sleepers() {
         for (auto& impulses : *stages) fit(impulses);
     fit(contacts_.contacts);
     fit(sleeping_contacts_);
+}
+
+/// Where more has become free than is held, a scene that was awake mostly sleeps: the buffers of its stages go too, and
+/// the system gets back what is free. The table forgets a pair in the second step in which nobody asked for it.
+void Stepper::give_back_memory() {
+    constexpr std::size_t kWorthwhile = std::size_t{16} << 20; // of less the host will have other use
+    if (state_.step != sleepers_.freed_step + 1 || sleepers_.freed < std::max(kWorthwhile, trajectories_.memory()))
+        return;
+    sleepers_.freed = 0;
+    static_ = {};
+    collisions_ = {};
+    search_.parts.clear();
+    release_free_memory();
 }
 
 /// As the step in which they fell asleep found them: the contact points of a pair depend on its poses alone.

@@ -78,9 +78,11 @@ void Stepper::prepare() {
     if (state_.step > 0) find_sleeping_contacts();
     find_contacts(view(), pairs_, workers_, {state_.step}, search_, contacts_);
     contacts_step_ = state_.step;
-    if (!note_rest_distances()) return;
-    pairs_.table.clear(); // of other lengths
-    find_contacts(view(), pairs_, workers_, {state_.step}, search_, contacts_);
+    if (note_rest_distances()) {
+        pairs_.table.clear(); // of other lengths
+        find_contacts(view(), pairs_, workers_, {state_.step}, search_, contacts_);
+    }
+    free_memory_of_sleepers();
 }
 
 /// Pairs of bodies that were placed closer than their rest distance keep that distance as their rest distance
@@ -198,6 +200,7 @@ void Stepper::advance(StepReport& report) {
 
 void Stepper::begin_step(std::int64_t step) {
     pairs_.table.start_step(workers_.team, step);
+    give_back_memory();
     place_still();
     for (const std::int32_t i : model_.active) first_version_[at(i)] = trajectories_.version(at(i));
     for (Worker& worker : workers_.each) worker.pushed.clear();

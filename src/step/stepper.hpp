@@ -159,6 +159,7 @@ class Stepper {
     void mark_asleep();
     void put_to_sleep();
     void free_memory_of_sleepers();
+    void give_back_memory();
     /// Whether neither body moves until something wakes it.
     [[nodiscard]] bool rests(std::int32_t a, std::int32_t b) const {
         return !model_.bodies[static_cast<std::size_t>(a)].movable() &&
@@ -293,6 +294,8 @@ class Stepper {
         double energy = 0; ///< J, of gravity
         double lift = 0;   ///< J, written down when they fell asleep
         std::uint64_t hash = 0;
+        std::size_t freed = 0;        ///< bytes of bodies that fell asleep since give_back_memory() did something
+        std::int64_t freed_step = -1; ///< when the last did
     };
     Sleepers sleepers_;
     std::vector<Vec3> turns_;
