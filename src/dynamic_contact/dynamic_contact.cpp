@@ -2,6 +2,7 @@
 #include "dynamic_contact/dynamic_contact.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 #include "pair/divided_sweep.hpp"
@@ -107,11 +108,28 @@ class DynamicContact {
         else
             run_here(workers_, book_.lists.sweep, plan, operation);
         collect(workers_, stats_.counters);
-        const auto hits =
-            std::count_if(resolutions_.begin(), resolutions_.end(), [](const Resolution& r) { return r.found; });
+        const std::size_t hits = look_at_resolutions();
         const double pushed = take_largest_push(workers_);
-        patience_.add(hits, clusters_.size(), pushed);
-        progress_.add(static_cast<std::size_t>(hits), clusters_.size(), pushed);
+        patience_.add(static_cast<std::ptrdiff_t>(hits), clusters_.size(), pushed);
+        progress_.add(hits, clusters_.size(), pushed);
+    }
+
+    /// Returns how many pairs hit, and notes whether all of them resolved.
+    std::size_t look_at_resolutions() {
+        constexpr std::size_t kGrain = 1024; // pairs of a task
+        std::atomic<std::size_t> hits = 0, left = 0;
+        const std::size_t n = resolutions_.size();
+        for_each(&workers_.team, "look at resolutions", (n + kGrain - 1) / kGrain, 1, [&](std::size_t chunk) {
+            std::size_t found = 0, unresolved = 0;
+            for (std::size_t i = chunk * kGrain; i < std::min(n, (chunk + 1) * kGrain); ++i) {
+                found += resolutions_[i].found ? 1 : 0;
+                unresolved += resolutions_[i].resolved ? 0 : 1;
+            }
+            hits.fetch_add(found, std::memory_order_relaxed);
+            left.fetch_add(unresolved, std::memory_order_relaxed);
+        });
+        any_unresolved_ = left > 0;
+        return hits;
     }
 
     [[nodiscard]] SharedSweep shared_sweep(const FrozenList& frozen) {
@@ -122,6 +140,7 @@ class DynamicContact {
     /// Makes one rigid cluster of each two that did not resolve, in the order of the sweep; of those that meet a
     /// cluster already merged the first counts.
     void rigidify(const SweepPlan& plan) {
+        if (!any_unresolved_) return;
         for (std::size_t i = 0; i < plan.size(); ++i) {
             const std::size_t k = plan.place(0, i);
             if (!resolutions_[k].resolved) merge(clusters_[k], resolutions_[k]);
@@ -143,6 +162,7 @@ class DynamicContact {
     DynamicContactStats stats_;
     std::vector<CandidatePair> clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
+    bool any_unresolved_ = false; ///< of these
     Patience patience_;
     /// Giving up makes clusters of what hits: of 8 links of a tight chain in 100 steps, preset accurate, two trips
     /// alone leave 6 merges without need.

@@ -98,7 +98,7 @@ void run_divided(Workers& workers, SweepBuffers& buffers, const SweepPlan& plan,
     const CountedWork before(workers);
     buffers.open.resize(plan.size());
     for (std::size_t i = 0; i < plan.size(); ++i) buffers.open[i] = operation.closed(i) ? 0 : 1;
-    order_tasks(plan, buffers);
+    order_tasks(plan, workers.team, buffers);
     DividedSweep sweep(division, buffers, shared);
     for (std::size_t wave = 0; wave < sweep.num_waves(); ++wave) {
         const std::span<const std::int32_t> tasks = sweep.tasks(wave);

@@ -2,6 +2,7 @@
 #include "pair/inelastic.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "base/index.hpp"
 #include "pair/cluster_query.hpp"
@@ -92,13 +93,20 @@ Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pa
 
 FrozenList freeze_clusters(const StepView& view, PairBook& book, Team& team, std::vector<CandidatePair>& clusters) {
     const FrozenList frozen = freeze(view, book, team, ListReach::separation);
-    clusters.clear();
-    for (const ListedPair& p : frozen.pairs) {
-        const std::int32_t a = view.clusters.of(at(p.pair.a)), b = view.clusters.of(at(p.pair.b));
-        clusters.push_back({std::min(a, b), std::max(a, b)});
-    }
-    if (!std::is_sorted(clusters.begin(), clusters.end()))
-        std::sort(clusters.begin(), clusters.end()); // sorted where no clusters were merged
+    constexpr std::size_t kGrain = 1024; // pairs of a task
+    const auto clusters_of = [&](std::size_t i) {
+        const CandidatePair& p = frozen.pairs[i].pair;
+        const std::int32_t a = view.clusters.of(at(p.a)), b = view.clusters.of(at(p.b));
+        return CandidatePair{std::min(a, b), std::max(a, b)};
+    };
+    clusters.resize(frozen.pairs.size());
+    std::atomic<bool> merged = false;
+    for_each(&team, "pairs of clusters", clusters.size(), kGrain, [&](std::size_t i) {
+        clusters[i] = clusters_of(i);
+        if (i > 0 && !(clusters_of(i - 1) < clusters[i])) merged.store(true, std::memory_order_relaxed);
+    });
+    if (!merged) return frozen; // clusters are bodies, and their pairs sorted
+    std::sort(clusters.begin(), clusters.end());
     clusters.erase(std::unique(clusters.begin(), clusters.end()), clusters.end());
     return frozen;
 }

@@ -59,8 +59,9 @@ struct SweepPlan {
     int rounds = 1;
 
     [[nodiscard]] std::size_t size() const { return order.size(); }
+    [[nodiscard]] bool backwards_in(int round) const { return backwards != (round % 2 != 0); }
     [[nodiscard]] std::size_t place(int round, std::size_t i) const {
-        return static_cast<std::size_t>(order[backwards != (round % 2 != 0) ? size() - 1 - i : i]);
+        return static_cast<std::size_t>(order[backwards_in(round) ? size() - 1 - i : i]);
     }
 };
 
@@ -75,7 +76,7 @@ inline constexpr int kColors = 64; ///< the last takes all that find none free: 
 /// Fills the order of tasks of a plan made by order_by_color, whose pairs are flagged as `open` in the buffers or not.
 /// An operation is left out where its pair is closed and no operation before it may change that: where none of those
 /// shares a movable cluster with it.
-void order_tasks(const SweepPlan& plan, SweepBuffers& buffers);
+void order_tasks(const SweepPlan& plan, Team& team, SweepBuffers& buffers);
 
 /// The order of a frozen list of so many pairs, pair_of(i) being the clusters of the i-th.
 template <class PairOf>
@@ -132,7 +133,7 @@ void run_as_tasks(Workers& workers, SweepBuffers& buffers, const SweepPlan& plan
         if (i + kFetchAhead < plan.size()) operation.fetch(i + kFetchAhead);
         buffers.open[i] = operation.closed(i) ? 0 : 1;
     });
-    order_tasks(plan, buffers);
+    order_tasks(plan, workers.team, buffers);
     const std::vector<SweepBuffers::SweepTask>& tasks = buffers.tasks;
     workers.team.run(operation.name, buffers.order, [&](std::size_t task, int thread) {
         if (task + kFetchAhead < tasks.size())

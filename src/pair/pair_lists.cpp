@@ -14,7 +14,7 @@
 namespace flotilla {
 namespace {
 
-constexpr std::size_t kBodyGrain = 128, kPairGrain = 256; // items of a task
+constexpr std::size_t kBodyGrain = 128, kPairGrain = 256, kLookGrain = 1024; // items of a task
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
@@ -80,6 +80,7 @@ const std::vector<ListedPair>& list_pairs(const StepView& view, PairBook& book, 
     ListBuffers& l = book.lists;
     l.record.resize(pairs.size());
     l.wanted.resize(pairs.size());
+    std::atomic<bool> missing = false;
     const auto find = [&](std::size_t begin, std::size_t end) {
         const std::size_t count = end - begin;
         book.table.find(std::span(pairs).subspan(begin, count), std::span(l.record).subspan(begin, count));
@@ -87,6 +88,7 @@ const std::vector<ListedPair>& list_pairs(const StepView& view, PairBook& book, 
         for (std::size_t i = begin; i < end; ++i) {
             if (l.record[i] != nullptr) book.table.use(*l.record[i]);
             l.wanted[i] = wanted(pairs[i], l.record[i]) ? 1 : 0;
+            if (l.record[i] == nullptr && l.wanted[i] != 0) missing.store(true, std::memory_order_relaxed);
             found += l.wanted[i];
         }
         return found;
@@ -97,8 +99,9 @@ const std::vector<ListedPair>& list_pairs(const StepView& view, PairBook& book, 
     };
     const auto resize = [&](std::size_t total) { l.listed.resize(total); };
     compact({&team, "pair records", kPairGrain, l.chunk_places}, pairs.size(), find, resize, keep);
-    for (ListedPair& p : l.listed) // one thread alone may make records
-        if (p.record == nullptr) p.record = &book.table.get(view.model, view.state, p.pair.a, p.pair.b);
+    if (missing) // one thread alone may make records
+        for (ListedPair& p : l.listed)
+            if (p.record == nullptr) p.record = &book.table.get(view.model, view.state, p.pair.a, p.pair.b);
     return l.listed;
 }
 
@@ -139,16 +142,25 @@ const std::vector<CandidatePair>& swept_pairs(const StepView& view, PairBook& bo
     SweptMotions& frozen = book.lists.frozen;
     const bool known = frozen.pairs != nullptr && frozen.reach == reach;
     frozen.version.resize(view.model.size());
-    frozen.changed.clear();
-    for (const std::int32_t i : view.model.active) {
-        const std::uint64_t version = view.trajectories.version(at(i));
-        if (std::exchange(frozen.version[at(i)], version) != version) frozen.changed.push_back(i);
-    }
+    const std::vector<std::int32_t>& active = view.model.active;
+    frozen.differs.resize(active.size());
+    const auto look = [&](std::size_t k) {
+        const std::uint64_t version = view.trajectories.version(at(active[k]));
+        const bool differs = std::exchange(frozen.version[at(active[k])], version) != version;
+        return (frozen.differs[k] = differs ? 1 : 0) != 0;
+    };
+    compact_if(
+        {&team, "changed bodies", kLookGrain, book.lists.chunk_places}, active.size(), look,
+        [&](std::size_t k) { return frozen.differs[k] != 0; }, frozen.changed, 0,
+        [&](std::size_t k) { return active[k]; });
     if (known && frozen.changed.empty()) return *frozen.pairs;
     frozen.reach = reach;
     const ListKind kind{"swept bounds", reach, reach == ListReach::proximity};
     if (known && frozen.changed.size() * kFew <= view.model.active.size()) {
-        for (const std::int32_t i : frozen.changed) set_bounds(view, at(i), swept_box(view, at(i)), kind, book.lists);
+        for_each(&team, "bounds of changed bodies", frozen.changed.size(), kBodyGrain, [&](std::size_t k) {
+            const std::size_t i = at(frozen.changed[k]);
+            set_bounds(view, i, swept_box(view, i), kind, book.lists);
+        });
         frozen.pairs = &book.finder().update(team, search_of(view, book.lists, false), frozen.changed);
     } else {
         frozen.pairs = &find_pairs(view, book, team, kind, [&](std::size_t i) { return swept_box(view, i); });

@@ -46,6 +46,7 @@ struct FrozenList {
 struct SweptMotions {
     std::vector<std::uint64_t> version; ///< of the bodies' end states
     std::vector<std::int32_t> changed;  ///< bodies whose version is another one than in the list before
+    std::vector<std::uint8_t> differs;  ///< the same by active body, as flags
     ListReach reach = ListReach::separation;
     const std::vector<CandidatePair>* pairs = nullptr; ///< null: other lists were made since
 };
@@ -61,8 +62,18 @@ struct SweepBuffers {
     std::vector<std::uint64_t> used_colors;          ///< by cluster, a bit each
     std::vector<std::uint8_t> color;                 ///< by place in the list
     std::vector<std::int32_t> places;                ///< in the list, in the order of operations
+    std::vector<std::int32_t> color_begin;           ///< in `places`, and where the last colour ends
     std::vector<std::uint8_t> touched;               ///< by cluster: some task before uses it
     std::vector<std::uint8_t> open;                  ///< by place in the list, as flags
+    /// What the order of tasks is found by side by side: by place in the plan, round after round, but for `last`.
+    struct Links {
+        std::vector<std::uint8_t> is_task, waits;
+        std::vector<Successors> successors; ///< places in the plan
+        std::vector<std::int32_t> number;   ///< of the task
+        std::vector<std::int32_t> last;     ///< by cluster, as TaskOrder has it
+        std::vector<std::size_t> places;
+    };
+    Links links;
 };
 
 /// Buffers of the lists that a step makes.

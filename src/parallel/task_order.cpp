@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "parallel/task_order.hpp"
 
+#include "parallel/compact.hpp"
+
 namespace flotilla {
 
 void TaskOrder::start(std::size_t num_resources) {
@@ -10,7 +12,19 @@ void TaskOrder::start(std::size_t num_resources) {
     first_.clear();
 }
 
-// Serial work of every sweep: a task costs a few loads and stores.
+void TaskOrder::resize(std::size_t tasks) {
+    successors_.resize(tasks);
+    waits_.resize(tasks);
+}
+
+void TaskOrder::list_first(Team& team, std::vector<std::size_t>& places) {
+    constexpr std::size_t kGrain = 4096;
+    compact_if(
+        {&team, "first tasks", kGrain, places}, waits_.size(), [&](std::size_t i) { return waits_[i] == 0; }, first_, 0,
+        [](std::size_t i) { return static_cast<std::int32_t>(i); });
+}
+
+// A task costs a few loads and stores.
 std::int32_t TaskOrder::add(std::int32_t a, std::int32_t b) {
     const auto task = static_cast<std::int32_t>(successors_.size());
     if (b == a) b = -1;

@@ -16,12 +16,23 @@
 
 namespace flotilla {
 
+class Team;
+
 class TaskOrder {
   public:
     /// Forgets all tasks. Resources are numbered [0, num_resources).
     void start(std::size_t num_resources);
     /// Appends a task that uses `a` and `b`; a negative number stands for none. Returns its number.
     std::int32_t add(std::int32_t a, std::int32_t b);
+
+    /// The same in parts: room for so many tasks, and what add() would have found of each, in any order, side by side.
+    /// `successors`: numbers of tasks. Afterwards list_first().
+    void resize(std::size_t tasks);
+    void set(std::size_t task, const Successors& successors, std::uint8_t waits) {
+        successors_[task] = successors;
+        waits_[task] = waits;
+    }
+    void list_first(Team& team, std::vector<std::size_t>& places);
 
     [[nodiscard]] std::size_t size() const { return successors_.size(); }
     /// How many tasks each task waits for: 0 to 2.

@@ -7,12 +7,6 @@
 
 namespace flotilla {
 
-std::int64_t SweepRecord::busy(std::size_t group) const {
-    std::int64_t sum = 0;
-    for (std::size_t k = group; k < busy_.size(); k += groups_) sum += busy_[k];
-    return sum;
-}
-
 void SweepEngine::prepare_shares() {
     shares_.reserve();
     for_phases(SweepShares::kPreparations, [&](std::size_t phase, int share) {

@@ -27,6 +27,7 @@
 #include <span>
 #include <vector>
 
+#include "parallel/sweep_record.hpp"
 #include "parallel/team.hpp"
 #include "static_contact/divided_sweeps.hpp"
 #include "static_contact/momentum.hpp"
@@ -40,50 +41,6 @@ inline constexpr std::size_t kBodiesPerSum = 64;
 [[nodiscard]] constexpr std::size_t num_sums(std::size_t bodies) {
     return (bodies + kBodiesPerSum - 1) / kBodiesPerSum;
 }
-
-/// What sweeps show of themselves in a recording: ns by share and group, in one region. Without a recorder nothing is
-/// kept.
-class SweepRecord {
-  public:
-    /// width(most): how many threads, at most `most`, the sweeps are worth.
-    template <class Width>
-    SweepRecord(TaskRecorder* recorder, const char* name, Width&& width, int shares, std::size_t groups)
-        : recorder_(recorder), groups_(groups) {
-        if (recorder_ == nullptr) return;
-        region_ = recorder_->begin_region(name, RegionKind::sweeps, width(std::numeric_limits<int>::max()), nullptr);
-        busy_.assign(static_cast<std::size_t>(shares) * groups, 0);
-    }
-
-    [[nodiscard]] bool active() const { return recorder_ != nullptr; }
-    /// Does the work and adds its time to a group.
-    template <class Work>
-    void timed(int share, std::size_t group, Work&& work) {
-        if (recorder_ == nullptr) return work();
-        const std::int64_t begin = recorder_->now();
-        work();
-        busy_[static_cast<std::size_t>(share) * groups_ + group] += recorder_->now() - begin;
-    }
-    /// Ends the region. group(k) says of the k-th group what the record does not know of it.
-    template <class Group>
-    void end(Group&& group) {
-        if (recorder_ == nullptr) return;
-        for (std::size_t g = 0; g < groups_; ++g) {
-            GroupSpan span = group(g);
-            span.region = region_;
-            span.busy = busy(g);
-            recorder_->add_group(span);
-        }
-        recorder_->end_region(region_);
-    }
-
-  private:
-    [[nodiscard]] std::int64_t busy(std::size_t group) const;
-
-    TaskRecorder* recorder_;
-    std::int32_t region_ = -1;
-    std::size_t groups_;
-    std::vector<std::int64_t> busy_;
-};
 
 /// Who sweeps: shares of a team, or the calling thread alone.
 struct SweepCrew {
