@@ -68,10 +68,12 @@ bool fall_asleep(const Model& model, const SleepRule& rule, std::span<const Body
     return any;
 }
 
-void wake_island(std::size_t body, State& state) {
+void wake_island(std::size_t body, std::int32_t quiet_steps, State& state) {
     const std::int32_t island = state.sleep[body].island;
+    Sleep awake;
+    awake.quiet_steps = quiet_steps;
     for (Sleep& s : state.sleep)
-        if (s.island == island) s = {};
+        if (s.island == island) s = awake;
 }
 
 } // namespace flotilla

@@ -33,8 +33,9 @@ struct SleepScratch {
 bool fall_asleep(const Model& model, const SleepRule& rule, std::span<const BodyPair> pairs, SleepScratch& scratch,
                  State& state);
 
-/// Wakes everyone who fell asleep with `body`.
-void wake_island(std::size_t body, State& state);
+/// Wakes everyone who fell asleep with `body`. `quiet_steps`: of who wakes them, so that those who are quiet already
+/// fall asleep together, and do not wake each other for ever.
+void wake_island(std::size_t body, std::int32_t quiet_steps, State& state);
 
 [[nodiscard]] inline bool asleep(const State& state, std::size_t body) { return state.sleep[body].island >= 0; }
 

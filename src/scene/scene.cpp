@@ -186,11 +186,18 @@ bool PairFilter::ignores(std::int32_t a, std::int32_t group_a, std::int32_t b, s
 
 FilteredBodies make_filter(std::span<const BodyDescription> bodies, std::span<const NamedPair> ignored_groups,
                            std::span<const NamedPair> ignored_bodies) {
-    std::map<std::string_view, std::int32_t> groups, names;
-    for (const BodyDescription& body : bodies)
-        if (!body.group.empty()) groups.try_emplace(body.group, static_cast<std::int32_t>(groups.size()));
+    // Groups are numbered as they are ignored: bodies that come and go change no number, and where none is ignored
+    // nobody has one.
+    std::map<std::string_view, std::int32_t> numbers, groups, names;
+    for (const NamedPair& pair : ignored_groups)
+        for (const std::string_view group : {std::string_view(pair.a), std::string_view(pair.b)})
+            numbers.try_emplace(group, static_cast<std::int32_t>(numbers.size()));
     FilteredBodies out;
-    for (const BodyDescription& body : bodies) out.group.push_back(body.group.empty() ? -1 : groups.at(body.group));
+    for (const BodyDescription& body : bodies) {
+        const auto known = numbers.find(body.group);
+        out.group.push_back(known == numbers.end() ? -1 : known->second);
+        if (known != numbers.end()) groups.insert(*known);
+    }
     if (!ignored_bodies.empty())
         for (std::size_t i = 0; i < bodies.size(); ++i) names.emplace(bodies[i].name, static_cast<std::int32_t>(i));
     const auto list = [](std::span<const NamedPair> from, const auto& number, auto& to) {

@@ -168,8 +168,12 @@ struct ContactScratch {
         Vec3 linear;
         double turn = 0;
     };
-    LargeVector<Change> change;                 ///< per body in contact
-    std::vector<double> sums;                   ///< parts of sums, at the place of their first body in island_bodies
+    LargeVector<Change> change; ///< per body in contact
+    /// Products of changes of velocity in the metric of kinetic energy, J, of some bodies (SweepEngine::add_up).
+    struct Turns {
+        double back = 0, over = 0;
+    };
+    std::vector<Turns> sums;                    ///< parts of sums, at the place of their first body in island_bodies
     std::vector<PacketGroup> groups;            ///< by island
     std::vector<double> energy_sums, work_sums; ///< parts of sums, by the places of bodies and packets of islands
     std::vector<Gain> gain;                     ///< by pair of one island
@@ -191,7 +195,7 @@ struct ContactScratch {
         std::vector<std::int32_t> bodies;       ///< the chosen movable ones
         std::vector<ContactPacket> packets;     ///< copies of the chosen ones
         std::vector<PacketGroup> groups;
-        std::vector<double> sums;  ///< parts of a sum over the bodies
+        std::vector<Turns> sums;   ///< parts of a sum over the bodies
         std::int64_t contacts = 0; ///< that a sweep of them visits
     };
     Unsolved part;
@@ -204,7 +208,7 @@ struct ContactScratch {
         std::vector<std::int32_t> bodies;     ///< the chosen movable ones
         PackedContacts packed;
         std::vector<PacketGroup> groups;
-        std::vector<double> sums;  ///< parts of a sum over the bodies
+        std::vector<Turns> sums;   ///< parts of a sum over the bodies
         std::int64_t contacts = 0; ///< that a sweep of them visits
     };
     PackedPart packed_part;

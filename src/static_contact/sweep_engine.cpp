@@ -15,7 +15,7 @@ void SweepEngine::prepare_shares() {
 }
 
 void SweepEngine::move_on(int share, double m) {
-    for_bodies(share, [&](std::span<const std::int32_t> bodies, double&) {
+    for_bodies(share, [&](std::span<const std::int32_t> bodies, ContactScratch::Turns&) {
         for (const std::int32_t body : bodies) {
             BodyVelocity &v = s_.velocity[at(body)], &before = s_.before_sweep[at(body)];
             const BodyVelocity x = v;
@@ -30,23 +30,29 @@ void SweepEngine::move_on(int share, double m) {
 }
 
 void SweepEngine::add_up(int share) {
-    for_bodies(share, [&](std::span<const std::int32_t> bodies, double& sum) {
-        double parts = 0;
+    for_bodies(share, [&](std::span<const std::int32_t> bodies, ContactScratch::Turns& sum) {
+        ContactScratch::Turns parts;
         for (const std::int32_t body : bodies) {
             const BodyVelocity &x = s_.velocity[at(body)], &y = s_.sweep_start[at(body)],
                                &before = s_.before_sweep[at(body)];
             const ContactScratch::Weight& w = s_.weight[at(body)];
-            parts += w.linear * dot(y.linear - x.linear, x.linear - before.linear) +
-                     w.angular * dot(y.angular - x.angular, x.angular - before.angular);
+            const BodyVelocity step{.linear = x.linear - before.linear, .angular = x.angular - before.angular};
+            parts.back +=
+                w.linear * dot(y.linear - x.linear, step.linear) + w.angular * dot(y.angular - x.angular, step.angular);
+            parts.over += w.linear * dot(y.linear - before.linear, step.linear) +
+                          w.angular * dot(y.angular - before.angular, step.angular);
         }
         sum = parts;
     });
 }
 
-bool SweepEngine::turned_back() const {
-    double sum = 0;
-    for (const double part : set_.sums) sum += part;
-    return sum > 0;
+ContactScratch::Turns SweepEngine::added_up() const {
+    ContactScratch::Turns sum;
+    for (const ContactScratch::Turns& part : set_.sums) {
+        sum.back += part.back;
+        sum.over += part.over;
+    }
+    return sum;
 }
 
 SweepView SweepEngine::view(std::span<const ContactPacket> packets, double momentum) const {

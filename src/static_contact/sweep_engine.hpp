@@ -8,8 +8,14 @@
 // impulses and velocities alike, so that the velocities stay those of the impulses. m is at most
 // ContactTuning::most_momentum, which makes slow modes 1 / (1 - m) times faster and leaves the fast ones bounded, and
 // starts anew at 0 (theta = 1) where the path turns back: (y - x) . (x - x_before) > 0 in the metric of kinetic energy
-// (O'Donoghue and Candes 2015), or the residual rises. The sum runs over the bodies in one order. What a solve leaves
-// behind is always some x: within the bounds of eqs 17-20.
+// (O'Donoghue and Candes 2015), or the residual rises. Sums run over the bodies in one order.
+//
+// A sweep is no descent along a symmetric metric: contacts that are not independent, such as those of a disc that
+// stands on a floor with 32 corners, answer a change by its opposite, less a part. Momentum lets such modes grow, those
+// of eigenvalues below -1 / (1 + 2 m), and the sum above does not see it. So where an evaluation finds that the
+// residual did not fall, and the last sweep went against the one before, (y - x_before) . (x - x_before) < 0, the solve
+// goes on without momentum (carry_on). Plain sweeps converge there. What a solve leaves behind is always some x: within
+// the bounds of eqs 17-20.
 //
 // The law with friction is no minimum of anything, so nothing is proved about m > 0; a plain sweep after every restart
 // and the residual at the end decide.
@@ -91,9 +97,9 @@ struct SweepSet {
     std::span<const ContactPacket> packets; ///< that groups count
     std::int32_t end = 0;                   ///< of the last group
     std::span<const PacketGroup> groups;
-    bool momentum = false;                  ///< carries these on:
-    std::span<const std::int32_t> bodies{}; ///< movable, ascending or as chosen
-    std::span<double> sums{};               ///< num_sums(bodies.size())
+    bool momentum = false;                   ///< carries these on:
+    std::span<const std::int32_t> bodies{};  ///< movable, ascending or as chosen
+    std::span<ContactScratch::Turns> sums{}; ///< num_sums(bodies.size())
 };
 
 /// What is to be done after a sweep; restart: go on without momentum.
@@ -127,10 +133,15 @@ class SweepEngine {
             const double worst = sweep(m);
             const AfterSweep next = after(++sweeps, worst);
             done = next == AfterSweep::done;
-            if (set_.momentum) m = momentum.next(next == AfterSweep::restart || turned_back());
+            if (set_.momentum) m = momentum.next(next == AfterSweep::restart || !carries_on_ || added_up().back > 0);
         }
         return sweeps;
     }
+    /// Whether the last sweep went against the momentum with which it began.
+    [[nodiscard]] bool overshoots() const { return set_.momentum && added_up().over < 0; }
+    /// Whether sweeps go on with momentum, from the next one on.
+    void carry_on(bool yes) { carries_on_ = yes; }
+    [[nodiscard]] bool carries_on() const { return set_.momentum && carries_on_; }
     /// Adds the effect of the impulses that the rows hold.
     void apply_impulses();
 
@@ -196,7 +207,7 @@ class SweepEngine {
     void move_on(int share, double m);
     /// The sums of (y - x) . (x - x_before), twice the energy of the product; a body turns with its mean inertia.
     void add_up(int share);
-    [[nodiscard]] bool turned_back() const;
+    [[nodiscard]] ContactScratch::Turns added_up() const;
 
     SweepSet set_;
     SweepCrew crew_;
@@ -204,6 +215,7 @@ class SweepEngine {
     const ContactSolveOptions& options_;
     ContactScratch& s_;
     SweepShares shares_;
+    bool carries_on_ = true;
     std::unique_ptr<DividedSweeps> divided_;
 };
 

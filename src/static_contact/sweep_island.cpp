@@ -163,8 +163,11 @@ class IslandSweeps {
         bool used_parts = false;
         if (known_) {
             if (packs_parts_) choose_above(worst);
+            const double before = course_.left.residual;
             evaluate();
             course_.saw(seen_left());
+            // Plain sweeps bring such contacts together all the same: momentum ends for this solve.
+            if (!(course_.left.residual < before) && engine_.overshoots()) engine_.carry_on(false);
             used_parts = (may_use_parts_ || packs_parts_) && course_.whole >= course_.parts_from && solve_parts();
             if (course_.left.residual <= options_.tolerance) return AfterSweep::done;
         } else if (course_.whole == tuning().peek) {
@@ -272,7 +275,7 @@ class IslandSweeps {
         return worst;
     }
     void note_changes(int share) {
-        engine_.for_bodies(share, [&](std::span<const std::int32_t> bodies, double&) {
+        engine_.for_bodies(share, [&](std::span<const std::int32_t> bodies, ContactScratch::Turns&) {
             for (const std::int32_t body : bodies) {
                 const BodyVelocity &v = s_.velocity[at(body)], &start = s_.start_velocity[at(body)];
                 s_.change[at(body)] = {v.linear - start.linear, length(v.angular - start.angular)};
@@ -332,7 +335,7 @@ class IslandSweeps {
         if (!chosen) return false;
         const auto part = static_cast<std::int64_t>(s_.part.packets.size());
         const auto whole = static_cast<std::int64_t>(packets_.size());
-        const int sweeps = sweep_unsolved(engine_, start_.momentum, most_cost * whole / part, s_);
+        const int sweeps = sweep_unsolved(engine_, engine_.carries_on(), most_cost * whole / part, s_);
         count_part(sweeps, part, s_.part.contacts, s_.part.groups.size());
         return true;
     }
@@ -347,7 +350,7 @@ class IslandSweeps {
         pack_part(options_.team, s_);
         const auto part = static_cast<std::int64_t>(s_.packed_part.packed.packets.size());
         const std::int64_t most = most_cost * static_cast<std::int64_t>(packets_.size()) / part;
-        const int sweeps = sweep_packed_part(engine_, start_.momentum, most, chosen_above_, s_);
+        const int sweeps = sweep_packed_part(engine_, engine_.carries_on(), most, chosen_above_, s_);
         count_part(sweeps, part, s_.packed_part.contacts, s_.packed_part.groups.size());
         course_.packed += sweeps;
         return true;

@@ -64,7 +64,7 @@ void Stepper::wake_disturbed() {
         if (sleeps(p.a) == sleeps(p.b)) continue;
         const std::int32_t sleeper = sleeps(p.a) ? p.a : p.b, other = sleeps(p.a) ? p.b : p.a;
         if (trajectories_.still(at(other))) continue;
-        wake_island(at(sleeper), state_);
+        wake_island(at(sleeper), state_.sleep[at(other)].quiet_steps, state_);
         woken = true;
     }
     pairs_.lists.forget_motions(); // sleeping bodies are in no other list

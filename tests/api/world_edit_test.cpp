@@ -332,6 +332,24 @@ TEST(WorldEdit, GroupsAndPairsPassThroughEachOther) {
     EXPECT_NEAR(height(w.world, falling), 1.5 + 0.02, 0.03) << "on the crate";
 }
 
+TEST(WorldEdit, GroupsThatNobodyIgnoresWakeNobodyAndChangeNoBits) {
+    SceneDescription scene = crate_on_floor();
+    scene.bodies[1].group = "crates";
+    scene.settings.sleeping = true;
+    scenario::add_body(scene, 0, BodyType::dynamic, {4, 0, kHalf + 0.004}).name = "other";
+    World world(scene);
+    while (world.step().sleeping < 2 && world.steps() < 200) {
+    }
+    ASSERT_LT(world.steps(), 200);
+    world.remove_body(world.find("other"));
+    EXPECT_EQ(world.step().sleeping, 1) << "far away";
+    World restored(scene, world.snapshot());
+    for (World* w : {&world, &restored}) (void)w->add_body(crate_at({-6, 0, 5}, "new"));
+    EXPECT_EQ(world.state_hash(), restored.state_hash());
+    for (World* w : {&world, &restored}) EXPECT_EQ(w->step().sleeping, 1);
+    EXPECT_EQ(world.state_hash(), restored.state_hash());
+}
+
 TEST(WorldEdit, AddedShapesAreLikeThoseOfTheScene) {
     AuditedWorld w(crate_on_floor());
     run(w, 2);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Resting islands sleep, stand still to the bit, and wake when something comes.
+#include <numbers>
+
 #include "step/scenario.hpp"
 
 namespace flotilla::scenario {
@@ -96,6 +98,20 @@ TEST(Sleeping, ABodyThatFallsOnATowerWakesIt) {
     EXPECT_GE(collisions, 1);
     EXPECT_GE(woken, 10);
     EXPECT_GT(moved, 1e-4);
+}
+
+TEST(Sleeping, NeighboursThatRestDoNotKeepEachOtherAwake) {
+    SceneDescription scene = empty_scene();
+    scene.settings.sleeping = true;
+    const auto bar = add_shape(scene, make_box(3, 0.2, 0.2), 60);
+    add_body(scene, add_shape(scene, make_plate(20, 20)), BodyType::fixed, {0, 0, 0}, 0.5);
+    const Quat turned = normalized(Quat{1, 0, 0, std::tan(0.125 * std::numbers::pi)}); // by 45 degrees
+    add_body(scene, bar, BodyType::dynamic, {0, 0, 0.102}, 0.5).rotation = turned;
+    // Beside it, with overlapping boxes: it comes to rest some steps later.
+    add_body(scene, bar, BodyType::dynamic, {0.45, -0.45, 0.35}, 0.5).rotation = turned;
+    World world(scene);
+    ASSERT_NE(steps_until_asleep(world, 2, 120), -1);
+    for (int n = 0; n < 40; ++n) EXPECT_EQ(world.step().sleeping, 2);
 }
 
 TEST(Sleeping, AScriptedBodyPushesASleepingOne) {
