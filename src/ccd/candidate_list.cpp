@@ -76,6 +76,7 @@ bool CandidateList::build(const BodyMotion& a, const BodyMotion& b, const Candid
                           const CandidateMargins& margins, bool refined, ListingScratch& scratch) {
     start(a, b, margins);
     of_leaves_ = false;
+    leaves_.drop();
     const ListingReach listed = listing_reach(a, b, reach, margins);
     scale0_ = listed.scale0;
     slots_per_metre_ = listed.margin > 0 ? kSlots / listed.margin : 0;
@@ -91,12 +92,13 @@ bool CandidateList::build(const BodyMotion& a, const BodyMotion& b, const Candid
 }
 
 bool CandidateList::build_of_leaves(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
-                                    double margin_at_end) {
+                                    double margin_at_end, ListingScratch& scratch) {
     const CandidateMargins margins{0, margin_at_end};
     start(a, b, margins);
     of_leaves_ = true;
     refined_ = false;
-    if (leaves_.find(a, b, listing_reach(a, b, reach, margins))) return true;
+    features_ = std::vector<FeatureIds>();
+    if (leaves_.find(a, b, listing_reach(a, b, reach, margins), scratch.leaves)) return true;
     drop();
     return false;
 }
@@ -152,13 +154,14 @@ void CandidateList::store(std::span<ListedFeature> listed) {
     }
     for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
     auto next = begin_;
+    if (2 * listed.size() < features_.capacity()) features_ = std::vector<FeatureIds>();
     features_.resize(listed.size());
     for (const ListedFeature& f : listed) features_[next[static_cast<std::size_t>(f.place)]++] = f.ids;
 }
 
 void CandidateList::drop() {
     margins_ = {-1, -1};
-    features_.clear();
+    features_ = std::vector<FeatureIds>(); // of {} a vector keeps its memory
     begin_ = {};
     leaves_.drop();
 }

@@ -54,6 +54,7 @@ struct CandidateReach {
 /// Buffer of the making of a list; one per thread, reused.
 struct ListingScratch {
     std::vector<ListedFeature> found;
+    std::vector<NodeIds> leaves;
 };
 
 class CandidateList {
@@ -75,8 +76,8 @@ class CandidateList {
     /// The same of leaves, for motions that start where this one does: conservative queries alone may ask it. False:
     /// there are more than LeafPairs::kMost.
     [[nodiscard]] bool build_of_leaves(const BodyMotion& a, const BodyMotion& b, const CandidateReach& reach,
-                                       double margin_at_end);
-    void drop();
+                                       double margin_at_end, ListingScratch& scratch);
+    void drop(); ///< and frees its memory
 
     /// All pairs of the list whose coarse boxes come within the reach, which is at most the list's (FeatureTest::near:
     /// for bodies that rest at the end of a covered motion, of which `strayed` need say no more than that). They stand

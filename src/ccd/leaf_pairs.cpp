@@ -133,28 +133,27 @@ std::span<const FeaturePair> features_of(const BodyMotion& a, const BodyMotion& 
 } // namespace
 
 void LeafPairs::drop() {
-    leaves_.clear();
-    kept_.clear();
+    leaves_ = std::vector<NodeIds>(); // of {} a vector keeps its memory
+    kept_ = std::vector<Kept>();
 }
 
-bool LeafPairs::find(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach) {
+bool LeafPairs::find(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach, std::vector<NodeIds>& found) {
     constexpr std::size_t kRoom = 128;
     const Isa isa = best_isa();
     const ListingArrays arrays_a = listing_arrays(a), arrays_b = listing_arrays(b);
     ListingStack stack;
     stack.pairs[stack.size++] = {0, 0};
-    drop();
     std::size_t n = 0;
     while (stack.size > 0 && n <= kMost) {
-        leaves_.resize(n + kRoom);
+        if (found.size() < n + kRoom) found.resize(n + kRoom);
         n += static_cast<std::size_t>(
-            open_node_pairs(arrays_a, arrays_b, reach, stack, leaves_.data() + n, static_cast<long>(kRoom), isa));
+            open_node_pairs(arrays_a, arrays_b, reach, stack, found.data() + n, static_cast<long>(kRoom), isa));
     }
-    leaves_.resize(n);
-    kept_.resize(n);
-    if (n <= kMost) return true;
-    drop();
-    return false;
+    if (n > kMost || 2 * n < leaves_.capacity()) drop();
+    if (n > kMost) return false;
+    leaves_.assign(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(n));
+    kept_.assign(n, {});
+    return true;
 }
 
 std::span<const FeaturePair> LeafPairs::select(FeatureTest test, const BodyMotion& a, const BodyMotion& b,

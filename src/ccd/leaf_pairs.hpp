@@ -35,9 +35,11 @@ struct FeatureBuffer {
 class LeafPairs {
   public:
     /// Finds all pairs of leaves whose boxes a motion within the reach's margin may bring together. False, and none,
-    /// where there are more than kMost.
-    [[nodiscard]] bool find(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach);
-    void drop();
+    /// where there are more than kMost. `found` is scratch: the lists of all pairs together are most of what an impact
+    /// takes, and have no room to spare.
+    [[nodiscard]] bool find(const BodyMotion& a, const BodyMotion& b, const ListingReach& reach,
+                            std::vector<NodeIds>& found);
+    void drop(); ///< and frees its memory
 
     /// The feature pairs of the leaves whose coarse boxes come within the reach, except those that are proved apart: by
     /// kClear times the reach at both ends, or by the reach at the end (FeatureTest::near). The bodies start where they

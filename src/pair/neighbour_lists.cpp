@@ -69,7 +69,7 @@ CoveringList make_list(const Making& making, PairCandidates& c, bool first, List
         c.paid = true;
         return {};
     }
-    const bool built = of_leaves ? c.list.build_of_leaves(making.a, making.b, making.reach(), margins.end)
+    const bool built = of_leaves ? c.list.build_of_leaves(making.a, making.b, making.reach(), margins.end, scratch)
                                  : c.list.build(making.a, making.b, making.reach(), margins, making.resting(), scratch);
     return built ? CoveringList{&c.list, {}} : CoveringList{};
 }

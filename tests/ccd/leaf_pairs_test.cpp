@@ -68,8 +68,9 @@ struct Shells {
 
 CandidateList list_of(const Shells& s, double margin) {
     CandidateList list;
-    EXPECT_TRUE(list.build_of_leaves(s.motion(0), s.motion(1),
-                                     {swept_reach(kSeparation, s.motion(0), s.motion(1)), kProximity}, margin));
+    ListingScratch scratch;
+    EXPECT_TRUE(list.build_of_leaves(
+        s.motion(0), s.motion(1), {swept_reach(kSeparation, s.motion(0), s.motion(1)), kProximity}, margin, scratch));
     return list;
 }
 
