@@ -169,9 +169,10 @@ struct ContactScratch {
         double turn = 0;
     };
     LargeVector<Change> change; ///< per body in contact
-    /// Products of changes of velocity in the metric of kinetic energy, J, of some bodies (SweepEngine::add_up).
+    /// How a sweep went against the momentum that it began with, of some bodies, J (SweepEngine::add_up).
     struct Turns {
-        double back = 0, over = 0;
+        double back = 0; ///< > 0: the path turns back
+        double over = 0; ///< < 0: the sweep undid more than the momentum had added
     };
     std::vector<Turns> sums;                    ///< parts of sums, at the place of their first body in island_bodies
     std::vector<PacketGroup> groups;            ///< by island

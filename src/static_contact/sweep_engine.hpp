@@ -14,8 +14,8 @@
 // stands on a floor with 32 corners, answer a change by its opposite, less a part. Momentum lets such modes grow, those
 // of eigenvalues below -1 / (1 + 2 m), and the sum above does not see it. So where an evaluation finds that the
 // residual did not fall, and the last sweep went against the one before, (y - x_before) . (x - x_before) < 0, the solve
-// goes on without momentum (carry_on). Plain sweeps converge there. What a solve leaves behind is always some x: within
-// the bounds of eqs 17-20.
+// goes on without momentum (end_momentum). Plain sweeps converge there. What a solve leaves behind is always some x:
+// within the bounds of eqs 17-20.
 //
 // The law with friction is no minimum of anything, so nothing is proved about m > 0; a plain sweep after every restart
 // and the residual at the end decide.
@@ -139,8 +139,8 @@ class SweepEngine {
     }
     /// Whether the last sweep went against the momentum with which it began.
     [[nodiscard]] bool overshoots() const { return set_.momentum && added_up().over < 0; }
-    /// Whether sweeps go on with momentum, from the next one on.
-    void carry_on(bool yes) { carries_on_ = yes; }
+    /// From the next sweep on.
+    void end_momentum() { carries_on_ = false; }
     [[nodiscard]] bool carries_on() const { return set_.momentum && carries_on_; }
     /// Adds the effect of the impulses that the rows hold.
     void apply_impulses();
@@ -205,7 +205,8 @@ class SweepEngine {
     void prepare_shares();
     /// Remembers the velocities x of the bodies and moves them on to y.
     void move_on(int share, double m);
-    /// The sums of (y - x) . (x - x_before), twice the energy of the product; a body turns with its mean inertia.
+    /// The sums of (y - x) . (x - x_before) and of (y - x_before) . (x - x_before), twice the energies of the products;
+    /// a body turns with its mean inertia.
     void add_up(int share);
     [[nodiscard]] ContactScratch::Turns added_up() const;
 

@@ -167,7 +167,7 @@ class IslandSweeps {
             evaluate();
             course_.saw(seen_left());
             // Plain sweeps bring such contacts together all the same: momentum ends for this solve.
-            if (!(course_.left.residual < before) && engine_.overshoots()) engine_.carry_on(false);
+            if (!(course_.left.residual < before) && engine_.overshoots()) engine_.end_momentum();
             used_parts = (may_use_parts_ || packs_parts_) && course_.whole >= course_.parts_from && solve_parts();
             if (course_.left.residual <= options_.tolerance) return AfterSweep::done;
         } else if (course_.whole == tuning().peek) {
