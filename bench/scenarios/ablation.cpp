@@ -46,7 +46,7 @@ constexpr Row kRows[] = {
     {"patience: 100", [](ContactTuning& t) { t.patience = 100; }},
     {"patience: 25", [](ContactTuning& t) { t.patience = 25, t.patience_share = 40; }},
     {"jams: none", [](ContactTuning& t) { t.looks_at_jam = 0; }},
-    {"aim: at the tolerance", [](ContactTuning& t) { t.aim_at_rest = t.aim_of_small = 1; }},
+    {"aim: at the tolerance", [](ContactTuning& t) { t.aim_at_rest = t.aim_in_motion = 1; }},
     {"aim: an eighth", [](ContactTuning& t) { t.aim_at_rest = 0.125; }},
     {"rest: 1.5", [](ContactTuning& t) { t.rest_speed = 1.5; }},
     {"rest: 4", [](ContactTuning& t) { t.rest_speed = 4; }},

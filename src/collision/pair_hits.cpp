@@ -11,6 +11,7 @@
 #include "pair/neighbour_lists.hpp"
 #include "pair/pair_distance.hpp"
 #include "pair/simultaneous_hits.hpp"
+#include "proximity/passing.hpp"
 #include "response/arc.hpp"
 #include "state/loads.hpp"
 
@@ -54,16 +55,21 @@ bool stops_calmly(const StepView& view, const PairRecord& pair, double speed, do
 }
 
 /// Fills worker.points with the proximities of the bodies at the end of the step that approach too fast, the nearest
-/// first. Static contact stops the others, and those that are slower than `least`.
+/// first, with the normals at which they meet. Static contact stops the others, and those that are slower than `least`.
 template <class ContactOf>
 void find_fast_points(const StepView& view, Worker& worker, const PairRecord& pair, const Impulsive& body_a,
                       const Impulsive& body_b, ContactOf&& contact) {
     worker.points.clear();
     const double least = least_approach(view, pair.a, pair.b, pair.lengths.rest);
-    for (const ProximityPoint& p : worker.proximity.found) {
+    const BodyMotion a = view.trajectories.at_end(at(pair.a)), b = view.trajectories.at_end(at(pair.b));
+    const PlacedShape place_a{*a.shape, *a.at1.pose}, place_b{*b.shape, *b.at1.pose};
+    for (ProximityPoint p : worker.proximity.found) {
         const ContactPoint c = contact(p);
+        const PointGap there = gap_on_the_way(p.features, place_a, place_b, view.dt * c.relative_velocity,
+                                              pair.lengths.rest, {p.normal, p.distance});
+        p.normal = there.normal;
         const double approach = -dot(c.relative_velocity, p.normal);
-        const double gap = p.distance - pair.lengths.rest;
+        const double gap = there.distance - pair.lengths.rest;
         if (!(approach > std::max(least, gap / view.dt))) continue;
         const double apart = dot(p.normal, arc_acceleration(body_b.angular_velocity, c.arm_b) -
                                                arc_acceleration(body_a.angular_velocity, c.arm_a));

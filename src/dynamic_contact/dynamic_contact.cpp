@@ -122,8 +122,8 @@ class DynamicContact {
         for_each(&workers_.team, "look at resolutions", (n + kGrain - 1) / kGrain, 1, [&](std::size_t chunk) {
             std::size_t found = 0, unresolved = 0;
             for (std::size_t i = chunk * kGrain; i < std::min(n, (chunk + 1) * kGrain); ++i) {
-                found += resolutions_[i].found ? 1 : 0;
-                unresolved += resolutions_[i].resolved ? 0 : 1;
+                found += resolutions_[i].found ? 1u : 0u;
+                unresolved += resolutions_[i].resolved ? 0u : 1u;
             }
             hits.fetch_add(found, std::memory_order_relaxed);
             left.fetch_add(unresolved, std::memory_order_relaxed);

@@ -55,8 +55,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path, std::string_view part)
     return read_ply(path, data);
 }
 
-TriangleMesh merge_equal_vertices(const TriangleMesh& mesh) {
-    const std::vector<Vec3>& v = mesh.vertices;
+std::vector<std::int32_t> number_positions(std::span<const Vec3> v) {
     std::vector<std::size_t> order(v.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
@@ -66,19 +65,20 @@ TriangleMesh merge_equal_vertices(const TriangleMesh& mesh) {
     std::vector<std::size_t> representative(v.size());
     for (std::size_t k = 0; k < order.size(); ++k)
         representative[order[k]] = k > 0 && v[order[k]] == v[order[k - 1]] ? representative[order[k - 1]] : order[k];
-    TriangleMesh merged;
-    std::vector<std::int32_t> new_index(v.size());
-    for (std::size_t i = 0; i < v.size(); ++i) {
-        if (representative[i] == i) {
-            new_index[i] = static_cast<std::int32_t>(merged.vertices.size());
-            merged.vertices.push_back(v[i]);
-        } else {
-            new_index[i] = new_index[representative[i]];
-        }
-    }
-    merged.triangles = mesh.triangles;
+    std::vector<std::int32_t> number(v.size());
+    std::int32_t numbers = 0;
+    for (std::size_t i = 0; i < v.size(); ++i)
+        number[i] = representative[i] == i ? numbers++ : number[representative[i]];
+    return number;
+}
+
+TriangleMesh merge_equal_vertices(const TriangleMesh& mesh) {
+    const std::vector<std::int32_t> number = number_positions(mesh.vertices);
+    TriangleMesh merged{{}, mesh.triangles};
+    for (std::size_t i = 0; i < number.size(); ++i)
+        if (static_cast<std::size_t>(number[i]) == merged.vertices.size()) merged.vertices.push_back(mesh.vertices[i]);
     for (Triangle& t : merged.triangles)
-        for (std::int32_t& i : t) i = new_index[static_cast<std::size_t>(i)];
+        for (std::int32_t& i : t) i = number[static_cast<std::size_t>(i)];
     return merged;
 }
 

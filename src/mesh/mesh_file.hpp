@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,9 @@ namespace flotilla {
 /// first corner. STL, which repeats every vertex, has its equal vertices merged. `part` names one object or group of an
 /// OBJ file; without it all faces are one mesh. Throws InputError, or IoError where the file cannot be read.
 [[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path, std::string_view part = {});
+
+/// For each vertex the number of its position (0 and -0 are equal), in order of first appearance.
+[[nodiscard]] std::vector<std::int32_t> number_positions(std::span<const Vec3> vertices);
 
 /// The mesh with vertices at equal positions (0 and -0 are equal) made one, in order of first appearance.
 [[nodiscard]] TriangleMesh merge_equal_vertices(const TriangleMesh& mesh);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/index.hpp"
 #include "mesh/dd_vec.hpp"
@@ -99,6 +100,27 @@ void count_edges(const TriangleMesh& merged, MeshStatistics& s) {
     if (s.max_edge == 0) s.min_edge = 0;
 }
 
+void list_around(const TriangleMesh& mesh, Topology& t) {
+    t.place = number_positions(mesh.vertices);
+    const std::int32_t places = t.place.empty() ? 0 : 1 + *std::max_element(t.place.begin(), t.place.end());
+    // Calls visit(place, triangle) once for each place where a triangle has corners.
+    const auto for_each_corner = [&](auto&& visit) {
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const Triangle& v = mesh.triangles[i];
+            const std::int32_t p = t.place[at(v[0])], q = t.place[at(v[1])], r = t.place[at(v[2])];
+            visit(p, static_cast<std::int32_t>(i));
+            if (q != p) visit(q, static_cast<std::int32_t>(i));
+            if (r != p && r != q) visit(r, static_cast<std::int32_t>(i));
+        }
+    };
+    t.first_around.assign(at(places) + 1, 0);
+    for_each_corner([&](std::int32_t p, std::int32_t) { ++t.first_around[at(p) + 1]; });
+    std::partial_sum(t.first_around.begin(), t.first_around.end(), t.first_around.begin());
+    t.around.resize(at(t.first_around.back()));
+    std::vector<std::int32_t> next = t.first_around;
+    for_each_corner([&](std::int32_t p, std::int32_t triangle) { t.around[at(next[at(p)]++)] = triangle; });
+}
+
 } // namespace
 
 Topology build_topology(const TriangleMesh& mesh) {
@@ -121,6 +143,7 @@ Topology build_topology(const TriangleMesh& mesh) {
         t.owned[at(first->triangle)] = static_cast<std::uint8_t>(t.owned[at(first->triangle)] | (8u << first->corner));
         for (auto e = first; e != last; ++e) t.triangle_edges[at(e->triangle)][at(e->corner)] = id;
     });
+    list_around(mesh, t);
     return t;
 }
 

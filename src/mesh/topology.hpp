@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/vec3.hpp"
@@ -26,6 +27,17 @@ struct Topology {
     std::vector<std::int32_t> vertex_owner;                  ///< triangle, or -1 for a vertex no triangle uses
     std::vector<std::int32_t> edge_owner;                    ///< triangle
     std::vector<std::uint8_t> owned; ///< per triangle: bit k = owns its corner k, bit 3 + k = owns its edge k
+    std::vector<std::int32_t> place; ///< of vertices, the same for those at equal positions, in order of appearance
+    std::vector<std::int32_t> first_around; ///< by place, and one more: where its triangles begin in `around`
+    std::vector<std::int32_t> around;       ///< the triangles that have a corner there, ascending, each once
+
+    /// The triangles around the place of a vertex.
+    [[nodiscard]] std::span<const std::int32_t> around_vertex(std::int32_t vertex) const {
+        const std::int32_t* const first =
+            &first_around[static_cast<std::size_t>(place[static_cast<std::size_t>(vertex)])];
+        return std::span(around).subspan(static_cast<std::size_t>(first[0]),
+                                         static_cast<std::size_t>(first[1] - first[0]));
+    }
 };
 [[nodiscard]] Topology build_topology(const TriangleMesh& mesh);
 

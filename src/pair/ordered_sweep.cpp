@@ -146,8 +146,8 @@ class OrderByColors {
 
     void number_tasks(Team& team) {
         const auto count = [&](std::size_t begin, std::size_t end) {
-            return at(std::count(links_.is_task.begin() + static_cast<std::ptrdiff_t>(begin),
-                                 links_.is_task.begin() + static_cast<std::ptrdiff_t>(end), 1));
+            return static_cast<std::size_t>(std::count(links_.is_task.begin() + static_cast<std::ptrdiff_t>(begin),
+                                                       links_.is_task.begin() + static_cast<std::ptrdiff_t>(end), 1));
         };
         const auto fill = [&](std::size_t begin, std::size_t end, std::size_t task) {
             for (std::size_t q = begin; q < end; ++q) {

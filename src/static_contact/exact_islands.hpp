@@ -15,9 +15,9 @@ inline constexpr double kExactShare = 0x1p-20;
 inline constexpr double kOfSpeed = 0x1p-36;
 
 /// Islands of up to so many contacts are solved exactly after a few sweeps: that takes a few milliseconds at most, as
-/// the sweeps would. Larger ones are where more sweeps leave them above their tolerance; slender ones at rest and those
-/// of a few bodies are so at once: a ball on 1,400 contacts takes the time of the sweeps in preset balanced, and sweeps
-/// left it unsolved in four of five steps.
+/// the sweeps would. Larger ones are where more sweeps leave them above what they aim at; slender ones at rest and
+/// those of a few bodies are so at once: a ball on 1,400 contacts takes the time of the sweeps in preset balanced, and
+/// sweeps left it unsolved in four of five steps.
 inline constexpr std::int32_t kFewContacts = 256;
 
 /// Problems that have a solution take ten to forty factorisations; the others end with what was found.

@@ -91,7 +91,7 @@ void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactS
     // What moves does not creep, and meets other contacts in the next step: what sweeps leave within the tolerance is
     // enough, and so is what an exact solve does. A lone body may rest all the same but for its spin: a top, a wheel.
     const bool to_the_last = island.rests || bodies == 1 || options.patience == 0;
-    island.exact_tolerance = (to_the_last ? kExactShare : tuning.aim_of_small) * island.tolerance;
+    island.exact_tolerance = (to_the_last ? kExactShare : tuning.aim_in_motion) * island.tolerance;
     if (soon && (few || is_slender(island)))
         island.exact_tolerance = std::max(island.exact_tolerance, kOfSpeed * island.speed);
     if (to_the_last && soon && (few || is_slender(island))) options.tolerance = island.exact_tolerance;
@@ -118,13 +118,15 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     island.rests = options.rest_speed > 0 && island.speed <= options.rest_speed;
     // A caller that asked for a tolerance has all sweeps for it, and wants no more.
     const bool aims_lower = island.rests && options.patience > 0, small = may_solve_exactly(island, options, s);
-    const double share = !aims_lower ? 1 : small ? tuning.aim_of_small : tuning.aim_at_rest;
-    const double aim = share * island.tolerance;
+    const double aim = (!aims_lower ? 1 : small ? kExactShare : tuning.aim_at_rest) * island.tolerance;
+    // What sweeps leave within the tolerance is solved, but where an exact solve would leave next to nothing, which
+    // then stays: at rest.
+    const double enough = aims_lower && small ? aim : island.tolerance;
     options.tolerance = aim;
     if (small) leave_to_exact(island, options, s);
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
-        island.solved = island.solved || (options.tolerance == aim && island.residual <= island.tolerance);
+        island.solved = island.solved || (options.tolerance == aim && island.residual <= enough);
         if (island.solved) return false;
         island.energy_pgs = kinetic_energy(island, bodies, options.team, s);
         return island.energy_pgs - island.energy_before >

@@ -8,6 +8,7 @@
 
 #include "base/index.hpp"
 #include "base/rotation.hpp"
+#include "proximity/passing.hpp"
 #include "state/loads.hpp"
 #include "static_contact/rolling.hpp"
 
@@ -87,6 +88,7 @@ class PairTargets {
         for (std::size_t i = first; i < end; ++i) {
             out_.contacts[i] = set_.contacts[i];
             out_.contacts[i].tolerance = tolerance(i);
+            turn_normal(i);
         }
         const double share = std::max(1.0, model_.settings.tolerance_share);
         const std::span<const Contact> pair = std::span(out_.contacts).subspan(first, end - first);
@@ -97,6 +99,29 @@ class PairTargets {
     }
 
   private:
+    /// To where the features of a contact meet on their way.
+    void turn_normal(std::size_t i) const {
+        Contact& c = out_.contacts[i];
+        const auto placed = [&](std::int32_t body) {
+            return PlacedShape{model_.shape_of(at(body)), input_.poses[at(body)]};
+        };
+        const PointGap gap = gap_on_the_way(features_of(c.feature_key), placed(c.a), placed(c.b), way(c),
+                                            set_.rest[i] - dt_ * band(i, 1), {c.normal, c.distance});
+        c.normal = gap.normal;
+        c.distance = gap.distance;
+    }
+
+    /// m, of b relative to a, in the step as far as it is known before contacts answer to loads.
+    [[nodiscard]] Vec3 way(const Contact& c) const {
+        const auto velocity = [&](std::int32_t body) {
+            const Vec3 v = bodies_.velocity[at(body)];
+            const Vec3 unloaded =
+                bodies_.inverse_mass[at(body)] > 0 ? v - input_.accelerated * acceleration(model_, at(body)) : v;
+            return unloaded + cross(bodies_.angular_velocity[at(body)], c.point - bodies_.position[at(body)]);
+        };
+        return dt_ * (velocity(c.b) - velocity(c.a));
+    }
+
     /// m/s (Settings::static_tolerance).
     [[nodiscard]] double tolerance(std::size_t i) const {
         const Settings& s = model_.settings;

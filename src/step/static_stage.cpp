@@ -161,9 +161,10 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     // ended by its limit it did not examine all, and may not do so in the next step: bodies that stages 3 and 5 hold up
     // would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
+    const double accelerated = final_stage && model_.settings.velocity_update == VelocityUpdate::end ? 1 : 0.5;
     set_targets(&workers_.team, model_, contacts, velocities,
                 {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, stage == ContactStage::kept,
-                 options_.tuning},
+                 accelerated * model_.settings.time_step, options_.tuning},
                 targets);
     load_warm(&workers_.team, targets.contacts, known_impulses(stage), impulses);
     ContactSolveOptions options = solve_options(model_, options_);

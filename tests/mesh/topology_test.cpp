@@ -9,6 +9,7 @@
 
 #include "mesh/mesh_file.hpp"
 #include "mesh/primitives.hpp"
+#include <algorithm>
 
 namespace flotilla {
 namespace {
@@ -52,6 +53,25 @@ TEST(Topology, EveryFeatureHasExactlyOneOwner) {
     expect_consistent(make_sphere(1, 2));
     expect_consistent(
         {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}}, {{0, 1, 2}, {2, 1, 0}, {0, 1, 1}, {2, 2, 2}, {0, 1, 0}}});
+}
+
+TEST(Topology, TrianglesAroundAVertexAreThoseWithACornerAtItsPosition) {
+    TriangleMesh soup = make_box(1, 2, 3);
+    soup.triangles.push_back({0, 0, 1});
+    soup.vertices.push_back(soup.vertices[0]);
+    soup.triangles.push_back({static_cast<std::int32_t>(soup.vertices.size()) - 1, 1, 2});
+    for (const TriangleMesh& mesh : {soup, boat(), TriangleMesh{}}) {
+        const Topology t = build_topology(mesh);
+        for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+            std::vector<std::int32_t> due;
+            for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+                if (std::any_of(mesh.triangles[i].begin(), mesh.triangles[i].end(),
+                                [&](std::int32_t k) { return mesh.vertices[at(k)] == mesh.vertices[v]; }))
+                    due.push_back(static_cast<std::int32_t>(i));
+            const auto around = t.around_vertex(static_cast<std::int32_t>(v));
+            EXPECT_EQ(std::vector<std::int32_t>(around.begin(), around.end()), due);
+        }
+    }
 }
 
 TEST(Topology, CountsOfClosedSurfacesObeyEuler) {

@@ -100,6 +100,25 @@ void painleve_rod(const Run& run, double friction) {
     EXPECT_LT(fastest, 6); // 3 m/s and the fall of its centre of mass
 }
 
+/// Without friction nothing stops a box that slides over the seam of two tables of one height.
+void slides_over_a_seam(const Run& run, double speed) {
+    constexpr double kSeam = 1e-3;
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_box(1, 0.6, 0.2);
+    const auto table = add_shape(scene, make_box(4, 2, 0.2), 1), box = add_shape(scene, mesh, 1);
+    auto& body = add_body(scene, box, BodyType::dynamic, {1, 0, 0.1 + rest_gap(mesh)}, 0, 0);
+    body.velocity = {speed, 0, 0};
+    for (const double x : {0.0, 4 + kSeam}) add_body(scene, table, BodyType::fixed, {x, 0, -0.1}, 0, 0);
+    Motion motion(scene);
+    motion.run(1.2 / speed); // its front is beyond the seam after the first half
+    const BodyState end = motion.body(0);
+    motion.print("keeps %.6f of its speed, %.2g m/s upwards, turns at %.2g rad/s", end.velocity.x / speed,
+                 end.velocity.z, length(end.angular_velocity));
+    EXPECT_NEAR(end.velocity.x / speed, 1, 1e-3);
+    EXPECT_LT(length(end.angular_velocity), 1e-3);
+    expect_no_rise(motion);
+}
+
 [[maybe_unused]] const bool registered = [] {
     const std::vector<Run> once = runs({24});
     for (const int heading : {0, 23, 45, 68, 90, 135, 200, 290}) {
@@ -124,6 +143,9 @@ void painleve_rod(const Run& run, double friction) {
     for (const int slope : {32, 35, 38, 44})
         add_runs("Friction", "BlockOnASlopeOfTan0_" + std::to_string(slope), runs(), true,
                  [=](const Run& r) { slides(r, make_box(1, 1, 0.4), 0.2, std::atan(0.01 * slope), 0.3, 100.0 / 24); });
+    for (const int tenths : {1, 10, 30})
+        add_runs("Friction", "SlidesOverASeamAt" + std::to_string(tenths) + "DecimetresASecond", runs(), true,
+                 [=](const Run& r) { slides_over_a_seam(r, 0.1 * tenths); });
     add_runs("Friction", "SpinningBlockSlidesStraight", runs(), kNotReached, spinning_block_slides_straight);
     add_runs("Friction", "PainleveRodAbove4Thirds", runs(), true, [](const Run& r) { painleve_rod(r, 1.6); });
     add_runs("Friction", "PainleveRodBelow4Thirds", once, true, [](const Run& r) { painleve_rod(r, 1.2); });

@@ -52,6 +52,23 @@ TEST(SpinningDisc, KeepsSpinAndSpeedWithoutFriction) {
         }
 }
 
+/// The rims pass each other, corner by corner.
+TEST(SpinningDisc, OneOnAnotherBesideItsAxisTurnsWithItForEver) {
+    for (const double time_step : {1.0 / 24, 1.0 / 60}) {
+        SceneDescription scene = frictionless_floor(preset("balanced"), time_step);
+        const auto disc = add_disc_shape(scene);
+        for (int k = 0; k < 2; ++k)
+            add_body(scene, disc, BodyType::dynamic, {0.03 * k, 0, (0.5 + k) * (kHeight + 0.0035)}, 0, 0)
+                .angular_velocity = {0, 0, 0.3};
+        World world(scene);
+        for (int n = 0; n < 8 / time_step; ++n) world.step();
+        for (const std::size_t body : {std::size_t{1}, std::size_t{2}}) {
+            EXPECT_NEAR(world.body(body).angular_velocity.z, 0.3, 1e-3) << body << ' ' << time_step;
+            EXPECT_LT(length(world.body(body).velocity), 1e-3) << body << ' ' << time_step;
+        }
+    }
+}
+
 /// Nine discs that spin on a raft, which stands on the floor.
 SceneDescription raft(const Settings& settings, double time_step) {
     SceneDescription scene = frictionless_floor(settings, time_step);
