@@ -2,6 +2,7 @@
 #include "collision/collisions.hpp"
 
 #include <algorithm>
+#include <functional>
 
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
@@ -9,6 +10,7 @@
 #include "pair/divided_sweep.hpp"
 #include "pair/progress.hpp"
 #include "parallel/compact.hpp"
+#include "parallel/team_sort.hpp"
 
 namespace flotilla {
 namespace {
@@ -177,8 +179,12 @@ class SequentialCollisions {
         const auto item = [&](std::size_t i) { return list[i]; };
         compact_if({&workers_.team, "active pairs", kGrain, book_.lists.chunk_places}, list.size(), kept, active,
                    before, item);
-        std::inplace_merge(active.begin(), active.begin() + static_cast<std::ptrdiff_t>(before), active.end());
-        active.erase(std::unique(active.begin(), active.end()), active.end());
+        if (active.size() == before) return;
+        std::vector<ListedPair>& merged = scratch_.merged;
+        team_merge(workers_.team, active, before, merged, std::less<>{});
+        const auto first = [&](std::size_t i) { return i == 0 || !(merged[i] == merged[i - 1]); };
+        compact_if({&workers_.team, "active pairs", kGrain, book_.lists.chunk_places}, merged.size(), first, active, 0,
+                   [&](std::size_t i) { return merged[i]; });
     }
 
     void note_progress() {

@@ -14,6 +14,7 @@ namespace flotilla {
 /// Kept between steps.
 struct CollisionScratch {
     std::vector<ListedPair> active;   ///< sequential: pairs with an impulse in this step, sorted
+    std::vector<ListedPair> merged;   ///< scratch of that
     std::vector<std::size_t> hitting; ///< sequential: how many pairs hit, by sweep
     std::vector<double> hardest;      ///< sequential: N s, the largest impulse, by sweep
     HitLists hits;                    ///< accumulated

@@ -51,10 +51,15 @@ class Failsafe {
     /// for those that are nearer than rounding can tell; without it a kinematic one becomes rigid and a rigid one is
     /// held (step/certificate.hpp).
     void check_moved_clusters() {
-        for (const std::int32_t c : view_.model.active) {
+        joined_.clear();
+        for (const std::int32_t body : view_.model.active)
+            if (view_.clusters.of(at(body)) != body) joined_.push_back(view_.clusters.of(at(body)));
+        std::sort(joined_.begin(), joined_.end());
+        joined_.erase(std::unique(joined_.begin(), joined_.end()), joined_.end());
+        for (const std::int32_t c : joined_) {
             Cluster& cluster = clusters()[c];
             while (cluster.members.size() > 1 && cluster.rung != Rung::held && !members_apart(c)) go_down(c);
-            if (!cluster.members.empty()) cluster.internal_proved = true;
+            cluster.internal_proved = true;
         }
     }
 
@@ -205,6 +210,7 @@ class Failsafe {
     Workers& workers_;
     FailsafeStats stats_;
     std::vector<CandidatePair> list_;
+    std::vector<std::int32_t> joined_;  ///< clusters of several bodies
     std::vector<Member> members_;       ///< of one cluster
     std::vector<std::uint8_t> merged_;  ///< clusters that this sweep made
     std::vector<std::uint8_t> lowered_; ///< those that it took a rung down

@@ -64,4 +64,18 @@ void team_sort(Team& team, std::vector<T>& items, std::vector<T>& buffer, Less l
     }
 }
 
+/// std::merge of the sorted items before and after place `middle` into `out`, which is another vector.
+template <class T, class Less>
+void team_merge(Team& team, const std::vector<T>& items, std::size_t middle, std::vector<T>& out, Less less) {
+    using namespace team_sort_detail;
+    const std::size_t n = items.size();
+    const T *a = items.data(), *b = a + middle;
+    out.resize(n);
+    team.for_chunks("merge", n, run_length(n), [&](std::size_t begin, std::size_t end, int) {
+        const std::size_t from = merge_split(a, middle, b, n - middle, begin, less);
+        const std::size_t to = merge_split(a, middle, b, n - middle, end, less);
+        std::merge(a + from, a + to, b + (begin - from), b + (end - to), out.data() + begin, less);
+    });
+}
+
 } // namespace flotilla

@@ -259,11 +259,15 @@ void park_contacts(std::span<const Contact> contacts, const ContactBodies& bodie
     });
 }
 
-void find_colors_and_islands(ContactScratch& s) {
+void find_colors_and_islands(Team* team, ContactScratch& s) {
     s.color.resize(s.pairs.size());
     s.island_of_pair.resize(s.pairs.size());
-    s.num_colors = color_pairs(s.pairs, s.movable, s.coloring, s.color);
-    s.num_islands = find_islands(s.pairs, s.movable, s.graph, s.island_of_pair);
+    for_each(team, "colors and islands", 2, 1, [&](std::size_t k) {
+        if (k == 0)
+            s.num_colors = color_pairs(s.pairs, s.movable, s.coloring, s.color);
+        else
+            s.num_islands = find_islands(s.pairs, s.movable, s.graph, s.island_of_pair);
+    });
 }
 
 // Sorts the pairs by (island, colour). Within a colour pairs with equally many active contacts come together, because
@@ -492,7 +496,7 @@ void assemble(std::span<const Contact> contacts, const ContactBodies& bodies, co
     place_bodies(bodies, known, options.team, s);
     park_contacts(contacts, bodies, options, impulses, s);
     const bool same_pairs = known && s.pairs == s.last.pairs && s.movable == s.last.movable;
-    if (!same_pairs) find_colors_and_islands(s);
+    if (!same_pairs) find_colors_and_islands(options.team, s);
     const bool same_cone = std::exchange(s.last.cone, cone_of(options, s)) == cone_of(options, s);
     const bool same_places = order_stands(same_pairs, bodies, options, s) && same_cone;
     s.last.to_and_fro = options.tuning.to_and_fro;

@@ -114,9 +114,8 @@ void Stepper::hold_overdrawn(FailsafeStats& failsafe) {
 void Stepper::join_pushed() {
     for (const Worker& worker : workers_.each)
         for (const CandidatePair& p : worker.pushed) energy_.join(model_, p.a, p.b);
-    for (const std::int32_t id : model_.active)
-        for (const std::int32_t member : clusters_[id].members)
-            if (member != id) energy_.join(model_, id, member);
+    for (const std::int32_t body : model_.active)
+        if (clusters_.of(at(body)) != body) energy_.join(model_, clusters_.of(at(body)), body);
 }
 
 /// Bodies in contact are of one island.

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -396,6 +397,27 @@ TEST(Team, SortsAsOneThreadDoes) {
             team_sort(team, items, buffer, std::less<>());
             EXPECT_EQ(items, expected);
         }
+    }
+}
+
+TEST(Team, MergesAsTheStandardLibraryDoes) {
+    using Item = std::pair<int, std::size_t>; // and where it was
+    const auto less = [](const Item& x, const Item& y) { return x.first < y.first; };
+    std::mt19937 rng(6);
+    std::vector<Item> merged;
+    for (const int threads : {1, 2, 8}) {
+        Team team({threads});
+        for (const std::size_t n : {0u, 1u, 2u, 255u, 1000u, 20000u})
+            for (const std::size_t middle : {std::size_t{0}, n / 3, n}) {
+                std::vector<Item> items(n);
+                for (std::size_t i = 0; i < n; ++i) items[i] = {static_cast<int>(rng() % 500), i};
+                const auto split = items.begin() + static_cast<std::ptrdiff_t>(middle);
+                std::stable_sort(items.begin(), split, less);
+                std::stable_sort(split, items.end(), less);
+                team_merge(team, items, middle, merged, less);
+                std::inplace_merge(items.begin(), split, items.end(), less);
+                EXPECT_EQ(merged, items) << threads << ' ' << n << ' ' << middle;
+            }
     }
 }
 

@@ -62,10 +62,16 @@ void rolls_where_friction_is_enough(const Run& run, const Roller& roller, double
     expect_no_rise(motion);
 }
 
+TriangleMesh wide_cylinder_mesh() { return make_cylinder(kRollerRadius, 6 * kRollerRadius, 512); }
+
 [[maybe_unused]] const bool registered = [] {
     const std::vector<Run> once = runs({24});
     add_runs("Rolling", "Cylinder512KeepsItsSpeed", runs(), true,
              [](const Run& r) { keeps_rolling(r, kCylinder, 0.5); });
+    // A contact at its end is far from the centre of mass, and near the axis all the same.
+    static constexpr Roller kWide{"WideCylinder512", wide_cylinder_mesh, true, false, 0.5, 512};
+    add_runs("Rolling", "WideCylinder512KeepsItsSpeed", runs(), true,
+             [](const Run& r) { keeps_rolling(r, kWide, 0.5); });
     // Several steps to a side: the corner that lands next must not carry before it does.
     add_runs("Rolling", "Cylinder512KeepsItsSpeedInSmallSteps", {{"balanced", 480}}, true,
              [](const Run& r) { keeps_rolling(r, kCylinder, 0.5); });
