@@ -153,7 +153,8 @@ bool turn_little(const Model& model, std::int32_t a, std::int32_t b, const Veloc
 
 /// m, of a body about an axis through its centre of mass. Where the axis passes a contact within half of that, the body
 /// tips about it, as Euler's disk does. Else it rolls, however far along the axis the contact is: a cylinder of 512
-/// sides three times as wide as high, which tipped by the length of its arm, lost 17 % of 0.5 m/s in a second at 1/24 s.
+/// sides three times as wide as high, which tipped by the length of its arm, lost 17 % of 0.5 m/s in a second at 1/24
+/// s.
 double gyration(const VelocityArrays& bodies, std::int32_t body, const Vec3& axis, double arm) {
     const double inverse_mass = bodies.inverse_mass[at(body)], square = length_sq(axis);
     if (!(inverse_mass > 0 && square > 0)) return arm;
