@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Normals of features that pass each other.
 //
-// A contact's constraint is linear along its normal (equation 16), which the paper takes where the points are. That is
-// the only one for a vertex above a face and for edges that cross. A vertex beside an edge, a corner or an edge along
-// another one has a different one at each place of its way: what slides over the seam of two level tables sees the edge
-// ahead of it at its own height, along a normal that points almost back at it, and would be stopped by an edge that it
-// passes at its rest distance: a box at 0.1 m/s and 1/24 s for good.
+// A contact's constraint is linear along its normal (equation 16), which the paper takes where the points are. But
+// what is nearest changes on the way of a step. A vertex beside an edge, a corner or an edge along another one see each
+// other along a different normal at each place: what slides over the seam of two level tables sees the edge ahead of it
+// at its own height, along a normal that points almost back at it, and would be stopped by an edge that it passes at
+// its rest distance: a box at 0.1 m/s and 1/24 s for good. A vertex above a face and edges that cross keep their
+// normal, but for no longer than they are the nearest: the bevel of that box, which meets the seam's edge, is followed
+// by its bottom.
 //
-// To stay `radius` from an edge is to stay out of a cylinder around it, from a corner out of a ball. The plane to stay
-// beyond is the one that touches it where the way of the step enters, or comes nearest, or goes on to another feature:
-// an edge ends at its faces, a corner at its edges, and there the normals of both are the same.
+// So the points are followed, from feature to feature (the Voronoi regions of Lin and Canny, ICRA 1991), to where they
+// come as near as the rest distance, or nearest. The plane to stay beyond is the one across their gap there.
 #pragma once
 
 #include "state/feature_pair.hpp"
@@ -29,9 +30,9 @@ struct PointGap {
     double distance = 0; ///< m, along it
 };
 
-/// `way`: m, of the point of b relative to that of a. The normal at which it leads the points to `radius` (m) from each
-/// other, or where it leads them nearest, and their present distance along that; `now` where the features have one
-/// normal alone, or where that one allows the way.
+/// `way`: m, of b relative to a. The normal at which it leads what is nearest to `radius` (m) from each other, or where
+/// it leads that nearest, and the present distance of the points along it; `now` where the present normal allows the
+/// way, or is the one at which they meet.
 [[nodiscard]] PointGap gap_on_the_way(const FeaturePair& features, const PlacedShape& a, const PlacedShape& b,
                                       const Vec3& way, double radius, const PointGap& now);
 

@@ -100,23 +100,56 @@ void painleve_rod(const Run& run, double friction) {
     EXPECT_LT(fastest, 6); // 3 m/s and the fall of its centre of mass
 }
 
+/// A box of 1 x 0.6 x 0.2 m, its lower edges cut off to the given depths (m).
+TriangleMesh bevelled_box(double aside, double up) {
+    TriangleMesh mesh;
+    for (const auto& [x, y, z] : {Vec3{0.5 - aside, 0.3 - aside, -0.1}, {0.5, 0.3, -0.1 + up}, {0.5, 0.3, 0.1}})
+        for (const auto& [u, v] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+            mesh.vertices.push_back({u * x, v * y, z});
+    mesh.triangles = {{0, 2, 1}, {0, 3, 2}, {8, 9, 10}, {8, 10, 11}};
+    for (const std::int32_t ring : {0, 4})
+        for (std::int32_t k = 0; k < 4; ++k) {
+            const std::int32_t a = ring + k, b = ring + (k + 1) % 4;
+            mesh.triangles.push_back({a, b, b + 4});
+            mesh.triangles.push_back({a, b + 4, a + 4});
+        }
+    return mesh;
+}
+
 /// Without friction nothing stops a box that slides over the seam of two tables of one height.
-void slides_over_a_seam(const Run& run, double speed) {
-    constexpr double kSeam = 1e-3;
+void slides_over_a_seam(const Run& run, const TriangleMesh& mesh, double seam, double speed) {
     SceneDescription scene = make_scene_with(run.settings());
-    const TriangleMesh mesh = make_box(1, 0.6, 0.2);
     const auto table = add_shape(scene, make_box(4, 2, 0.2), 1), box = add_shape(scene, mesh, 1);
     auto& body = add_body(scene, box, BodyType::dynamic, {1, 0, 0.1 + rest_gap(mesh)}, 0, 0);
     body.velocity = {speed, 0, 0};
-    for (const double x : {0.0, 4 + kSeam}) add_body(scene, table, BodyType::fixed, {x, 0, -0.1}, 0, 0);
+    for (const double x : {0.0, 4 + seam}) add_body(scene, table, BodyType::fixed, {x, 0, -0.1}, 0, 0);
     Motion motion(scene);
     motion.run(1.2 / speed); // its front is beyond the seam after the first half
     const BodyState end = motion.body(0);
     motion.print("keeps %.6f of its speed, %.2g m/s upwards, turns at %.2g rad/s", end.velocity.x / speed,
                  end.velocity.z, length(end.angular_velocity));
-    EXPECT_NEAR(end.velocity.x / speed, 1, 1e-3);
-    EXPECT_LT(length(end.angular_velocity), 1e-3);
+    EXPECT_NEAR(end.velocity.x / speed, 1, 2e-3);
+    EXPECT_LT(length(end.angular_velocity), 5e-3);
     expect_no_rise(motion);
+}
+
+/// A level box glides above another one, corner over corner, 1.05 rest distances from it where they are nearest.
+void corner_passes_corner(const Run& run, double heading, double speed) {
+    SceneDescription scene = make_scene_with(run.settings(), {});
+    const TriangleMesh mesh = make_box(0.3, 0.3, 0.1);
+    const auto box = add_shape(scene, mesh, 1);
+    const double height = 0.1 + 1.05 * rest_gap(mesh);
+    const Vec3 way = speed * Vec3{std::cos(heading), std::sin(heading), 0};
+    auto& body = add_body(scene, box, BodyType::dynamic, Vec3{-0.3, -0.3, height} - 0.25 * way / speed, 0, 0);
+    body.velocity = way;
+    add_body(scene, box, BodyType::fixed, {}, 0, 0);
+    Motion motion(scene);
+    motion.run(0.5 / speed);
+    const BodyState end = motion.body(0);
+    motion.print("velocity differs by %.2g of it, turns at %.2g rad/s", length(end.velocity - way) / speed,
+                 length(end.angular_velocity));
+    EXPECT_LT(length(end.velocity - way), 1e-9 * speed);
+    EXPECT_LT(length(end.angular_velocity), 1e-9 * speed);
 }
 
 [[maybe_unused]] const bool registered = [] {
@@ -145,7 +178,13 @@ void slides_over_a_seam(const Run& run, double speed) {
                  [=](const Run& r) { slides(r, make_box(1, 1, 0.4), 0.2, std::atan(0.01 * slope), 0.3, 100.0 / 24); });
     for (const int tenths : {1, 10, 30})
         add_runs("Friction", "SlidesOverASeamAt" + std::to_string(tenths) + "DecimetresASecond", runs(), true,
-                 [=](const Run& r) { slides_over_a_seam(r, 0.1 * tenths); });
+                 [=](const Run& r) { slides_over_a_seam(r, make_box(1, 0.6, 0.2), 1e-3, 0.1 * tenths); });
+    for (const int tenths : {1, 5, 20})
+        add_runs("Friction", "BevelsSlideOverASeamAt" + std::to_string(tenths) + "DecimetresASecond", runs(), true,
+                 [=](const Run& r) { slides_over_a_seam(r, bevelled_box(0.03, 0.011), 4e-3, 0.1 * tenths); });
+    for (const int degrees : {5, 30, 45, 77})
+        add_runs("Friction", "CornerPassesCornerAt" + std::to_string(degrees) + "Degrees", runs(), true,
+                 [=](const Run& r) { corner_passes_corner(r, degrees * kDegree, 4.5); });
     add_runs("Friction", "SpinningBlockSlidesStraight", runs(), kNotReached, spinning_block_slides_straight);
     add_runs("Friction", "PainleveRodAbove4Thirds", runs(), true, [](const Run& r) { painleve_rod(r, 1.6); });
     add_runs("Friction", "PainleveRodBelow4Thirds", once, true, [](const Run& r) { painleve_rod(r, 1.2); });

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "geometry/closest.hpp"
+#include "mesh/primitives.hpp"
 #include "mesh/topology.hpp"
 
 namespace flotilla {
@@ -122,6 +124,47 @@ TEST(Passing, CornersPassEachOtherInSpace) {
                               between(from, {0, 0, 0}));
     };
     expect_gap(gap({0.02, 0, 0}, 0.005), Vec3{0, -0.6, -0.8}, 0.005);
+}
+
+TEST(Passing, BeyondACornerTheWayGoesOnAlongItsEdge) {
+    const TriangleMesh quarter{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+    const Vec3 from{-0.003, -0.001, 0.002}, end{0, -0.0005, 0.002};
+    for (const TriangleMesh& mesh : {quarter, as_soup(quarter)})
+        expect_gap(passes(from, {0.03, 0.0005, 0}, 0.002, mesh), -normalized(end), dot(normalized(end), from));
+    // Over the edge and on above the face.
+    expect_gap(passes(from, {0.03, 0.01, 0}, 0.0015, quarter), {0, 0, -1}, 0.002);
+}
+
+TEST(Passing, BeyondTheEndOfAnEdgeTheNextOneIsMet) {
+    // A runner, turned up in front, slides over the edge of a table.
+    const RigidShape runner = shape_of(
+                         {{{-0.5, 0, 0}, {0, 0, 0}, {0.05, 0, 0.02}}, {segment_element(0, 1), segment_element(1, 2)}}),
+                     edge = shape_of(table());
+    const Vec3 at{-0.02, 0, 0.002};
+    const Pose place{at, {}, at}, origin{};
+    const std::vector<Edge>& edges = runner.topology.edges;
+    const auto front = static_cast<std::int32_t>(std::find(edges.begin(), edges.end(), Edge{1, 2}) - edges.begin());
+    const FeaturePair features{FeatureKind::edge_edge, front, 0};
+    ASSERT_EQ(edge.topology.edges[0], (Edge{0, 1}));
+    const EdgeEdgeClosest now = closest_edge_edge(at, at + Vec3{0.05, 0, 0.02}, {0, -1, 0}, {0, 1, 0});
+    ASSERT_GT(now.s, 0);
+    const Vec3 from = now.q - now.p;
+    expect_gap(gap_on_the_way(features, {runner, place}, {edge, origin}, {-0.05, 0, 0}, 0.0019,
+                              {normalized(from), length(from)}),
+               {0, 0, -1}, -from.z);
+}
+
+TEST(Passing, AFlatFloorOfManyFacesHasOneNormal) {
+    const TriangleMesh floor = make_plate(1, 1, 10, 10);
+    for (const TriangleMesh& mesh : {floor, as_soup(floor)})
+        for (std::size_t face = 0; face < mesh.triangles.size(); ++face) {
+            const Triangle& t = mesh.triangles[face];
+            Vec3 above{0, 0, 0.002};
+            for (const std::int32_t v : t) above += (1.0 / 3) * mesh.vertices[static_cast<std::size_t>(v)];
+            const PointGap gap = passes(above, {0.31, 0.17, -0.0015}, 0.001, mesh, static_cast<std::int32_t>(face));
+            const bool leaves = above.x + 0.31 > 0.5 || above.y + 0.17 > 0.5;
+            if (!leaves) expect_gap(gap, {0, 0, -1}, 0.002);
+        }
 }
 
 TEST(Passing, EdgesPassAcrossThemselvesUnlessTheyCross) {
