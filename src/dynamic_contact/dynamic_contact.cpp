@@ -61,15 +61,15 @@ class DynamicContact {
     DynamicContactStats run() {
         for (int sweep = 0;; ++sweep) {
             FrozenList frozen = freeze_clusters(view_, book_, workers_.team, clusters_);
-            if (clusters_.empty()) return stats_;
+            if (clusters_.pairs.empty()) return stats_;
             stats_.counters.limit = patience_.ends() || progress_.stalled();
             if (stats_.counters.limit) return stats_;
             if (alone()) close_apart(frozen);
             stats_.counters.pairs += static_cast<std::int64_t>(frozen.num_closed());
             if (frozen.num_open == 0) return stats_;
-            const SweepPlan plan{
-                sweep_order(view_, book_, workers_.team, clusters_.size(), [&](std::size_t i) { return clusters_[i]; }),
-                sweep % 2 != 0};
+            const SweepPlan plan{sweep_order(view_, book_, workers_.team, clusters_.pairs.size(),
+                                             [&](std::size_t i) { return clusters_.pairs[i]; }),
+                                 sweep % 2 != 0};
             resolve(plan, frozen);
             rigidify(plan);
             ++stats_.counters.sweeps;
@@ -91,7 +91,7 @@ class DynamicContact {
         const bool single = alone();
         const int iterations = view_.model.settings.dynamic_pair_iterations;
         take_largest_push(workers_); // of other stages
-        resolutions_.assign(clusters_.size(), {.resolved = true});
+        resolutions_.assign(clusters_.pairs.size(), {.resolved = true});
         const SweepOperation operation{
             "dynamic contact",
             [&](std::size_t i) { return single && apart(view_.trajectories, *frozen.pairs[i].record); },
@@ -100,7 +100,8 @@ class DynamicContact {
             },
             [&](std::size_t i, int, Worker& worker) {
                 ++worker.counters.pairs;
-                resolutions_[i] = resolve_inelastic(view_, movers_, book_.table, worker, clusters_[i], iterations);
+                resolutions_[i] =
+                    resolve_inelastic(view_, movers_, book_.table, worker, clusters_.pairs[i], iterations);
             }};
         // Ranks tell one another of the pairs of bodies that are listed; a pair of larger clusters has several.
         if (single)
@@ -110,8 +111,8 @@ class DynamicContact {
         collect(workers_, stats_.counters);
         const std::size_t hits = look_at_resolutions();
         const double pushed = take_largest_push(workers_);
-        patience_.add(static_cast<std::ptrdiff_t>(hits), clusters_.size(), pushed);
-        progress_.add(hits, clusters_.size(), pushed);
+        patience_.add(static_cast<std::ptrdiff_t>(hits), clusters_.pairs.size(), pushed);
+        progress_.add(hits, clusters_.pairs.size(), pushed);
     }
 
     /// Returns how many pairs hit, and notes whether all of them resolved.
@@ -143,7 +144,7 @@ class DynamicContact {
         if (!any_unresolved_) return;
         for (std::size_t i = 0; i < plan.size(); ++i) {
             const std::size_t k = plan.place(0, i);
-            if (!resolutions_[k].resolved) merge(clusters_[k], resolutions_[k]);
+            if (!resolutions_[k].resolved) merge(clusters_.pairs[k], resolutions_[k]);
         }
     }
 
@@ -160,7 +161,7 @@ class DynamicContact {
     PairBook& book_;
     Workers& workers_;
     DynamicContactStats stats_;
-    std::vector<CandidatePair> clusters_; ///< frozen
+    ClusterPairs clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
     bool any_unresolved_ = false; ///< of these
     Patience patience_;

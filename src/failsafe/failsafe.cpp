@@ -28,10 +28,10 @@ class Failsafe {
         while (true) {
             check_moved_clusters();
             freeze_clusters(view_, book_, workers_.team, list_);
-            if (list_.empty()) break;
+            if (list_.pairs.empty()) break;
             merged_.assign(view_.model.size(), 0);
             lowered_.assign(view_.model.size(), 0);
-            for (const CandidatePair& pair : list_) operate(clusters_of(pair));
+            for (const CandidatePair& pair : list_.pairs) operate(clusters_of(pair));
             ++stats_.counters.sweeps;
             FLOTILLA_ASSERT(within_bounds());
         }
@@ -209,7 +209,7 @@ class Failsafe {
     PairBook& book_;
     Workers& workers_;
     FailsafeStats stats_;
-    std::vector<CandidatePair> list_;
+    ClusterPairs list_;
     std::vector<std::int32_t> joined_;  ///< clusters of several bodies
     std::vector<Member> members_;       ///< of one cluster
     std::vector<std::uint8_t> merged_;  ///< clusters that this sweep made

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 
 #include "base/index.hpp"
 #include "pair/cluster_query.hpp"
+#include "parallel/compact.hpp"
+#include "parallel/team_sort.hpp"
 
 namespace flotilla {
 namespace {
@@ -91,7 +94,8 @@ Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pa
     }
 }
 
-FrozenList freeze_clusters(const StepView& view, PairBook& book, Team& team, std::vector<CandidatePair>& clusters) {
+FrozenList freeze_clusters(const StepView& view, PairBook& book, Team& team, ClusterPairs& out) {
+    std::vector<CandidatePair>& clusters = out.pairs;
     const FrozenList frozen = freeze(view, book, team, ListReach::separation);
     constexpr std::size_t kGrain = 1024; // pairs of a task
     const auto clusters_of = [&](std::size_t i) {
@@ -106,8 +110,11 @@ FrozenList freeze_clusters(const StepView& view, PairBook& book, Team& team, std
         if (i > 0 && !(clusters_of(i - 1) < clusters[i])) merged.store(true, std::memory_order_relaxed);
     });
     if (!merged) return frozen; // clusters are bodies, and their pairs sorted
-    std::sort(clusters.begin(), clusters.end());
-    clusters.erase(std::unique(clusters.begin(), clusters.end()), clusters.end());
+    team_sort(team, clusters, out.buffer, std::less<>{});
+    out.buffer.swap(clusters);
+    const auto first = [&](std::size_t i) { return i == 0 || !(out.buffer[i] == out.buffer[i - 1]); };
+    compact_if({&team, "pairs of clusters", kGrain, book.lists.chunk_places}, out.buffer.size(), first, clusters, 0,
+               [&](std::size_t i) { return out.buffer[i]; });
     return frozen;
 }
 

@@ -21,8 +21,14 @@ struct Resolution {
 Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pairs, Worker& worker,
                              const CandidatePair& clusters, int iterations);
 
-/// Freezes the pairs of bodies that are not proved apart, and fills `clusters` with the pairs of clusters that they are
-/// of, sorted by (lower id, higher id).
-FrozenList freeze_clusters(const StepView& view, PairBook& book, Team& team, std::vector<CandidatePair>& clusters);
+/// Pairs of clusters, sorted, each once.
+struct ClusterPairs {
+    std::vector<CandidatePair> pairs;
+    std::vector<CandidatePair> buffer; ///< scratch
+};
+
+/// Freezes the pairs of bodies that are not proved apart, and fills `out` with the pairs of clusters that they are of,
+/// sorted by (lower id, higher id).
+FrozenList freeze_clusters(const StepView& view, PairBook& book, Team& team, ClusterPairs& out);
 
 } // namespace flotilla

@@ -8,6 +8,12 @@
 #include "step/stepper.hpp"
 
 namespace flotilla {
+namespace {
+
+constexpr std::size_t kBodyGrain = 64; // bodies of a task
+
+} // namespace
+
 /// The step's account of energy, after stage 1.
 void Stepper::open_account() {
     energy_.start(workers_.team, model_, state_.pose, state_.motion);
@@ -59,7 +65,11 @@ void Stepper::raise_as_far_as_paid(std::span<const Motion> kept, std::span<Motio
 /// Bodies of islands that stages 3 and 5 raised by more than all their energy.
 std::span<const std::int32_t> Stepper::overdrawn() {
     join_pushed();
-    for (const std::int32_t i : model_.active) way_[at(i)] = trajectories_.end_pose(at(i)).com - state_.pose[at(i)].com;
+    const std::vector<std::int32_t>& active = model_.active;
+    workers_.team.for_each("ways", active.size(), kBodyGrain, [&](std::size_t k, int) {
+        const std::size_t i = at(active[k]);
+        way_[i] = trajectories_.end_pose(i).com - state_.pose[i].com;
+    });
     return energy_.overdrawn(model_, way_, state_.lift);
 }
 
