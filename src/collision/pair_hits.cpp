@@ -57,12 +57,11 @@ bool stops_calmly(const StepView& view, const PairRecord& pair, double speed, do
 /// Fills worker.points with the proximities of the bodies at the end of the step that approach too fast, the nearest
 /// first, with the normals at which they meet. Static contact stops the others, and those that are slower than `least`.
 template <class ContactOf>
-void find_fast_points(const StepView& view, Worker& worker, const PairRecord& pair, const Impulsive& body_a,
-                      const Impulsive& body_b, ContactOf&& contact) {
+void find_fast_points(const StepView& view, Worker& worker, const PairRecord& pair, const PlacedShape& place_a,
+                      const PlacedShape& place_b, ContactOf&& contact) {
     worker.points.clear();
     const double least = least_approach(view, pair.a, pair.b, pair.lengths.rest);
-    const BodyMotion a = view.trajectories.at_end(at(pair.a)), b = view.trajectories.at_end(at(pair.b));
-    const PlacedShape place_a{*a.shape, *a.at1.pose}, place_b{*b.shape, *b.at1.pose};
+    const Impulsive body_a = view.clusters.impulsive(pair.a), body_b = view.clusters.impulsive(pair.b);
     for (ProximityPoint p : worker.proximity.found) {
         const ContactPoint c = contact(p);
         const PointGap there = gap_on_the_way(p.features, place_a, place_b, view.dt * c.relative_velocity,
@@ -103,7 +102,7 @@ EndProximity end_proximity(const StepView& view, Worker& worker, const PairRecor
         const Vec3 relative = point_velocity(body_b, arm_b) - point_velocity(body_a, arm_a);
         return ContactPoint{p.normal, arm_a, arm_b, relative, pair_friction(view.model, pair.a, pair.b)};
     };
-    find_fast_points(view, worker, pair, body_a, body_b, contact);
+    find_fast_points(view, worker, pair, {*a.shape, *a.at1.pose}, {*b.shape, *b.at1.pose}, contact);
     const auto first = std::find_if(worker.points.begin(), worker.points.end(), [&](const ProximityPoint& p) {
         return admissible(a, b, p, view.angle_cos, worker.proximity);
     });

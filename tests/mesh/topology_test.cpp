@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "mesh/topology.hpp"
 
+#include <algorithm>
 #include <map>
 #include <random>
 #include <set>
@@ -9,7 +10,6 @@
 
 #include "mesh/mesh_file.hpp"
 #include "mesh/primitives.hpp"
-#include <algorithm>
 
 namespace flotilla {
 namespace {
