@@ -93,7 +93,7 @@ struct StepReport {
     // Pruning at the end poses (section 4.3.1): of the feature pairs within the proximity distance, those that are no
     // contact points, by the first rule that left them out.
     std::int64_t proximities = 0; ///< feature pairs within the proximity distance, of pairs searched (contact_reuse)
-    std::int64_t pruned_end_points = 0;     ///< ends of edges, which repeat a vertex and a face
+    std::int64_t pruned_end_points = 0;     ///< ends of edges and what lies in a flat face: others repeat them
     std::int64_t pruned_same_direction = 0; ///< farther faces of the same vertex in the same direction
     std::int64_t pruned_angle = 0;          ///< not the nearest point that the other body sees
     std::int64_t pruned_occluded = 0;       ///< a body lies between the points

@@ -30,6 +30,10 @@ struct Topology {
     std::vector<std::int32_t> place; ///< of vertices, the same for those at equal positions, in order of appearance
     std::vector<std::int32_t> first_around; ///< by place, and one more: where its triangles begin in `around`
     std::vector<std::int32_t> around;       ///< the triangles that have a corner there, ascending, each once
+    /// By vertex and by edge, 0 where contacts of the others say all that it could: it lies within a flat face, or
+    /// another one of a lower number is at the same place. A plane's distance over a flat face is least at a corner of
+    /// where two faces lie over each other, which is a corner of one of them or a crossing of their rims.
+    std::vector<std::uint8_t> salient_vertex, salient_edge;
 
     /// The triangles around the place of a vertex.
     [[nodiscard]] std::span<const std::int32_t> around_vertex(std::int32_t vertex) const {

@@ -78,8 +78,10 @@ struct Heights {
 };
 
 /// The vertices of a body that stands on the plane which are within `reach` of it. None where the body does not stand
-/// on the plane but reaches through it. All vertices are tested: an impulse has moved all of them before.
-void find_feet(const BodyMotion& body, double t, const Plane& plane, double reach, std::vector<Vec3>& feet) {
+/// on the plane but reaches through it, and through what is `gap` (m) beyond it. All vertices are tested: an impulse
+/// has moved all of them before.
+void find_feet(const BodyMotion& body, double t, const Plane& plane, double reach, double gap,
+               std::vector<Vec3>& feet) {
     feet.clear();
     const Heights heights(body, t, plane);
     const std::vector<Vec3>& local = body.shape->mesh.vertices;
@@ -88,7 +90,7 @@ void find_feet(const BodyMotion& body, double t, const Plane& plane, double reac
         const Vec3 x = vertex_at(body, static_cast<std::int32_t>(v), t);
         const double height = dot(plane.normal, x) - plane.offset;
         if (height > reach) continue;
-        if (height < -reach) return feet.clear();
+        if (height < -(gap + reach)) return feet.clear();
         feet.push_back(x);
     }
 }
@@ -110,7 +112,7 @@ void find_simultaneous_hits(const StepView& view, std::vector<Vec3>& feet, const
     };
     const auto add_feet = [&](const BodyMotion& body, const BodyMotion& other, const Plane& plane) {
         const double room = gap + reach;
-        find_feet(body, t, plane, reach, feet);
+        find_feet(body, t, plane, reach, gap, feet);
         for (const Vec3& x : feet) {
             ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
             p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);

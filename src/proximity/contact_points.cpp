@@ -27,6 +27,17 @@ std::array<Vec3, 3> corners(const BodyMotion& body, std::int32_t t) {
     return {body.at0.x[at(v[0])], body.at0.x[at(v[1])], body.at0.x[at(v[2])]};
 }
 
+/// Whether both features may say what no other contact does.
+bool salient(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) {
+    const Topology &of_a = a.shape->topology, &of_b = b.shape->topology;
+    switch (f.kind) {
+    case FeatureKind::vertex_face: return of_a.salient_vertex[at(f.a)] != 0;
+    case FeatureKind::face_vertex: return of_b.salient_vertex[at(f.b)] != 0;
+    case FeatureKind::edge_edge: return of_a.salient_edge[at(f.a)] != 0 && of_b.salient_edge[at(f.b)] != 0;
+    }
+    return true;
+}
+
 /// One body's part of a proximity.
 struct Side {
     const BodyMotion& body;
@@ -262,7 +273,7 @@ class Finder {
         ++scratch_.counters.proximities;
         const double distance = std::sqrt(p.distance_sq);
         if (!result_.near || distance < result_.distance) result_ = {true, distance};
-        if (!p.interior) {
+        if (!p.interior || !salient(a_, b_, f)) {
             ++scratch_.counters.end_points;
             return;
         }

@@ -4,7 +4,8 @@
 // A proximity is kept if each of its two points is, seen from the other to within theta, the nearest of its own body
 // nearby: otherwise it is not what touches there (figure 11). Of several faces near a vertex in one direction the
 // nearest counts. Edge-edge proximities whose closest point is an end of an edge repeat a vertex-face proximity and are
-// left out. Last, a ray between the points must not cross either body.
+// left out, and so are those of edges and vertices that lie within a flat face (Topology::salient_edge): floors of many
+// triangles touch as one of two. Last, a ray between the points must not cross either body.
 //
 // Deviation: section 4.3.1 compares with the nearest point of the WHOLE body and keeps one face per vertex. Where a
 // body lies in a groove or corner of another, both walls are at the rest distance and only one of them would be a

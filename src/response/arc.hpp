@@ -48,12 +48,15 @@ struct TurningPoint {
 
 /// Where the arcs of two bodies bring a contact point nearest.
 struct ArcContact {
+    double rate = 0;     ///< m/s, along the normal, of what turning does now
     double closer = 0;   ///< m, how much nearer the points are then, apart from what the centres of mass do
     double approach = 0; ///< m/s, along the normal, with which they still come nearer at the end of the step; <= 0
     Vec3 shift;          ///< m, to where the contact then is, seen from the centre of mass of the body whose arc it is
     double apart = 0;    ///< m/s^2, acceleration of the points away from each other
     double rises = 0;    ///< m/s, along the normal, how much faster the place of the shift moves than the point
     double friction = 1; ///< of that of the pair
+    double carries = 0;  ///< of the load of the step, where another one lands in it, or this one does
+    Vec3 carries_at;     ///< m, from the contact to where it then is in the mean
 };
 
 /// For a contact of a and b with the normal n from a to b.
@@ -65,7 +68,7 @@ struct ArcContact {
     const auto approach = [&](const Vec3& way_a, const Vec3& way_b) {
         return dot(n, cross(b.omega, b.arm + way_b) - cross(a.omega, a.arm + way_a));
     };
-    const double now = approach({}, {});
+    const double now = out.rate = approach({}, {});
     if (!(now < 0 && out.apart > 0)) return out;
     // Beyond a radian the series ends, and nothing that was near is near any more.
     const double fastest = std::sqrt(std::max(length_sq(a.omega), length_sq(b.omega)));

@@ -346,9 +346,15 @@ void lay_out_blocks(ContactScratch& s) {
     }
 }
 
+/// m, from where a body of prescribed velocity is seen by its contacts with another one to where it is: as it takes the
+/// centre of mass of that along for ContactSolveOptions::ahead.
+Vec3 seen_ahead(std::int32_t body, std::int32_t other, double ahead, const ContactScratch& s) {
+    if (s.movable[at(body)] != 0 || !(ahead > 0)) return {};
+    return ahead * cross(s.velocity[at(body)].angular, s.placed[at(other)].position - s.placed[at(body)].position);
+}
+
 void set_masses(ContactBlock& block, const ContactScratch& s) {
     const ContactScratch::PlacedBody &a = s.placed[at(block.a)], &b = s.placed[at(block.b)];
-    block.offset = a.position - b.position;
     block.inv_mass_a = a.inv_mass;
     block.inv_mass_b = b.inv_mass;
     block.inv_inertia_a = a.inv_inertia;
@@ -406,8 +412,13 @@ void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& opt
     const auto make = [&](std::size_t k, PrincipalMasses& principal) {
         const std::size_t p = at(s.pair_order[k]);
         ContactBlock& block = s.blocks[k];
-        const bool stands = same_places && !keyed && s.body_stands[at(block.a)] && s.body_stands[at(block.b)];
+        const Vec3 ahead_a = seen_ahead(block.a, block.b, options.ahead, s),
+                   ahead_b = seen_ahead(block.b, block.a, options.ahead, s), ahead = ahead_b - ahead_a;
+        const bool stands = same_places && !keyed && s.body_stands[at(block.a)] && s.body_stands[at(block.b)] &&
+                            same_bits(block.ahead, ahead);
         if (!stands) set_masses(block, s);
+        block.ahead = ahead;
+        block.offset = (s.placed[at(block.a)].position - s.placed[at(block.b)].position) + ahead;
         bool all_stand = stands;
         std::int32_t awake = block.first, parked = block.parked;
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {
@@ -415,7 +426,7 @@ void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& opt
             s.source[at(r)] = s.order[at(i)];
             const Contact& c = contacts[at(s.order[at(i)])];
             ContactRow& row = s.rows[at(r)];
-            const Vec3 arm_a = c.point - s.placed[at(block.a)].position;
+            const Vec3 arm_a = (c.point - s.placed[at(block.a)].position) + ahead_a;
             if (!stands || !row_stands(row, c, arm_a)) {
                 all_stand = false;
                 row = make_row(c, arm_a, block, cone, options);

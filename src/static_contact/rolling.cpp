@@ -45,6 +45,12 @@ class RollingPair {
         return !carries(i) && alike(i) && place(i) < place(carrier);
     }
 
+    /// Whether a contact is at the same corner as another one, nearer along the way than `near`. How high it is does
+    /// not count: an edge that is tilted by a micron is one all the same.
+    [[nodiscard]] bool same_corner(std::size_t i, std::size_t k, double near) const {
+        return i == k || (alike(i) && std::abs(place(i) - place(k)) < near);
+    }
+
     /// Of the contacts that carry the one on which the body rolls.
     [[nodiscard]] std::size_t carrier(std::size_t lowest) const {
         for (std::size_t i = 0; i < pair_.size(); ++i)
@@ -76,28 +82,50 @@ class RollingPair {
     double tilt_; ///< rad/s
 };
 
-/// Where one side of a pair lands in the step, moves its contacts to the place of the mean load. `lowest`: the nearest
-/// contact; `arcs`: by contact, changed.
+/// Of a contact that carries for so many seconds of the step: equation 16 has its arc, on which the body comes down
+/// when it has passed the axle. Without that it is a step late there, and passes the next corner before.
+void stand_on(ArcContact& arc, double seconds, double time_step) {
+    if (!(arc.apart > 0) || arc.rate + arc.apart * seconds <= 0) return; // ahead of the axle
+    const double rises = arc.rate + 0.5 * arc.apart * seconds;           // m/s, in the mean
+    arc.closer = (arc.rate > 0 ? arc.rate - rises : -rises) * time_step;
+}
+
+/// Where one side of a pair lands in the step, moves its contacts to where they are when it does, and shares the load
+/// of the step between them and those that carry now. `lowest`: the nearest contact; `arcs`: by contact, changed.
 void share_load(std::span<const Contact> contacts, std::size_t lowest, const RollingMotion& motion,
                 std::span<ArcContact> arcs) {
     const RollingPair pair(contacts, lowest, motion);
     const std::size_t carrier = pair.carrier(lowest);
     const RollingPair::Landing landing = pair.next(carrier);
     const double dt = motion.time_step, time = landing.time;
-    if (landing.contact == carrier || !(time < dt)) return;
-    const double side = pair.place(carrier) - pair.place(landing.contact);
-    // What gravity adds to the turn on the arm of a side: bodies that rest on their corners do not roll.
-    if (!(motion.gravity * side * dt < motion.arm * motion.speed)) return;
-    const RollingPair::Landing second = pair.next(landing.contact);
-    if (second.contact != landing.contact && second.time < dt) return;
-    const double load = (time * (pair.place(carrier) + 0.5 * motion.speed * time) +
-                         (dt - time) * (pair.place(landing.contact) + 0.5 * motion.speed * (dt + time))) /
-                        dt;
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const auto shift_to = [&](std::size_t i, double way) {
         const Vec3 &n = contacts[i].normal, was = arcs[i].shift;
-        if (!pair.ahead(i, carrier) || pair.place(i) < pair.place(landing.contact) || !(length_sq(was) > 0)) continue;
-        arcs[i].shift = dot(was, n) * n + (load - pair.place(i)) * motion.along;
+        if (!(length_sq(was) > 0)) return;
+        arcs[i].shift = dot(was, n) * n + way * motion.along;
         arcs[i].approach += dot(n, cross(motion.turn, arcs[i].shift - was));
+    };
+    const bool lands = landing.contact != carrier && time < dt;
+    const double way = motion.speed * dt;
+    const double side = landing.contact != carrier ? pair.place(carrier) - pair.place(landing.contact) : way;
+    if (lands && motion.speed * time + side < way) return; // over several sides in the step, as if it were round
+    // What gravity adds to the turn on the arm of a side: bodies that rest on their corners, or spin, do not roll.
+    if (!(motion.gravity * side * dt < motion.arm * motion.arm * pair.tilt())) return;
+    const double near = 0.5 * side;
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+        if (pair.same_corner(i, carrier, near)) stand_on(arcs[i], lands ? time : dt, dt);
+    if (!lands) return;
+    const double before = pair.place(carrier) + 0.5 * motion.speed * time,
+                 after = pair.place(landing.contact) + 0.5 * motion.speed * (dt + time);
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const auto carries = [&](double share, double place) {
+            arcs[i].carries = share;
+            arcs[i].carries_at = (place - pair.place(i)) * motion.along;
+        };
+        if (pair.same_corner(i, carrier, near)) carries(time / dt, before);
+        const bool lands_as_well = pair.same_corner(i, landing.contact, near);
+        if (lands_as_well) carries(time / dt - 1, after);
+        if (!lands_as_well && (!pair.ahead(i, carrier) || pair.place(i) < pair.place(landing.contact))) continue;
+        shift_to(i, motion.speed * time);
     }
 }
 

@@ -151,6 +151,7 @@ class PairTargets {
         else if (input_.all_level)
             c.target = std::min(0.0, full + together);
         c.target += arcs.rises;
+        out_.carries[i] = arcs.carries != 0 ? 1 : 0;
         c.friction *= arcs.friction;
         if (input_.keep_approach && set_.processed[i] == 0)
             c.target = std::min(c.target, -kept_approach(model_, c, input_.start, input_.poses, bodies_));
@@ -182,6 +183,7 @@ void set_targets(Team* team, const Model& model, const ContactSet& set, const Ve
     if (model.settings.tangents == Tangents::random) out.last.load(team, model, bodies, input.last_motion);
     out.contacts.resize(set.size());
     out.arcs.resize(set.size());
+    out.carries.resize(set.size());
     out.would_raise = false;
     const PairTargets targets(model, set, bodies, input, out);
     for_each(team, "select contacts", set.size(), kContactGrain, [&](std::size_t i) {

@@ -38,9 +38,10 @@ struct TargetInput {
 
 /// Kept between steps, so that a steady scene allocates nothing.
 struct ContactTargets {
-    std::vector<Contact> contacts; ///< those of a set, with targets and tolerances, moved to where arcs bring them
-    std::vector<ArcContact> arcs;  ///< by contact
-    bool would_raise = false;      ///< whether all_level made a difference that counts
+    std::vector<Contact> contacts;     ///< those of a set, with targets and tolerances, moved to where arcs bring them
+    std::vector<ArcContact> arcs;      ///< by contact
+    std::vector<std::uint8_t> carries; ///< by contact: arcs.carries is not zero
+    bool would_raise = false;          ///< whether all_level made a difference that counts
     LastVelocities last;
 };
 

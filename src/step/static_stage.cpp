@@ -154,7 +154,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                                              std::span<const Pose> poses, ContactStage stage,
                                              const StepReport& report) {
     const bool final_stage = stage == ContactStage::final;
-    auto& [velocities, targets, impulses, stored, solver] = static_;
+    auto& [velocities, targets, impulses, stored, landing, solver] = static_;
     velocities.load(&workers_.team, model_, pairs_.lists.still_version, poses, motion);
     velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1
@@ -167,10 +167,13 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                  accelerated * model_.settings.time_step, options_.tuning},
                 targets);
     load_warm(&workers_.team, targets.contacts, known_impulses(stage), impulses);
+    give_landing_loads(model_, targets, accelerated * model_.settings.time_step, impulses, velocities, landing);
     ContactSolveOptions options = solve_options(model_, options_);
     options.team = &workers_.team;
+    options.ahead = final_stage ? 0 : 0.5 * model_.settings.time_step;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);
     const ContactSolveStats stats = solve_contacts(targets.contacts, velocities.bodies(), options, impulses, solver);
+    add_landing_loads(landing, impulses);
     velocities.store(&workers_.team, model_, motion);
     // The impulses of stage 7 in State are those of the contacts at its poses, whose features the next step may reuse.
     const std::span<const std::uint8_t> left_out =

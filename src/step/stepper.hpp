@@ -14,6 +14,7 @@
 #include "failsafe/failsafe.hpp"
 #include "islands/sleeping.hpp"
 #include "pair/contact_search.hpp"
+#include "static_contact/landing_load.hpp"
 #include "static_contact/solve_contacts.hpp"
 #include "static_contact/targets.hpp"
 #include "static_contact/warm_impulses.hpp"
@@ -263,6 +264,7 @@ class Stepper {
         ContactTargets targets;
         std::vector<Vec3> impulses;       ///< N s, on b, by contact of `targets`
         std::vector<std::int32_t> stored; ///< of `targets`, those whose impulses are kept
+        LandingLoads landing;
         ContactScratch solver;
     };
     StaticBuffers static_;

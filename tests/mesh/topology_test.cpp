@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/rotation.hpp"
 #include "mesh/mesh_file.hpp"
 #include "mesh/primitives.hpp"
 
@@ -72,6 +73,93 @@ TEST(Topology, TrianglesAroundAVertexAreThoseWithACornerAtItsPosition) {
             EXPECT_EQ(std::vector<std::int32_t>(around.begin(), around.end()), due);
         }
     }
+}
+
+std::int64_t salient(const std::vector<std::uint8_t>& features) {
+    return std::count(features.begin(), features.end(), 1);
+}
+
+TEST(Topology, WhatLiesWithinAFlatFaceIsNotSalientNorIsACopy) {
+    for (const int n : {1, 2, 5}) {
+        const TriangleMesh box = make_box(1, 2, 3, n);
+        TriangleMesh soup; // every triangle with vertices of its own
+        for (const Triangle& t : box.triangles) {
+            const auto first = static_cast<std::int32_t>(soup.vertices.size());
+            for (const std::int32_t v : t) soup.vertices.push_back(box.vertices[at(v)]);
+            soup.triangles.push_back({first, first + 1, first + 2});
+        }
+        for (const TriangleMesh& mesh : {box, soup}) {
+            const Topology t = build_topology(mesh);
+            EXPECT_EQ(salient(t.salient_vertex), 8 + 12 * (n - 1));
+            EXPECT_EQ(salient(t.salient_edge), 12 * n);
+        }
+    }
+    const Topology plate = build_topology(make_plate(2, 1, 4, 3));
+    EXPECT_EQ(salient(plate.salient_vertex), 14);
+    EXPECT_EQ(salient(plate.salient_edge), 14);
+    const TriangleMesh ball = make_sphere(1, 3);
+    const Topology round = build_topology(ball);
+    EXPECT_EQ(salient(round.salient_vertex), static_cast<std::int64_t>(ball.vertices.size()));
+    EXPECT_EQ(salient(round.salient_edge), static_cast<std::int64_t>(round.edges.size()));
+}
+
+TEST(Topology, AFoldABendAndASeamOfThreeAreSalient) {
+    const auto edge_of = [](const Vec3& other, std::vector<Triangle> more = {}) { // along x
+        TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, other, {0.5, 0, 1}}, {{0, 1, 2}, {1, 0, 3}}};
+        mesh.triangles.insert(mesh.triangles.end(), more.begin(), more.end());
+        const Topology t = build_topology(mesh);
+        const auto edge = std::find(t.edges.begin(), t.edges.end(), Edge{0, 1});
+        return t.salient_edge[static_cast<std::size_t>(edge - t.edges.begin())];
+    };
+    EXPECT_EQ(edge_of({0.3, -1, 0}), 0);
+    EXPECT_EQ(edge_of({0.3, -1, 1e-8}), 0);
+    EXPECT_EQ(edge_of({0.3, -1, 1e-6}), 1);
+    EXPECT_EQ(edge_of({0.3, 1, 0}), 1); // folded
+    EXPECT_EQ(edge_of({0.3, -1, 0}, {{0, 1, 4}}), 1);
+    EXPECT_EQ(edge_of({0.3, 0, 0}), 1); // no area
+}
+
+TEST(Topology, ManySmallBendsAreNoFlatFace) {
+    constexpr int kStrips = 1000; // each bent by 1e-8 rad
+    TriangleMesh arch;
+    for (int i = 0; i <= kStrips; ++i)
+        for (const double y : {0.0, 1.0}) {
+            const double x = static_cast<double>(i) / kStrips;
+            arch.vertices.push_back({x, y, -0.5 * 1e-5 * x * x});
+        }
+    for (std::int32_t i = 0; i < 2 * kStrips; i += 2) {
+        arch.triangles.push_back({i, i + 2, i + 3});
+        arch.triangles.push_back({i, i + 3, i + 1});
+    }
+    const Topology t = build_topology(arch);
+    const auto rim = 2 * (kStrips + 1);
+    EXPECT_GT(salient(t.salient_edge), rim + 5); // the outline, and edges across
+    EXPECT_LT(salient(t.salient_edge), rim + 100);
+}
+
+// A ridge of 90 degrees with a needle along it, as stitched T-junctions have: in any orientation it stays one.
+TEST(Topology, ANeedleHidesNoRidge) {
+    for (int k = 0; k < 60; ++k) {
+        const Quat turn = rotation_from_vector({0.3 * std::sin(k), 0.2 * std::cos(3 * k), 0.11 * k});
+        const auto turned = [&](const Vec3& x) { return rotate(turn, x); };
+        const Vec3 p = turned({-1, 0.1, 0.2}), q = turned({1, 0.1, 0.2}), middle = p + 0.37 * (q - p);
+        const TriangleMesh mesh{{p, q, middle, turned({0, 1, 0.2}), turned({0, 0.1, -1})},
+                                {{0, 1, 2}, {0, 1, 3}, {0, 2, 4}, {2, 1, 4}}};
+        const Topology t = build_topology(mesh);
+        int along = 0;
+        for (std::size_t e = 0; e < t.edges.size(); ++e) {
+            const Edge& ends = t.edges[e];
+            along += ends[1] <= 2 && t.salient_edge[e] != 0 ? 1 : 0;
+        }
+        EXPECT_GE(along, 1) << k;
+        EXPECT_EQ(t.salient_vertex[0] + t.salient_vertex[1], 2);
+    }
+}
+
+TEST(Topology, PointsAloneAreSalient) {
+    const TriangleMesh points{{{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                              {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}}};
+    EXPECT_EQ(build_topology(points).salient_vertex, (std::vector<std::uint8_t>{1, 1, 0, 1}));
 }
 
 TEST(Topology, CountsOfClosedSurfacesObeyEuler) {

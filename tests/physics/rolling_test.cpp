@@ -62,6 +62,50 @@ void rolls_where_friction_is_enough(const Run& run, const Roller& roller, double
     expect_no_rise(motion);
 }
 
+// Landings take what plastic impacts take, and nothing else does: it ends up on the side that they say, rocking.
+void rolls_to_its_side(const Run& run) {
+    constexpr int kSides = 16;
+    constexpr double kSpeed = 0.8, kTime = 20;
+    static constexpr Roller kPrism{"Prism16", cylinder_mesh<kSides>, true, false, 0.5, kSides};
+    const double side = 2 * kRollerRadius * std::sin(kPi / kSides), spin = kSpeed / kRollerRadius;
+    Motion motion(rolling_scene(run.settings(), kPrism, {0, 1, kSpeed, spin}));
+    const double start = motion.body(0).position.x;
+    motion.run(kTime);
+    const double rolled = (motion.body(0).position.x - start) / side, due = sides_of_prism(kSides, spin);
+    motion.print("rolls %.3f sides, due %.1f", rolled, due);
+    EXPECT_NEAR(rolled, due, 1.1);
+    expect_no_rise(motion);
+}
+
+// A body has one weight, on however many others it rolls.
+void rolls_alike_on_strips(const Run& run) {
+    constexpr int kSides = 64, kStrips = 4;
+    constexpr double kSpeed = 1.4, kWidth = 1.5, kTime = 2;
+    const auto speed_on = [&](int strips) {
+        SceneDescription scene = make_scene_with(run.settings());
+        const TriangleMesh mesh = make_cylinder(kRollerRadius, kWidth, kSides);
+        const auto roller = add_solid(scene, mesh, 100), strip = add_shape(scene, make_plate(60, 2 * kWidth / strips));
+        auto& body = add_body(scene, roller, BodyType::dynamic, {0, 0, kRollerRadius + rest_gap(mesh)}, 1, 0);
+        body.rotation = rotation_from_vector({kPi / 2, 0, 0});
+        body.velocity = {kSpeed, 0, 0};
+        body.angular_velocity = {0, kSpeed / kRollerRadius, 0};
+        for (int k = 0; k < strips; ++k)
+            add_body(scene, strip, BodyType::fixed, {0, 2 * kWidth * ((k + 0.5) / strips - 0.5), 0}, 1, 0);
+        Motion motion(scene);
+        double tilt = 0;
+        while (motion.world().time() < kTime) {
+            motion.step();
+            tilt = std::max(tilt, std::abs(motion.body(0).angular_velocity.x));
+        }
+        expect_no_rise(motion);
+        EXPECT_LT(0.5 * kWidth * tilt, 0.01 * kSpeed); // m/s, of its ends
+        return motion.body(0).velocity.x;
+    };
+    const double one = speed_on(1), many = speed_on(kStrips);
+    std::printf("keeps %.4f of its speed, on strips %.4f\n", one / kSpeed, many / kSpeed);
+    EXPECT_NEAR(many / one, 1, 0.005);
+}
+
 TriangleMesh wide_cylinder_mesh() { return make_cylinder(kRollerRadius, 6 * kRollerRadius, 512); }
 
 [[maybe_unused]] const bool registered = [] {
@@ -72,6 +116,11 @@ TriangleMesh wide_cylinder_mesh() { return make_cylinder(kRollerRadius, 6 * kRol
     static constexpr Roller kWide{"WideCylinder512", wide_cylinder_mesh, true, false, 0.5, 512};
     add_runs("Rolling", "WideCylinder512KeepsItsSpeed", runs(), true,
              [](const Run& r) { keeps_rolling(r, kWide, 0.5); });
+    std::vector<Run> prism = runs({120, 480});
+    prism.push_back({"preview", 120});
+    add_runs("Rolling", "Prism16RollsToItsSide", prism, true, rolls_to_its_side);
+    add_runs("Rolling", "Prism64RollsAlikeOnStrips", {{"balanced", 240}, {"accurate", 60}}, true,
+             rolls_alike_on_strips);
     // Several steps to a side: the corner that lands next must not carry before it does.
     add_runs("Rolling", "Cylinder512KeepsItsSpeedInSmallSteps", {{"balanced", 480}}, true,
              [](const Run& r) { keeps_rolling(r, kCylinder, 0.5); });

@@ -81,6 +81,24 @@ TEST(ContactPoints, ABoxOnTheGroundHasItsCorners) {
     for (const ProximityPoint& p : points) EXPECT_NEAR(p.distance, 0.01, 1e-12);
 }
 
+TEST(ContactPoints, FlatFacesOfManyTrianglesTouchAsOne) {
+    for (const double turn : {0.0, 0.4}) {
+        const Placed box{make_box(1, 1.2, 1), {0.203, 0.311, 0.51}, rotation_from_vector({0, 0, turn})};
+        const Placed divided{make_box(1, 1.2, 1, 3), box.position, box.rotation};
+        const auto due = contact_points(box, {make_plate(8, 8), {}});
+        ASSERT_EQ(due.size(), 4u);
+        const auto points = contact_points(box, {make_plate(8, 8, 25, 31), {}});
+        ASSERT_EQ(points.size(), 4u);
+        for (std::size_t i = 0; i < due.size(); ++i) EXPECT_NEAR(length(points[i].a - due[i].a), 0, 1e-12);
+        EXPECT_EQ(contact_points(divided, {make_plate(8, 8, 25, 31), {}}).size(), 4u + 4 * 2); // its rim has vertices
+    }
+    // Every corner over the other's face or rim, and each side across one or two of the other's.
+    const Placed upper{make_cylinder(1, 0.2, 96), {0.001, 0.0003, 0.21}}, lower{make_cylinder(1, 0.2, 96), {}};
+    const auto discs = contact_points(upper, lower);
+    EXPECT_GE(discs.size(), 96u);
+    EXPECT_LE(discs.size(), 4 * 96u);
+}
+
 TEST(ContactPoints, ASlidingBoxDoesNotCatchOnSideFaces) {
     // Figure 11: the lower corner of the upper box hangs over, 5 mm from the side of the lower box and 10 mm above its
     // top.

@@ -30,6 +30,16 @@ double kept_by_facets(const Roller& roller, double angle) {
     return std::exp(-kPi * angle / roller.sides / (1 + roller.inertia));
 }
 
+double sides_of_prism(int sides, double spin) {
+    const double r = kRollerRadius, half = kPi / sides;
+    const double inertia = 0.5 * r * r * (1 - 2.0 / 3 * std::sin(half) * std::sin(half)), of_corner = inertia + r * r;
+    const double to_pass = std::sqrt(2 * kGravity * r * (1 - std::cos(half)) / of_corner); // rad/s, on a side
+    const double kept = (inertia + r * r * std::cos(2 * half)) / of_corner;
+    double rolled = 0.5;
+    for (spin = kept * std::hypot(spin, to_pass); spin > to_pass; spin *= kept) ++rolled;
+    return rolled;
+}
+
 double rolled_share(const History& history, const Roller& roller, double slope) {
     const double due = kGravity * std::sin(slope) / (1 + roller.inertia) * history.end();
     return dot(history.last(0).velocity, down(slope)) / due;

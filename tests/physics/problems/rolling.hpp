@@ -44,6 +44,11 @@ struct Release {
 /// (1 + inertia) each side: over an angle a it keeps exp(-pi a / n / (1 + inertia)), 99 % of a cylinder of 512 sides.
 [[nodiscard]] double kept_by_facets(const Roller& roller, double angle);
 
+/// How far, in sides, a regular prism of n sides rolls that stands on a corner and turns about it at `spin` (rad/s).
+/// Each landing is a plastic impact, which keeps the angular momentum about the corner that lands; on the way up to a
+/// corner and down from it the energy stays.
+[[nodiscard]] double sides_of_prism(int sides, double spin);
+
 /// Of a round body that rolls down: speed over that due, at the end.
 [[nodiscard]] double rolled_share(const History& history, const Roller& roller, double slope);
 

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/landing_load.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/axis_locks.hpp"
+#include "base/index.hpp"
+#include "state/loads.hpp"
+
+namespace flotilla {
+namespace {
+
+/// What the loads of a pair's bodies press on each other: that of the one that is pressed more.
+struct Press {
+    std::int32_t body = 0;
+    double impulse = 0; ///< N s
+};
+Press press_of_loads(const Model& model, const VelocityArrays& bodies, const Contact& c, double seconds) {
+    const auto press = [&](std::int32_t body, double sign) {
+        const double inverse_mass = bodies.inverse_mass[at(body)];
+        return inverse_mass > 0 ? std::max(0.0, sign * dot(c.normal, acceleration(model, at(body)))) / inverse_mass : 0;
+    };
+    const double of_a = press(c.a, 1), of_b = press(c.b, -1);
+    return of_b >= of_a ? Press{c.b, seconds * of_b} : Press{c.a, seconds * of_a};
+}
+
+/// N s, on b.
+void push(VelocityArrays& bodies, const Contact& c, const Vec3& point, const Vec3& impulse) {
+    const auto change = [&](std::size_t i, const Vec3& own) {
+        if (!(bodies.inverse_mass[i] > 0)) return;
+        bodies.velocity[i] += bodies.inverse_mass[i] * free_part(bodies.locked[i], own);
+        bodies.angular_velocity[i] += bodies.inverse_inertia[i] * cross(point - bodies.position[i], own);
+    };
+    change(at(c.a), -impulse);
+    change(at(c.b), impulse);
+}
+
+/// The contacts of one pair, and what they carried in the step before.
+class LandingPair {
+  public:
+    LandingPair(const ContactTargets& targets, std::size_t inside, std::span<const Vec3> impulses)
+        : targets_(targets), impulses_(impulses), first_(inside), end_(inside) {
+        const std::vector<Contact>& contacts = targets.contacts;
+        const auto same = [&](std::size_t k) {
+            return contacts[k].a == contacts[inside].a && contacts[k].b == contacts[inside].b;
+        };
+        while (first_ > 0 && same(first_ - 1)) --first_;
+        while (end_ < contacts.size() && same(end_)) ++end_;
+        for (std::size_t k = first_; k < end_; ++k) {
+            all_ += carried(k);
+            sum_ += impulses[k];
+        }
+    }
+
+    [[nodiscard]] std::size_t first() const { return first_; }
+    [[nodiscard]] std::size_t end() const { return end_; }
+    [[nodiscard]] double carried() const { return all_; } ///< N s
+    [[nodiscard]] bool takes(std::size_t k) const { return targets_.carries[k] != 0; }
+    [[nodiscard]] bool carries_now(std::size_t k) const { return targets_.arcs[k].carries > 0; }
+
+    /// Of the load: of those at its corner a contact takes over from what is nearest to it, so that an edge keeps how
+    /// its ends share.
+    [[nodiscard]] double share(std::size_t k) const {
+        double taken = 0;
+        for (std::size_t i = first_; i < end_; ++i)
+            if (carried(i) > 0 && nearest(i, carries_now(k)) == k) taken += carried(i);
+        return std::abs(targets_.arcs[k].carries) * taken / all_;
+    }
+
+    /// Of the normal impulse of a contact, its friction: as that of the pair was in the step before.
+    [[nodiscard]] Vec3 friction(const Contact& c) const {
+        const Vec3 ratio = (1 / all_) * (sum_ - dot(sum_, c.normal) * c.normal);
+        const double size = length(ratio);
+        return size > c.friction ? (c.friction / size) * ratio : ratio;
+    }
+
+  private:
+    [[nodiscard]] double carried(std::size_t k) const {
+        return std::max(0.0, dot(targets_.contacts[k].normal, impulses_[k]));
+    }
+
+    /// Of the contacts that carry now, or that land.
+    [[nodiscard]] std::size_t nearest(std::size_t i, bool now) const {
+        const auto distance = [&](std::size_t k) {
+            return length_sq(targets_.contacts[k].point - targets_.contacts[i].point);
+        };
+        std::size_t best = end_;
+        for (std::size_t k = first_; k < end_; ++k)
+            if (takes(k) && carries_now(k) == now && (best == end_ || distance(k) < distance(best))) best = k;
+        return best;
+    }
+
+    const ContactTargets& targets_;
+    std::span<const Vec3> impulses_;
+    std::size_t first_, end_;
+    double all_ = 0; ///< N s, along the normals
+    Vec3 sum_;       ///< N s
+};
+
+} // namespace
+
+void give_landing_loads(const Model& model, const ContactTargets& targets, double accelerated, std::span<Vec3> impulses,
+                        VelocityArrays& bodies, LandingLoads& out) {
+    out.contacts.clear();
+    out.impulses.clear();
+    out.pairs.clear();
+    for (std::size_t i = 0; i < targets.carries.size(); ++i)
+        if (targets.carries[i] != 0) {
+            out.pairs.push_back(i);
+            i = LandingPair(targets, i, impulses).end() - 1;
+        }
+    if (out.pairs.empty()) return;
+    const auto press = [&](const LandingPair& pair) {
+        return press_of_loads(model, bodies, targets.contacts[pair.first()], accelerated);
+    };
+    // A body has one weight, on however many it rolls.
+    out.carried.assign(model.size(), 0);
+    for (const std::size_t inside : out.pairs) {
+        const LandingPair pair(targets, inside, impulses);
+        out.carried[at(press(pair).body)] += pair.carried();
+    }
+    for (const std::size_t inside : out.pairs) {
+        const LandingPair pair(targets, inside, impulses);
+        const Press loads = press(pair);
+        const double all = out.carried[at(loads.body)];
+        if (!(pair.carried() > 0)) continue;
+        const double load = pair.carried() * std::min(1.0, loads.impulse / all);
+        for (std::size_t k = pair.first(); k < pair.end(); ++k) {
+            if (!pair.takes(k)) continue;
+            const Contact& c = targets.contacts[k];
+            const Vec3 normal = pair.share(k) * load * c.normal;
+            const Vec3 place = c.point - targets.arcs[k].shift + targets.arcs[k].carries_at;
+            if (!pair.carries_now(k)) {
+                // The solve finds it, where the contact lands.
+                push(bodies, c, place, normal);
+                push(bodies, c, c.point, -normal);
+                continue;
+            }
+            const Vec3 impulse = normal + pair.share(k) * load * pair.friction(c);
+            push(bodies, c, place, impulse);
+            out.contacts.push_back(k);
+            out.impulses.push_back(impulse);
+        }
+    }
+    for (std::size_t k = 0; k < out.contacts.size(); ++k) impulses[out.contacts[k]] -= out.impulses[k];
+}
+
+void add_landing_loads(const LandingLoads& given, std::span<Vec3> impulses) {
+    for (std::size_t k = 0; k < given.contacts.size(); ++k) impulses[given.contacts[k]] += given.impulses[k];
+}
+
+} // namespace flotilla
