@@ -346,11 +346,17 @@ void lay_out_blocks(ContactScratch& s) {
     }
 }
 
-/// m, from where a body of prescribed velocity is seen by its contacts with another one to where it is: as it takes the
-/// centre of mass of that along for ContactSolveOptions::ahead.
-Vec3 seen_ahead(std::int32_t body, std::int32_t other, double ahead, const ContactScratch& s) {
-    if (s.movable[at(body)] != 0 || !(ahead > 0)) return {};
-    return ahead * cross(s.velocity[at(body)].angular, s.placed[at(other)].position - s.placed[at(body)].position);
+/// m, how far the other body takes its contacts with one of prescribed velocity along that in
+/// ContactSolveOptions::ahead, where this turns. Not along the normal, nor to where turning moves the surface along it:
+/// what stands on a roller stays on it.
+Vec3 seen_ahead(std::int32_t body, std::int32_t other, const Vec3& normal, double ahead, const ContactScratch& s) {
+    const BodyVelocity& v = s.velocity[at(body)];
+    const double rate = length(v.angular);
+    if (s.movable[at(body)] != 0 || !(ahead * rate > 0)) return {};
+    Vec3 way = ahead * (s.velocity[at(other)].linear - v.linear);
+    way -= dot(way, normal) * normal;
+    const Vec3 lifts = (1 / rate) * cross(normal, v.angular);
+    return way - dot(way, lifts) * lifts;
 }
 
 void set_masses(ContactBlock& block, const ContactScratch& s) {
@@ -412,8 +418,9 @@ void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& opt
     const auto make = [&](std::size_t k, PrincipalMasses& principal) {
         const std::size_t p = at(s.pair_order[k]);
         ContactBlock& block = s.blocks[k];
-        const Vec3 ahead_a = seen_ahead(block.a, block.b, options.ahead, s),
-                   ahead_b = seen_ahead(block.b, block.a, options.ahead, s), ahead = ahead_b - ahead_a;
+        const Vec3& normal = contacts[at(s.order[at(s.first_contact[p])])].normal;
+        const Vec3 ahead_a = seen_ahead(block.a, block.b, normal, options.ahead, s),
+                   ahead_b = seen_ahead(block.b, block.a, normal, options.ahead, s), ahead = ahead_b - ahead_a;
         const bool stands = same_places && !keyed && s.body_stands[at(block.a)] && s.body_stands[at(block.b)] &&
                             same_bits(block.ahead, ahead);
         if (!stands) set_masses(block, s);

@@ -8,10 +8,10 @@
 //
 // So where a corner lands in the step, the one that carries now has the load until then, and the other one the landing
 // and the load afterwards (landing_load.hpp). A corner that the axle has passed lets the body down along its arc, by
-// the end of the step and not a step later. A prism of 16 sides and 1 m, let go at 0.8 m/s on a corner, ends up
-// where plastic impacts say, 17.5 sides on, at 1/480 s, and a side short of it at 1/120 s; with the load where it is in
-// the mean, and the landing with it, each of them took half to all of what it should. Where more than one side passes in a step the
-// load is right below the axle, as the arcs have it.
+// the end of the step and not a step later. A prism of 16 sides and 1 m, let go at 0.8 m/s on a corner, ends up where
+// plastic impacts say, 17.5 sides on, at 1/480 s, and a side short of it at 1/120 s; with the load where it is in the
+// mean, and the landing with it, each of them took half to all of what it should. Where more than one side passes in a
+// step the load is right below the axle, as the arcs have it.
 //
 // A disk that rolls around its own middle turns about the line to its contact: no arc takes the points ahead up again,
 // what does is the load itself, which goes round. Stages 3 and 7 both had it on the point where the *next* step ends,

@@ -64,9 +64,9 @@ struct ContactSolveOptions {
     /// cone, aligned: friction bounded by a disc, so that it is mu lambda_n in every direction. random: the paper's
     /// pyramid with keyed tangents.
     Tangents tangents = Tangents::cone;
-    /// s. Points of bodies of prescribed velocity move as they will so much later, turning: in a step of twice that
-    /// they go along their chords, as what sticks to them then does (stage 3). With the tangents at its beginning that
-    /// would creep outward, by 9 % of the radius in 4 s at 1 rad/s and 1/24 s.
+    /// s. Bodies of prescribed velocity that turn have the velocity of where the other body will be on them so much
+    /// later: what sticks to them then goes along its chord in a step of twice that (stage 3). With the tangent at the
+    /// beginning it would creep outward, by 9 % of the radius in 4 s at 1 rad/s and 1/24 s.
     double ahead = 0;
     std::uint64_t seed = 0, step = 0; ///< key of the random tangents; step: of contacts that slide
     Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any

@@ -61,6 +61,30 @@ void turntable(const Run& run, double share) {
     }
 }
 
+// What a roller turns under stands on it as on one that rests: only what is carried round goes along a chord.
+void stands_on_a_roller(const Run& run) {
+    const auto height_over = [&](double rate) {
+        SceneDescription scene = make_scene_with(run.settings());
+        const TriangleMesh mesh = make_box(0.3, 0.3, 0.1);
+        auto& body =
+            add_body(scene, add_solid(scene, mesh, 500), BodyType::dynamic, {0, 0, 1.05 + rest_gap(mesh)}, 0.5, 0);
+        body.locked_translation = {true, true, false};
+        body.locked_rotation = {true, true, true};
+        auto& roller =
+            add_body(scene, add_shape(scene, make_cylinder(1, 2, 512)), BodyType::kinematic, {0, 0, 0}, 0.5, 0);
+        for (int k = 0; k <= 40; ++k) {
+            const Quat turn = rotation_from_vector({0, rate * 0.1 * k, 0}) * rotation_from_vector({kPi / 2, 0, 0});
+            roller.keyframes.push_back({k * 0.1, {0, 0, 0}, turn});
+        }
+        Motion motion(scene);
+        motion.run(2);
+        return motion.body(0).center_of_mass.z;
+    };
+    const double still = height_over(0), turning = height_over(3);
+    std::printf("stands at %.6f m, %.6f m\n", still, turning);
+    EXPECT_NEAR(turning, still, 1e-5);
+}
+
 constexpr int kBoxes = 5;
 
 /// A loose stack with 5 cm between its boxes of 0.5 m, and a press that comes down at 6 m/s from 6 m to `low` and goes
@@ -151,6 +175,7 @@ void closing_walls(const Run& run, bool all) {
 [[maybe_unused]] const bool registered = [] {
     add_runs("Scripts", "BoxOnAConveyor", runs(), true, conveyor);
     add_runs("Scripts", "BoxStaysOnATurntable", runs(), true, [](const Run& r) { turntable(r, 0.9); });
+    add_runs("Scripts", "BoxStandsOnARoller", runs({60, 240}), true, stands_on_a_roller);
     add_runs("Scripts", "BoxSlidesOffATurntable", runs(), true, [](const Run& r) { turntable(r, 1.1); });
     add_runs("Scripts", "PressGoesBack", runs({24, 120}), true, press_goes_back);
     add_runs("Scripts", "PressMeetsAStack", runs({24, 120}), true, press_meets_a_stack);
