@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
 
 #include "base/index.hpp"
 #include "mesh/dd_vec.hpp"
@@ -126,127 +125,105 @@ void list_around(const TriangleMesh& mesh, Topology& t) {
 /// single precision, and 1/500 of the default rest distance of a plate a thousand times as wide as thick.
 constexpr double kFlat = 0x1p-24;
 
-/// Which features are salient (Topology::salient_vertex).
-class Salience {
+/// The triangles with a vertex for each position.
+TriangleMesh by_place(const TriangleMesh& mesh, const Topology& t) {
+    TriangleMesh out;
+    out.triangles.reserve(mesh.triangles.size());
+    for (const Triangle& v : mesh.triangles)
+        out.triangles.push_back({t.place[at(v[0])], t.place[at(v[1])], t.place[at(v[2])]});
+    return out;
+}
+
+/// Flat faces: each grows from its first triangle over edges to what is in the plane of that.
+class FlatFaces {
   public:
-    Salience(const TriangleMesh& mesh, Topology& topology) : mesh_(mesh), topology_(topology) {
+    FlatFaces(const TriangleMesh& mesh, const std::vector<HalfEdge>& half_edges)
+        : mesh_(mesh), beside_(mesh.triangles.size(), {-1, -1, -1}), face_(mesh.triangles.size(), -1) {
         const Box box = bounding_box(mesh);
-        most_ = mesh.triangles.empty() ? 0 : kFlat * length(box.upper - box.lower);
+        const double most = mesh.triangles.empty() ? 0 : kFlat * length(box.upper - box.lower); // m
+        normal_.reserve(mesh.triangles.size());
+        for (const Triangle& t : mesh.triangles) normal_.push_back(normal(t));
+        for_each_edge(half_edges, [&](auto first, auto last) {
+            if (last - first == 2 && unfolded(*first, *(first + 1))) join(*first, *(first + 1));
+        });
+        for (std::size_t seed = 0; seed < face_.size(); ++seed)
+            if (face_[seed] < 0 && normal_[seed] != Vec3{}) grow(static_cast<std::int32_t>(seed), most);
     }
 
-    void mark() {
-        find_first_edges();
-        find_beside();
-        find_faces();
-        std::vector<std::uint8_t>&edge = topology_.salient_edge, &vertex = topology_.salient_vertex;
-        edge.assign(topology_.edges.size(), 0);
-        vertex.assign(mesh_.vertices.size(), 0);
-        std::vector<std::uint8_t> inside(topology_.first_around.size(), 0), on_rim = inside; // by place
-        for (std::size_t e = 0; e < edge.size(); ++e) {
-            const Edge ends = places(topology_.edges[e]);
-            if (first_edge_[e] != static_cast<std::int32_t>(e) || ends[0] == ends[1]) continue;
-            edge[e] = is_flat(e) ? 0 : 1;
-            for (const std::int32_t p : ends) (edge[e] != 0 ? on_rim : inside)[at(p)] = 1;
-        }
-        for (std::size_t v = 0; v < vertex.size(); ++v) {
-            if (topology_.vertex_owner[v] < 0) continue;
-            const std::size_t p = at(topology_.place[v]);
-            vertex[v] = on_rim[p] != 0 || inside[p] == 0 ? 1 : 0; // a point alone is one
-            on_rim[p] = 0, inside[p] = 1;                         // and those after it at its place are copies
-        }
+    /// Whether the side of a triangle lies within a face.
+    [[nodiscard]] bool inside(const HalfEdge& h) const {
+        const std::int32_t other = beside_[at(h.triangle)][at(h.corner)];
+        return other >= 0 && face_[at(other)] == face_[at(h.triangle)];
     }
 
   private:
-    using Beside = std::array<std::int32_t, 2>; // triangles
-
-    [[nodiscard]] Edge places(const Edge& e) const {
-        const std::int32_t p = topology_.place[at(e[0])], q = topology_.place[at(e[1])];
-        return {std::min(p, q), std::max(p, q)};
+    /// Zero without area; of needles, too, in more than double precision.
+    [[nodiscard]] Vec3 normal(const Triangle& t) const {
+        const Vec3 &a = mesh_.vertices[at(t[0])], &b = mesh_.vertices[at(t[1])], &c = mesh_.vertices[at(t[2])];
+        return has_area(mesh_, t) ? normalized(to_double(doubled_area_vector(a, b, c))) : Vec3{};
     }
 
-    /// Of all edges between two places the first one.
-    void find_first_edges() {
-        const std::vector<Edge>& edges = topology_.edges;
-        std::vector<std::pair<Edge, std::int32_t>> named(edges.size());
-        for (std::size_t e = 0; e < edges.size(); ++e) named[e] = {places(edges[e]), static_cast<std::int32_t>(e)};
-        std::sort(named.begin(), named.end());
-        first_edge_.resize(edges.size());
-        for (std::size_t k = 0; k < named.size(); ++k) {
-            const bool copy = k > 0 && named[k].first == named[k - 1].first;
-            first_edge_[at(named[k].second)] = copy ? first_edge_[at(named[k - 1].second)] : named[k].second;
-        }
+    /// Whether two triangles, both with area, lie on either side of their edge.
+    [[nodiscard]] bool unfolded(const HalfEdge& x, const HalfEdge& y) const {
+        return -x.direction * y.direction * dot(normal_[at(x.triangle)], normal_[at(y.triangle)]) > 0;
     }
 
-    void find_beside() {
-        beside_.assign(topology_.edges.size(), Beside{-1, -1});
-        for (std::size_t e = 0; e < beside_.size(); ++e)
-            if (first_edge_[e] == static_cast<std::int32_t>(e)) beside_[e] = beside(topology_.edges[e]);
+    void join(const HalfEdge& x, const HalfEdge& y) {
+        beside_[at(x.triangle)][at(x.corner)] = y.triangle;
+        beside_[at(y.triangle)][at(y.corner)] = x.triangle;
     }
 
-    /// The two triangles that have the edge, one on either side; none where it has others, or some have no area.
-    [[nodiscard]] Beside beside(const Edge& edge) const {
-        const Edge ends = places(edge);
-        const Vec3 &a = mesh_.vertices[at(edge[0])], &b = mesh_.vertices[at(edge[1])];
-        Beside found{-1, -1};
-        std::array<Vec3, 2> normal;
-        std::size_t count = 0;
-        for (const std::int32_t t : topology_.around_vertex(edge[0])) {
-            std::array<std::int32_t, 3> corner{};
-            std::transform(mesh_.triangles[at(t)].begin(), mesh_.triangles[at(t)].end(), corner.begin(),
-                           [&](std::int32_t v) { return topology_.place[at(v)]; });
-            const auto has = [&](std::int32_t place) { return std::ranges::find(corner, place) != corner.end(); };
-            if (!has(ends[0]) || !has(ends[1])) continue;
-            const auto other =
-                std::ranges::find_if(corner, [&](std::int32_t place) { return place != ends[0] && place != ends[1]; });
-            if (other == corner.end() || count == 2 || !has_area(mesh_, mesh_.triangles[at(t)])) return {-1, -1};
-            const std::int32_t v = mesh_.triangles[at(t)][static_cast<std::size_t>(other - corner.begin())];
-            normal[count] = to_double(doubled_area_vector(a, b, mesh_.vertices[at(v)])); // of needles, too
-            found[count++] = t;
-        }
-        return count == 2 && dot(normal[0], normal[1]) < 0 ? found : Beside{-1, -1};
-    }
-
-    /// Numbers the flat faces: each grows from its first triangle, to what is in the plane of that.
-    void find_faces() {
-        face_.assign(mesh_.triangles.size(), -1);
-        std::vector<std::int32_t> open;
-        for (std::size_t seed = 0; seed < face_.size(); ++seed) {
-            if (face_[seed] >= 0 || !has_area(mesh_, mesh_.triangles[seed])) continue;
-            const Triangle& s = mesh_.triangles[seed];
-            const Vec3& origin = mesh_.vertices[at(s[0])];
-            const Vec3 normal =
-                normalized(to_double(doubled_area_vector(origin, mesh_.vertices[at(s[1])], mesh_.vertices[at(s[2])])));
-            const auto in_plane = [&](std::int32_t v) {
-                return std::abs(dot(normal, mesh_.vertices[at(v)] - origin)) <= most_;
-            };
-            face_[seed] = static_cast<std::int32_t>(seed);
-            open.assign(1, static_cast<std::int32_t>(seed));
-            while (!open.empty()) {
-                const std::int32_t t = open.back();
-                open.pop_back();
-                for (const std::int32_t e : topology_.triangle_edges[at(t)])
-                    for (const std::int32_t next : beside_[at(first_edge_[at(e)])]) {
-                        if (next < 0 || face_[at(next)] >= 0) continue;
-                        if (!std::ranges::all_of(mesh_.triangles[at(next)], in_plane)) continue;
-                        face_[at(next)] = face_[seed];
-                        open.push_back(next);
-                    }
+    void grow(std::int32_t seed, double most) {
+        const Vec3 &origin = mesh_.vertices[at(mesh_.triangles[at(seed)][0])], &normal = normal_[at(seed)];
+        const auto in_plane = [&](std::int32_t v) {
+            return std::abs(dot(normal, mesh_.vertices[at(v)] - origin)) <= most;
+        };
+        face_[at(seed)] = seed;
+        open_.assign(1, seed);
+        while (!open_.empty()) {
+            const std::int32_t t = open_.back();
+            open_.pop_back();
+            for (const std::int32_t next : beside_[at(t)]) {
+                if (next < 0 || face_[at(next)] >= 0) continue;
+                if (!std::ranges::all_of(mesh_.triangles[at(next)], in_plane)) continue;
+                face_[at(next)] = seed;
+                open_.push_back(next);
             }
         }
     }
 
-    [[nodiscard]] bool is_flat(std::size_t first_edge) const {
-        const auto [t, u] = beside_[first_edge];
-        return t >= 0 && face_[at(t)] == face_[at(u)];
-    }
-
     const TriangleMesh& mesh_;
-    Topology& topology_;
-    double most_ = 0;                      // m, from the plane of a face
-    std::vector<std::int32_t> first_edge_; // by edge
-    std::vector<Beside> beside_;           // by first edge
-    std::vector<std::int32_t> face_;       // by triangle, its first one; -1: has no area
+    std::vector<Vec3> normal_;                        // by triangle
+    std::vector<std::array<std::int32_t, 3>> beside_; // by triangle and side: across an edge of two triangles
+    std::vector<std::int32_t> face_, open_;           // by triangle, its first one; to grow from
 };
+
+/// Sets Topology::salient_vertex and salient_edge.
+void mark_salient(const TriangleMesh& mesh, Topology& t) {
+    const auto all = [](const Triangle&) { return true; };
+    const std::vector<HalfEdge> half_edges = sorted_half_edges(by_place(mesh, t), all);
+    const FlatFaces faces(mesh, half_edges);
+    t.salient_edge.assign(t.edges.size(), 0);
+    t.salient_vertex.assign(mesh.vertices.size(), 0);
+    std::vector<std::uint8_t> inside(t.first_around.size(), 0), on_rim = inside; // by place
+    for_each_edge(half_edges, [&](auto first, auto last) {
+        if (first->low == first->high) return;
+        const bool flat = faces.inside(*first);
+        std::vector<std::uint8_t>& ends = flat ? inside : on_rim;
+        ends[at(first->low)] = ends[at(first->high)] = 1;
+        if (flat) return;
+        const auto id = [&](const HalfEdge& h) { return t.triangle_edges[at(h.triangle)][at(h.corner)]; };
+        std::int32_t lowest = id(*first); // of copies
+        for (auto h = first; h != last; ++h) lowest = std::min(lowest, id(*h));
+        t.salient_edge[at(lowest)] = 1;
+    });
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        if (t.vertex_owner[v] < 0) continue;
+        const std::size_t p = at(t.place[v]);
+        t.salient_vertex[v] = on_rim[p] != 0 || inside[p] == 0 ? 1 : 0; // a point alone is one
+        on_rim[p] = 0, inside[p] = 1;                                   // and those after it there are copies
+    }
+}
 
 } // namespace
 
@@ -271,7 +248,7 @@ Topology build_topology(const TriangleMesh& mesh) {
         for (auto e = first; e != last; ++e) t.triangle_edges[at(e->triangle)][at(e->corner)] = id;
     });
     list_around(mesh, t);
-    Salience(mesh, t).mark();
+    mark_salient(mesh, t);
     return t;
 }
 

@@ -55,7 +55,7 @@ struct ArcContact {
     double apart = 0;    ///< m/s^2, acceleration of the points away from each other
     double rises = 0;    ///< m/s, along the normal, how much faster the place of the shift moves than the point
     double friction = 1; ///< of that of the pair
-    double carries = 0;  ///< of the load of the step, where another one lands in it, or this one does
+    double carries = 0;  ///< share of the load of the step until another one lands; negative where this one does
     Vec3 carries_at;     ///< m, from the contact to where it then is in the mean
 };
 

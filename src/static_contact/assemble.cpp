@@ -350,9 +350,10 @@ void lay_out_blocks(ContactScratch& s) {
 /// ContactSolveOptions::ahead, where this turns. Not along the normal, nor to where turning moves the surface along it:
 /// what stands on a roller stays on it.
 Vec3 seen_ahead(std::int32_t body, std::int32_t other, const Vec3& normal, double ahead, const ContactScratch& s) {
+    if (s.movable[at(body)] != 0 || !(ahead > 0)) return {};
     const BodyVelocity& v = s.velocity[at(body)];
     const double rate = length(v.angular);
-    if (s.movable[at(body)] != 0 || !(ahead * rate > 0)) return {};
+    if (!(rate > 0)) return {};
     Vec3 way = ahead * (s.velocity[at(other)].linear - v.linear);
     way -= dot(way, normal) * normal;
     const Vec3 lifts = (1 / rate) * cross(normal, v.angular);
@@ -420,12 +421,12 @@ void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& opt
         ContactBlock& block = s.blocks[k];
         const Vec3& normal = contacts[at(s.order[at(s.first_contact[p])])].normal;
         const Vec3 ahead_a = seen_ahead(block.a, block.b, normal, options.ahead, s),
-                   ahead_b = seen_ahead(block.b, block.a, normal, options.ahead, s), ahead = ahead_b - ahead_a;
+                   ahead_b = seen_ahead(block.b, block.a, normal, options.ahead, s);
+        const Vec3 offset = (s.placed[at(block.a)].position - s.placed[at(block.b)].position) + (ahead_b - ahead_a);
         const bool stands = same_places && !keyed && s.body_stands[at(block.a)] && s.body_stands[at(block.b)] &&
-                            same_bits(block.ahead, ahead);
+                            same_bits(block.offset, offset);
         if (!stands) set_masses(block, s);
-        block.ahead = ahead;
-        block.offset = (s.placed[at(block.a)].position - s.placed[at(block.b)].position) + ahead;
+        block.offset = offset;
         bool all_stand = stands;
         std::int32_t awake = block.first, parked = block.parked;
         for (std::int32_t i = s.first_contact[p]; i < s.first_contact[p + 1]; ++i) {

@@ -58,7 +58,6 @@ struct ContactBlock {
     Sym3 inv_inertia_a, inv_inertia_b;     ///< 1/(kg m^2), world
     AxisMask locked_a = 0, locked_b = 0;   ///< axes along which a body does not move
     Vec3 offset;                           ///< m: centre of mass of a minus that of b, as the contacts see them
-    Vec3 ahead;                            ///< m, of that what is due to ContactSolveOptions::ahead
 };
 
 /// One contact.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "base/axis_locks.hpp"
 #include "base/index.hpp"
@@ -59,13 +60,13 @@ class LandingPair {
     [[nodiscard]] bool takes(std::size_t k) const { return targets_.carries[k] != 0; }
     [[nodiscard]] bool carries_now(std::size_t k) const { return targets_.arcs[k].carries > 0; }
 
-    /// Of the load: of those at its corner a contact takes over from what is nearest to it, so that an edge keeps how
-    /// its ends share.
-    [[nodiscard]] double share(std::size_t k) const {
-        double taken = 0;
+    /// Fills `taken` with what contacts take over (N s, by contact from first() on): at either corner each from what was
+    /// nearest to it, so that an edge keeps how its ends share.
+    void take_over(std::vector<double>& taken) const {
+        taken.assign(end_ - first_, 0);
         for (std::size_t i = first_; i < end_; ++i)
-            if (carried(i) > 0 && nearest(i, carries_now(k)) == k) taken += carried(i);
-        return std::abs(targets_.arcs[k].carries) * taken / all_;
+            for (const bool now : {true, false})
+                if (const std::size_t k = nearest(i, now); carried(i) > 0 && k < end_) taken[k - first_] += carried(i);
     }
 
     /// Of the normal impulse of a contact, its friction: as that of the pair was in the step before.
@@ -98,6 +99,15 @@ class LandingPair {
     Vec3 sum_;       ///< N s
 };
 
+/// Most contacts have none.
+std::size_t next_that_carries(const ContactTargets& targets, std::size_t from) {
+    if (from >= targets.carries.size()) return targets.carries.size();
+    const std::uint8_t* const begin = targets.carries.data();
+    const void* const found = std::memchr(begin + from, 1, targets.carries.size() - from);
+    return found == nullptr ? targets.carries.size()
+                            : static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - begin);
+}
+
 } // namespace
 
 void give_landing_loads(const Model& model, const ContactTargets& targets, double accelerated, std::span<Vec3> impulses,
@@ -105,17 +115,17 @@ void give_landing_loads(const Model& model, const ContactTargets& targets, doubl
     out.contacts.clear();
     out.impulses.clear();
     out.pairs.clear();
-    for (std::size_t i = 0; i < targets.carries.size(); ++i)
-        if (targets.carries[i] != 0) {
-            out.pairs.push_back(i);
-            i = LandingPair(targets, i, impulses).end() - 1;
-        }
+    for (std::size_t i = next_that_carries(targets, 0); i < targets.carries.size();) {
+        out.pairs.push_back(i);
+        i = next_that_carries(targets, LandingPair(targets, i, impulses).end());
+    }
     if (out.pairs.empty()) return;
     const auto press = [&](const LandingPair& pair) {
         return press_of_loads(model, bodies, targets.contacts[pair.first()], accelerated);
     };
     // A body has one weight, on however many it rolls.
-    out.carried.assign(model.size(), 0);
+    out.carried.resize(model.size());
+    for (const std::size_t inside : out.pairs) out.carried[at(press(LandingPair(targets, inside, impulses)).body)] = 0;
     for (const std::size_t inside : out.pairs) {
         const LandingPair pair(targets, inside, impulses);
         out.carried[at(press(pair).body)] += pair.carried();
@@ -126,10 +136,12 @@ void give_landing_loads(const Model& model, const ContactTargets& targets, doubl
         const double all = out.carried[at(loads.body)];
         if (!(pair.carried() > 0)) continue;
         const double load = pair.carried() * std::min(1.0, loads.impulse / all);
+        pair.take_over(out.taken);
         for (std::size_t k = pair.first(); k < pair.end(); ++k) {
             if (!pair.takes(k)) continue;
             const Contact& c = targets.contacts[k];
-            const Vec3 normal = pair.share(k) * load * c.normal;
+            const double share = std::abs(targets.arcs[k].carries) * out.taken[k - pair.first()] / pair.carried();
+            const Vec3 normal = share * load * c.normal;
             const Vec3 place = c.point - targets.arcs[k].shift + targets.arcs[k].carries_at;
             if (!pair.carries_now(k)) {
                 // The solve finds it, where the contact lands.
@@ -137,7 +149,7 @@ void give_landing_loads(const Model& model, const ContactTargets& targets, doubl
                 push(bodies, c, c.point, -normal);
                 continue;
             }
-            const Vec3 impulse = normal + pair.share(k) * load * pair.friction(c);
+            const Vec3 impulse = normal + share * load * pair.friction(c);
             push(bodies, c, place, impulse);
             out.contacts.push_back(k);
             out.impulses.push_back(impulse);

@@ -24,6 +24,7 @@ struct LandingLoads {
     std::vector<Vec3> impulses;     ///< N s, on b
     std::vector<std::size_t> pairs; ///< scratch: a contact of each pair
     std::vector<double> carried;    ///< scratch: N s, by body
+    std::vector<double> taken;      ///< scratch: N s, by contact of a pair
 };
 
 /// Gives contacts their shares (ArcContact::carries): changes the velocities, and takes them from `impulses` (N s, on
