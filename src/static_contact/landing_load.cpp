@@ -60,8 +60,8 @@ class LandingPair {
     [[nodiscard]] bool takes(std::size_t k) const { return targets_.carries[k] != 0; }
     [[nodiscard]] bool carries_now(std::size_t k) const { return targets_.arcs[k].carries > 0; }
 
-    /// Fills `taken` with what contacts take over (N s, by contact from first() on): at either corner each from what was
-    /// nearest to it, so that an edge keeps how its ends share.
+    /// Fills `taken` with what contacts take over (N s, by contact from first() on): at either corner each from what
+    /// was nearest to it, so that an edge keeps how its ends share.
     void take_over(std::vector<double>& taken) const {
         taken.assign(end_ - first_, 0);
         for (std::size_t i = first_; i < end_; ++i)

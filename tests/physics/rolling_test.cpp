@@ -82,9 +82,14 @@ void lands_on_both_ends(const Run& run) {
     constexpr double kSpeed = 1.5;
     static constexpr Roller kWidePrism{
         "WidePrism16", [] { return make_cylinder(kRollerRadius, 1.5, 16); }, true, false, 0.5, 16};
-    Motion motion(rolling_scene(run.settings(), kWidePrism, {0, 1, kSpeed, kSpeed / kRollerRadius}));
+    const double height = kRollerRadius * std::cos(kPi / kWidePrism.sides);
+    SceneDescription scene = rolling_scene(run.settings(), kWidePrism, {0, 1, kSpeed, kSpeed / height});
+    BodyDescription& body = scene.bodies.front(); // on a side
+    body.rotation = rotation_from_vector({0, kPi / kWidePrism.sides, 0}) * body.rotation;
+    body.position.z -= kRollerRadius - height;
+    Motion motion(scene);
     double tilt = 0;
-    for (int n = 0; n < 8; ++n) {
+    for (int n = 0; n < 4; ++n) {
         motion.step();
         tilt = std::max(tilt, std::abs(motion.body(0).angular_velocity.x));
     }
