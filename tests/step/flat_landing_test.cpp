@@ -63,6 +63,32 @@ TEST(FlatLanding, ACrateThatLandsOnAnEdgeTurnsAboutThatEdgeOnly) {
     EXPECT_NEAR(std::abs(s.angular_velocity.y), arm * impulse / inertia, kSolved);
 }
 
+// A crate that falls over: the edge it stands on is nearer to the plate than the one that lands, where that ends the step
+// within the proximity distance. Both ends of that are hit.
+TEST(FlatLanding, ACrateThatFallsOverLandsOnBothEndsOfItsEdge) {
+    constexpr double kFall = 1.5; // rad/s
+    int hits = 0;
+    for (int phase = 0; phase < 60; ++phase) {
+        SceneDescription scene = weightless(make_box(kEdge, kEdge, kEdge), 0);
+        scene.settings.time_step = 1.0 / 24;
+        const double tilt = 0.02 + 0.002 * phase;
+        BodyDescription& crate = scene.bodies[0];
+        crate.rotation = rotation_from_vector({0, tilt, 0});
+        crate.restitution = 0;
+        scene.bodies[1].restitution = 0;
+        const Vec3 arm = rotate(crate.rotation, Vec3{0.5 * kEdge, 0, -0.5 * kEdge}); // to the edge it stands on
+        crate.position = Vec3{0, 0, 0.002} - arm;
+        crate.angular_velocity = {0, -kFall, 0};
+        crate.velocity = cross(crate.angular_velocity, -arm);
+        World world(scene);
+        hits += world.step().collisions > 0 ? 1 : 0;
+        const BodyState s = world.body(0);
+        EXPECT_LT(std::abs(s.angular_velocity.x), kSolved) << phase;
+        EXPECT_LT(std::abs(s.angular_velocity.z), kSolved) << phase;
+    }
+    EXPECT_GT(hits, 10);
+}
+
 // Both bodies move, and what touches are faces of different sizes: corners of the smaller one.
 TEST(FlatLanding, TwoCratesExchangeTheirMomentum) {
     SceneDescription scene = empty_scene();
