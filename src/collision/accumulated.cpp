@@ -7,6 +7,7 @@
 
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
+#include "collision/late_hits.hpp"
 #include "collision/pair_hits.hpp"
 #include "pair/progress.hpp"
 
@@ -33,9 +34,15 @@ bool by_bodies(const KeptHit& x, const KeptHit& y) { return std::tuple(x.a, x.b)
 
 class Accumulation {
   public:
-    Accumulation(const StepView& view, Movers movers, PairBook& book, Workers& workers, const KnownContacts& known,
-                 HitLists& lists)
-        : view_(view), movers_(movers), book_(book), workers_(workers), known_(known), lists_(lists) {}
+    Accumulation(const StepView& view, Movers movers, PairBook& book, Workers& workers, const ContactsAtStart& known,
+                 const Touching& touching, HitLists& lists)
+        : view_(view),
+          movers_(movers),
+          book_(book),
+          workers_(workers),
+          known_(known),
+          touching_(touching),
+          lists_(lists) {}
 
     StageCounters run() {
         lists_.hits.clear();
@@ -68,6 +75,7 @@ class Accumulation {
             ++worker.counters.pairs;
             if (!find_hits(view_, worker, record)) return;
             for (const ContactPoint& point : worker.hits) worker.found.push_back({list[i].record, point});
+            worker.found[worker.found.size() - worker.hits.size()].landing = worker.landing;
         });
         collect(workers_, counters_);
         for (const Worker& worker : workers_.each)
@@ -83,6 +91,7 @@ class Accumulation {
         std::vector<KeptHit>& hits = lists_.hits;
         if (hits.empty()) keep_known();
         const std::size_t before = hits.size();
+        for (KeptHit& hit : hits) hit.found = -1;
         for (const FoundHit& f : lists_.found) {
             KeptHit hit;
             hit.a = f.record->a;
@@ -95,6 +104,7 @@ class Accumulation {
             to.restitution = pair_restitution(view_.model, hit.a, hit.b);
             to.least = least_approach(view_, hit.a, hit.b, f.record->lengths.rest);
             to.fresh = true;
+            to.found = static_cast<std::int32_t>(&f - lists_.found.data());
         }
         std::stable_sort(hits.begin(), hits.end(), by_bodies);
     }
@@ -137,13 +147,47 @@ class Accumulation {
             Worker& worker = workers_[thread];
             const Stopwatch watch(worker.counters.response_ms);
             solve_hits(lists_.hits, island, lists_.bodies);
+            const double late = late_share_of(island);
             for (const std::int32_t k : island) {
                 const KeptHit& hit = lists_.hits[at(k)];
-                if (hit.change != Vec3{})
-                    apply_impulse(movers_.clusters(), worker, hit.a, hit.b, hit.point, hit.change);
+                if (hit.change == Vec3{}) continue;
+                apply_impulse(movers_.clusters(), worker, hit.a, hit.b, hit.point, hit.change);
+                if (late > 0) delay(hit, late);
             }
         });
         collect(workers_, counters_);
+    }
+
+    /// An island's blows go through it at once: what is late of them is the least of what the round found.
+    [[nodiscard]] double late_share_of(std::span<const std::int32_t> island) const {
+        double least = 1;
+        bool any = false;
+        for (const std::int32_t k : island) {
+            const KeptHit& hit = lists_.hits[at(k)];
+            if (hit.found < 0) continue;
+            const std::optional<Landing>& landing = lists_.found[at(hit.found)].landing;
+            const CandidatePair pair{hit.a, hit.b};
+            if (!landing || !(may_be_late(hit.a, hit.b) || may_be_late(hit.b, hit.a))) continue;
+            const auto change = [&](std::int32_t body, const Vec3& arm) {
+                return dot(hit.point.normal, point_velocity(lists_.bodies.body[at(body)], arm) -
+                                                 point_velocity(view_.clusters.impulsive(body), arm));
+            };
+            const OfBoth late = late_shares(view_, touching_, pair, *landing,
+                                            {-change(hit.a, hit.point.arm_a), change(hit.b, hit.point.arm_b)});
+            least = std::min(least, std::max(late.a, late.b));
+            any = true;
+        }
+        return any ? least : 0;
+    }
+
+    [[nodiscard]] bool may_be_late(std::int32_t body, std::int32_t other) const {
+        return touching_.may_be_late(view_.clusters[body], body, other);
+    }
+
+    void delay(const KeptHit& hit, double late) {
+        Clusters& clusters = movers_.clusters();
+        if (may_be_late(hit.a, hit.b)) clusters.delay(hit.a, hit.point.arm_a, -late * hit.change);
+        if (may_be_late(hit.b, hit.a)) clusters.delay(hit.b, hit.point.arm_b, late * hit.change);
     }
 
     void load_bodies() {
@@ -208,7 +252,8 @@ class Accumulation {
     Movers movers_;
     PairBook& book_;
     Workers& workers_;
-    const KnownContacts& known_;
+    const ContactsAtStart& known_;
+    const Touching& touching_;
     HitLists& lists_;
     StageCounters counters_;
     Progress progress_;
@@ -217,8 +262,8 @@ class Accumulation {
 } // namespace
 
 StageCounters accumulate_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                    const KnownContacts& known, HitLists& lists) {
-    return Accumulation(view, movers, book, workers, known, lists).run();
+                                    const ContactsAtStart& known, const Touching& touching, HitLists& lists) {
+    return Accumulation(view, movers, book, workers, known, touching, lists).run();
 }
 
 } // namespace flotilla

@@ -10,6 +10,7 @@
 
 #include <span>
 
+#include "collision/late_hits.hpp"
 #include "islands/contact_graph.hpp"
 #include "pair/impulses.hpp"
 #include "pair/pair_lists.hpp"
@@ -17,12 +18,6 @@
 #include "state/contact.hpp"
 
 namespace flotilla {
-
-/// Contacts at x^n, sorted by bodies, and the rest distances of their pairs, m.
-struct KnownContacts {
-    std::span<const Contact> contacts;
-    std::span<const double> rest;
-};
 
 /// Hits that are kept in a step, and buffers.
 struct HitLists {
@@ -40,6 +35,6 @@ struct HitLists {
 };
 
 StageCounters accumulate_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                    const KnownContacts& known, HitLists& lists);
+                                    const ContactsAtStart& known, const Touching& touching, HitLists& lists);
 
 } // namespace flotilla

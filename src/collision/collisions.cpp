@@ -6,6 +6,7 @@
 
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
+#include "collision/late_hits.hpp"
 #include "collision/pair_hits.hpp"
 #include "pair/divided_sweep.hpp"
 #include "pair/progress.hpp"
@@ -31,35 +32,78 @@ std::optional<Vec3> elastic_impulse(const StepView& view, const CandidatePair& p
     return share * *impulse;
 }
 
-/// Applies what the manifold changes.
-void push_all(Movers& movers, Worker& worker, const CandidatePair& pair) {
+/// m/s, by which worker.changes part the points of the hit along its normal.
+OfBoth change_of_hit(const StepView& view, const Worker& worker, const CandidatePair& pair) {
+    const ContactPoint& hit = worker.hits[0];
+    const Impulsive a = view.clusters.impulsive(pair.a), b = view.clusters.impulsive(pair.b);
+    Vec3 linear_a, angular_a, linear_b, angular_b;
+    for (const PairManifold::Change& c : worker.changes) {
+        linear_a -= velocity_change(a, c.impulse);
+        angular_a -= a.inverse_inertia * cross(c.point.arm_a, c.impulse);
+        linear_b += velocity_change(b, c.impulse);
+        angular_b += b.inverse_inertia * cross(c.point.arm_b, c.impulse);
+    }
+    return {-dot(hit.normal, linear_a + cross(angular_a, hit.arm_a)),
+            dot(hit.normal, linear_b + cross(angular_b, hit.arm_b))};
+}
+
+/// Applies worker.changes.
+void push_all(const StepView& view, const Touching& touching, Movers& movers, Worker& worker,
+              const CandidatePair& pair) {
     const Stopwatch watch(worker.counters.response_ms);
-    for (const PairManifold::Change& c : worker.changes)
+    const OfBoth late = worker.landing
+                            ? late_shares(view, touching, pair, *worker.landing, change_of_hit(view, worker, pair))
+                            : OfBoth{};
+    for (const PairManifold::Change& c : worker.changes) {
         apply_impulse(movers.clusters(), worker, pair.a, pair.b, c.point, c.impulse);
+        if (late.a > 0) movers.clusters().delay(pair.a, c.point.arm_a, -late.a * c.impulse);
+        if (late.b > 0) movers.clusters().delay(pair.b, c.point.arm_b, late.b * c.impulse);
+    }
     movers.evolve(pair.a);
     movers.evolve(pair.b);
 }
 
+/// What is late for a body was so much where the other one was: the way of the pair hits, its velocities part.
+bool hasten(const StepView& view, Movers& movers, Worker& worker, const CandidatePair& pair) {
+    if (!worker.landing) return false;
+    Clusters& clusters = movers.clusters();
+    const bool late_a = clusters[pair.a].any_late(), late_b = clusters[pair.b].any_late();
+    const double wanted = worker.landing->way - std::max(0.0, worker.landing->gap) / view.dt;
+    if (!(wanted > 0) || !(late_a || late_b)) return false;
+    Impulsive a = clusters.impulsive(pair.a), b = clusters.impulsive(pair.b);
+    if (!late_a) a.inverse_mass = 0, a.inverse_inertia = {};
+    if (!late_b) b.inverse_mass = 0, b.inverse_inertia = {};
+    const ContactPoint& hit = worker.hits[0];
+    const double mobility = normal_mobility(a, b, hit, collision_matrix(a, b, hit.arm_a, hit.arm_b));
+    if (!(mobility > 0)) return false;
+    const Vec3 impulse = (wanted / mobility) * hit.normal;
+    if (late_a) clusters.delay(pair.a, hit.arm_a, impulse), movers.evolve(pair.a);
+    if (late_b) clusters.delay(pair.b, hit.arm_b, -impulse), movers.evolve(pair.b);
+    return true;
+}
+
 /// The impulses of worker.hits, together with those of the operation before. False: there is none, as the bodies part
 /// already or the energy clamp leaves nothing of it.
-bool respond(const StepView& view, Movers& movers, Worker& worker, const CandidatePair& pair) {
+bool respond(const StepView& view, const Touching& touching, Movers& movers, Worker& worker,
+             const CandidatePair& pair) {
     const double restitution = pair_restitution(view.model, pair.a, pair.b);
     const ContactPoint first = worker.hits[0];
     const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
     if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.changes)) {
-        push_all(movers, worker, pair);
+        push_all(view, touching, movers, worker, pair);
         return true;
     }
     const auto impulse = elastic_impulse(view, pair, first);
-    if (!impulse) return false;
+    if (!impulse) return hasten(view, movers, worker, pair);
     worker.manifold.add(first, restitution, *impulse);
-    push(movers, worker, pair.a, pair.b, first, *impulse);
+    worker.changes.assign(1, {first, *impulse});
+    push_all(view, touching, movers, worker, pair);
     return true;
 }
 
 /// The inner part of Algorithm 1: resolves the hits of one pair in consecutive order, then its fast end proximities.
 /// Whether it applied an impulse.
-bool collide(const StepView& view, Movers& movers, Worker& worker, const ListedPair& listed) {
+bool collide(const StepView& view, const Touching& touching, Movers& movers, Worker& worker, const ListedPair& listed) {
     PairRecord& record = *listed.record;
     const CandidatePair& pair = listed.pair;
     ++worker.counters.pairs;
@@ -67,7 +111,7 @@ bool collide(const StepView& view, Movers& movers, Worker& worker, const ListedP
     worker.manifold.start(view.clusters.impulsive(pair.a), view.clusters.impulsive(pair.b));
     for (int i = 0; i < view.model.settings.collision_pair_iterations; ++i) {
         if (!find_hits(view, worker, record)) return i > 0;
-        if (!respond(view, movers, worker, pair)) {
+        if (!respond(view, touching, movers, worker, pair)) {
             commit(view.trajectories, record, Verdict::settled); // stage 5 takes it
             ++worker.counters.settled;
             return i > 0;
@@ -143,7 +187,7 @@ class SequentialCollisions {
             [&](std::size_t i, int round, Worker& worker) {
                 const std::size_t r = at(round);
                 take_largest_push(worker); // of operations before
-                if (collide(view_, movers_, worker, list[i])) ++worker.hitting[r];
+                if (collide(view_, scratch_.touching, movers_, worker, list[i])) ++worker.hitting[r];
                 worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));
                 ++worker.work[r];
             }};
@@ -204,9 +248,10 @@ class SequentialCollisions {
 } // namespace
 
 StageCounters handle_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                const KnownContacts& known, CollisionScratch& scratch) {
+                                const ContactsAtStart& known, CollisionScratch& scratch) {
+    scratch.touching.start(view.model.size(), known.contacts);
     if (view.model.settings.collisions == Collisions::accumulated)
-        return accumulate_collisions(view, movers, book, workers, known, scratch.hits);
+        return accumulate_collisions(view, movers, book, workers, known, scratch.touching, scratch.hits);
     return SequentialCollisions(view, movers, book, workers, scratch).run();
 }
 

@@ -18,10 +18,10 @@ struct CollisionScratch {
     std::vector<std::size_t> hitting; ///< sequential: how many pairs hit, by sweep
     std::vector<double> hardest;      ///< sequential: N s, the largest impulse, by sweep
     HitLists hits;                    ///< accumulated
+    Touching touching;
 };
 
-/// `known` is for `collisions: accumulated`.
 StageCounters handle_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                const KnownContacts& known, CollisionScratch& scratch);
+                                const ContactsAtStart& known, CollisionScratch& scratch);
 
 } // namespace flotilla

@@ -28,6 +28,12 @@ ContactPoint rebounding(const StepView& view, const PairRecord& pair, ContactPoi
     return point;
 }
 
+/// `way`: m/s, of the points on their way in this step, b minus a; `start_gap`: m, along the normal at x^n.
+Landing landing_of(const ContactPoint& point, const Vec3& way, double start_gap, const PairLengths& lengths) {
+    const Vec3& n = point.normal;
+    return {n, -dot(n, point.relative_velocity), -dot(n, way), start_gap - lengths.rest, lengths};
+}
+
 /// Whether some points of two bodies may approach each other faster than `speed` (m/s), by their motions and radii
 /// alone.
 bool may_approach(const Impulsive& a, const Impulsive& b, double radius_a, double radius_b, double speed) {
@@ -92,7 +98,7 @@ EndProximity end_proximity(const StepView& view, Worker& worker, const PairRecor
     const BodyMotion a = view.trajectories.at_end(at(pair.a)), b = view.trajectories.at_end(at(pair.b));
     const Impulsive body_a = view.clusters.impulsive(pair.a), body_b = view.clusters.impulsive(pair.b);
     if (!may_approach(body_a, body_b, a.shape->radius, b.shape->radius, approach_of(view, pair.a, pair.b)))
-        return {std::nullopt, pair.processed || near_at_end(view, worker, pair)};
+        return {std::nullopt, std::nullopt, pair.processed || near_at_end(view, worker, pair)};
     const Stopwatch watch(worker.counters.detection_ms);
     const QueryAid aid = end_aid(view, pair);
     EndProximity out;
@@ -106,16 +112,23 @@ EndProximity end_proximity(const StepView& view, Worker& worker, const PairRecor
     const auto first = std::find_if(worker.points.begin(), worker.points.end(), [&](const ProximityPoint& p) {
         return admissible(a, b, p, view.angle_cos, worker.proximity);
     });
-    if (first != worker.points.end()) out.point = contact(*first);
+    if (first == worker.points.end()) return out;
+    out.point = contact(*first);
+    const FeaturePoints way =
+        closest_points(view.trajectories.motion(at(pair.a)), view.trajectories.motion(at(pair.b)), first->features, 1);
+    out.landing = landing_of(*out.point, ((way.b1 - way.b0) - (way.a1 - way.a0)) / view.dt,
+                             dot(out.point->normal, way.b0 - way.a0), pair.lengths);
     return out;
 }
 
 CollisionFinding find_collision(const StepView& view, Worker& worker, const PairRecord& pair, PairCache& cache) {
     const PairFinding found = examine(view, worker, pair, cache, view.model.settings.ccd);
-    CollisionFinding out{.hit = found.hit, .verdict = found.verdict, .processed = false, .urgent = {}};
+    CollisionFinding out{.hit = found.hit, .verdict = found.verdict, .processed = false, .urgent = {}, .landing = {}};
     if (found.hit.hit) {
         out.processed = true;
-        out.urgent = rebounding(view, pair, swept_contact(view, {found.hit, pair.a, pair.b}).point);
+        const SweptContact swept = swept_contact(view, {found.hit, pair.a, pair.b});
+        out.urgent = rebounding(view, pair, swept.point);
+        out.landing = landing_of(*out.urgent, swept.point.relative_velocity, swept.start_gap, pair.lengths);
         const double approach = -dot(out.urgent->relative_velocity, out.urgent->normal);
         if (approach >= 0 && stops_calmly(view, pair, approach, 0)) {
             out.urgent.reset();
@@ -125,6 +138,7 @@ CollisionFinding find_collision(const StepView& view, Worker& worker, const Pair
         const EndProximity end = end_proximity(view, worker, pair);
         out.processed = end.near;
         out.urgent = end.point;
+        out.landing = end.landing;
     }
     return out;
 }
@@ -136,6 +150,7 @@ bool find_hits(const StepView& view, Worker& worker, PairRecord& pair) {
     worker.hits.clear();
     if (!found.urgent) return false;
     worker.hits.push_back(*found.urgent);
+    worker.landing = found.landing;
     find_simultaneous_hits(view, worker.feet, {found.hit, pair.a, pair.b}, *found.urgent, pair.lengths.rest,
                            worker.hits);
     return true;

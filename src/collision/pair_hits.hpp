@@ -27,7 +27,8 @@ namespace flotilla {
 /// sink would collide with the ground at all of them.
 struct EndProximity {
     std::optional<ContactPoint> point;
-    bool near = false; ///< some features are within the proximity distance, whether they approach or not
+    std::optional<Landing> landing{}; ///< of the point
+    bool near = false;                ///< some features are within the proximity distance, whether they approach or not
 };
 [[nodiscard]] EndProximity end_proximity(const StepView& view, Worker& worker, const PairRecord& pair);
 
@@ -37,13 +38,14 @@ struct CollisionFinding {
     Verdict verdict = Verdict::open;    ///< of the continuous query
     bool processed = false;             ///< it hits, or is near at its end: stage 7 acts on it
     std::optional<ContactPoint> urgent; ///< of the hit, or else the end proximity: what calls for an impulse
+    std::optional<Landing> landing{};   ///< of that
 };
 /// By the setting `ccd`. A function of the motion alone, as examine(): `cache` saves work, and nothing is recorded.
 [[nodiscard]] CollisionFinding find_collision(const StepView& view, Worker& worker, const PairRecord& pair,
                                               PairCache& cache);
 
 /// find_collision(), recorded; fills worker.hits with what calls for an impulse, the earliest first, and what hits at
-/// the same time. Returns whether there is any.
+/// the same time, and worker.landing. Returns whether there is any.
 bool find_hits(const StepView& view, Worker& worker, PairRecord& pair);
 
 /// The same ahead of the pair's turn, recorded where nothing calls for an impulse: what its turn would do if it came

@@ -51,8 +51,8 @@ SweptContact swept_contact(const StepView& view, const ClusterHit& h) {
         closest_points(view.trajectories.motion(at(h.a)), view.trajectories.motion(at(h.b)), h.hit.features, h.hit.toi);
     const auto arm = [&](std::int32_t body, const Vec3& point) {
         const Cluster& c = view.clusters[view.clusters.of(at(body))];
-        const Vec3 com =
-            c.infinite() ? view.trajectories.start_pose(at(body)).com : c.com0 + (h.hit.toi * view.dt) * c.velocity;
+        const Vec3 com = c.infinite() ? view.trajectories.start_pose(at(body)).com
+                                      : c.com0 + (h.hit.toi * view.dt) * c.way_velocity();
         return point - com;
     };
     const Vec3 relative = ((p.b1 - p.b0) - (p.a1 - p.a0)) / view.dt;

@@ -2,6 +2,7 @@
 // The threads of a step: what each of them has to itself, and what the stages count.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "ccd/pair_query.hpp"
@@ -21,10 +22,20 @@ struct StageCounters {
     bool limit = false;                       ///< ended by its iteration limit
 };
 
+/// How a pair of points comes to meet, along their normal.
+struct Landing {
+    Vec3 normal;         ///< unit, from a to b
+    double approach = 0; ///< m/s, > 0, of what rebounds
+    double way = 0;      ///< m/s, > 0, how fast they come nearer on their way in this step
+    double gap = 0;      ///< m, at the start of the step, above the rest distance
+    PairLengths lengths{};
+};
+
 /// A hit that a round over the pairs found (collision/accumulated.hpp).
 struct FoundHit {
     PairRecord* record = nullptr;
     ContactPoint point{};
+    std::optional<Landing> landing{};
 };
 
 /// What one thread has to itself.
@@ -35,7 +46,8 @@ struct alignas(64) Worker {
     std::vector<FeaturePair> features;
     PairManifold manifold; ///< of the operation under way
     std::vector<PairManifold::Change> changes;
-    std::vector<ContactPoint> hits; ///< at one time
+    std::vector<ContactPoint> hits;   ///< at one time
+    std::optional<Landing> landing{}; ///< of the first of them
     std::vector<Vec3> feet;
     std::vector<FoundHit> found;
     StageCounters counters;

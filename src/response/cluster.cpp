@@ -62,6 +62,7 @@ void Clusters::start(std::size_t i, const Trajectories& trajectories, const Moti
     c.locked = model_->bodies[i].locked;
     c.velocity = motion.velocity;
     c.momentum = motion.momentum;
+    c.late = {};
 }
 
 void Clusters::set_script(std::int32_t id, const Motion& motion) {
@@ -93,11 +94,18 @@ void Clusters::apply(std::int32_t id, const Vec3& arm, const Vec3& impulse) {
     }
 }
 
+void Clusters::delay(std::int32_t id, const Vec3& arm, const Vec3& impulse) {
+    Cluster& c = (*this)[id];
+    if (c.infinite()) return;
+    c.late.velocity += free_part(c.locked.translation, c.inverse_mass * impulse);
+    c.late.momentum += cross(arm, impulse);
+}
+
 void Clusters::evolve(std::int32_t id, double dt, Trajectories& trajectories) {
     Cluster& c = (*this)[id];
     if (c.infinite()) return;
-    const Vec3 com = c.com0 + dt * c.velocity; // equation 3
-    const RotationStep r = rotate_free(c.inertia, c.locked.rotation, c.momentum, dt);
+    const Vec3 com = c.com0 + dt * c.way_velocity(); // equation 3
+    const RotationStep r = rotate_free(c.inertia, c.locked.rotation, c.momentum - c.late.momentum, dt);
     const bool turns = r.rotation != Quat{};
     for (std::int32_t i : c.members) {
         const Pose& base = base_[at(i)];
@@ -121,6 +129,7 @@ void Clusters::take(std::int32_t id, const ClusterChange& change) {
     Cluster& c = (*this)[id];
     c.velocity = change.velocity;
     c.momentum = change.momentum;
+    c.late = change.late;
     c.internal_proved = change.internal_proved;
     work_[at(id)] = change.work;
 }

@@ -29,15 +29,19 @@ struct Cluster {
     Vec3 com0, base_com;         ///< m, equations 6 and 11
     WorldInertia inertia;        ///< equation 7, about com0 at x^n
     Vec3 velocity, momentum;     ///< m/s; kg m^2/s about com0
+    Motion late;                 ///< what of these the way of the step is without: see delay()
     AxisLocks locked;            ///< its members' together, see gather()
     std::vector<std::int32_t> resolved_against; ///< infinite-mass bodies since the last merge (G4)
 
     [[nodiscard]] bool infinite() const { return inverse_mass == 0; }
+    [[nodiscard]] bool any_late() const { return late.velocity != Vec3{} || late.momentum != Vec3{}; }
+    [[nodiscard]] Vec3 way_velocity() const { return velocity - late.velocity; } ///< m/s, of the way of the step
 };
 
 /// What apply() and evolve() change of a cluster, beside the motions and end states of its members.
 struct ClusterChange {
     Vec3 velocity, momentum;
+    Motion late;
     double work = 0;
     bool internal_proved = true;
 };
@@ -71,13 +75,16 @@ class Clusters {
     [[nodiscard]] Impulsive impulsive(std::int32_t id) const;
     /// Applies an impulse at `arm` from the cluster's centre of mass; the trajectory follows with evolve().
     void apply(std::int32_t id, const Vec3& arm, const Vec3& impulse);
-    /// Commits the end states that follow from the cluster's velocity.
+    /// Takes an impulse of a cluster of one body back out of the way of this step, not out of its velocity: it came
+    /// late in the step.
+    void delay(std::int32_t id, const Vec3& arm, const Vec3& impulse);
+    /// Commits the end states that follow from the cluster's velocity, without what came late of it.
     void evolve(std::int32_t id, double dt, Trajectories& trajectories);
 
     /// What another rank changed in its copy (parallel/division.hpp), from there to here.
     [[nodiscard]] ClusterChange change(std::int32_t id) const {
         const Cluster& c = (*this)[id];
-        return {c.velocity, c.momentum, work(id), c.internal_proved};
+        return {c.velocity, c.momentum, c.late, work(id), c.internal_proved};
     }
     void take(std::int32_t id, const ClusterChange& change);
     void take_motion(std::size_t body, const Motion& motion) { motion_[body] = motion; }

@@ -38,6 +38,7 @@ struct KeptHit {
     double target = 0;                   ///< m/s, of its rebound
     Vec3 impulse{};                      ///< N s, on b, all of this step
     Vec3 change{};                       ///< of it, in the last solve
+    std::int32_t found = -1;             ///< its place among what the last round found
 
     // Of a round.
     Vec3 start{}, next{}; ///< N s, what is solved for: of the round alone, or `impulse` where its pair begins anew

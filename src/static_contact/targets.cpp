@@ -145,8 +145,10 @@ class PairTargets {
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
         // there.
         const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
+        const double missing = late(c);
         c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full + together;
-        if (input_.all_level && full + together > kWorthRaising * band && !is_level(c))
+        if (!input_.all_level) c.target += missing;
+        if (input_.all_level && full + together + missing > kWorthRaising * band && !is_level(c))
             std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed); // whoever comes first
         else if (input_.all_level)
             c.target = std::min(0.0, full + together);
@@ -158,6 +160,17 @@ class PairTargets {
         c.point += arcs.shift;
         c.sticks = model_.settings.tangents == Tangents::random &&
                    sticks(c, std::min(most_slip_, set_.rest[i] / dt_), bodies_, out_.last);
+    }
+
+    /// m/s, of the separation that the velocities of the contact have and their way in this step has not.
+    [[nodiscard]] double late(const Contact& c) const {
+        if (input_.late.empty()) return 0;
+        const auto velocity = [&](std::int32_t body) {
+            const Motion& m = input_.late[at(body)];
+            return m.velocity +
+                   cross(bodies_.inverse_inertia[at(body)] * m.momentum, c.point - bodies_.position[at(body)]);
+        };
+        return dot(c.normal, velocity(c.b) - velocity(c.a));
     }
 
     [[nodiscard]] bool stays_level(const Contact& c) const { return input_.all_level || is_level(c); }

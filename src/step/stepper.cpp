@@ -176,16 +176,17 @@ void Stepper::observe(Phase phase) const {
 
 /// One inner step: section 2 of the paper.
 void Stepper::advance(StepReport& report) {
-    auto& [end, collided, half, kept, next] = buffers_;
+    auto& [end, collided, late, half, kept, next] = buffers_;
     FailsafeStats failsafe;
     {
         const RecordedSpan recorded("step", workers_.team);
         begin_step(report.step);
-        collisions(collided, report); // 1) v^n becomes v^
+        collisions(collided, late, report); // 1) v^n becomes v^
         observe(Phase::collisions);
         half_velocities(collided, half, report);           // 2) v^{n+1/2} = v^ + dt/2 a
         half_static_contact(collided, half, kept, report); // 3) on v^{n+1/2}; its contacts are the last stage 7's
         observe(Phase::half_static_contact);
+        leave_out_late(late, half);
         failsafe = move_bodies(half, report); // 4) x^{n+1} from x^n and v^{n+1/2}; 5) free of intersections
         observe(Phase::failsafe);
         certify_end(end, report);
@@ -214,7 +215,7 @@ std::vector<Vec3> Stepper::centers() const {
 }
 
 /// Stage 1.
-void Stepper::collisions(std::span<Motion> collided, StepReport& report) {
+void Stepper::collisions(std::span<Motion> collided, std::span<Motion> late, StepReport& report) {
     const PhaseWatch watch(report, Phase::collisions, workers_.team);
     start_trajectories(state_.motion); // x^n -> x(v^n)
     wake_disturbed();
@@ -225,7 +226,16 @@ void Stepper::collisions(std::span<Motion> collided, StepReport& report) {
     report.collisions = c.impulses;
     if (c.limit) report.warnings |= kCollisionLimit;
     copy_active<Motion>(clusters_.motion(), collided);
+    for (const std::int32_t i : model_.active) late[at(i)] = clusters_[i].late;
     open_account();
+}
+
+/// What came late in the step moves bodies in the next one.
+void Stepper::leave_out_late(std::span<const Motion> late, std::span<Motion> half) const {
+    for (const std::int32_t i : model_.active) {
+        half[at(i)].velocity -= late[at(i)].velocity;
+        half[at(i)].momentum -= late[at(i)].momentum;
+    }
 }
 
 /// Stage 2.
@@ -272,9 +282,10 @@ void Stepper::place_still() {
     if (placed_version_ == pairs_.lists.still_version) return;
     placed_version_ = pairs_.lists.still_version;
     const std::size_t n = model_.size();
-    auto& [end, collided, half, kept, next] = buffers_;
+    auto& [end, collided, late, half, kept, next] = buffers_;
     clusters_.resize(model_);
     end = state_.pose;
+    late.assign(n, Motion{});
     collided = half = kept = next = state_.motion;
     first_version_.resize(n);
     way_.resize(n);

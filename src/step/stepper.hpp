@@ -176,7 +176,8 @@ class Stepper {
     /// Every body on its own, with the given motion, and evolved to its candidate end state: stage 1 begins so with
     /// v^n, stage 4 is this with v^{n+1/2}.
     void start_trajectories(std::span<const Motion> motion);
-    void collisions(std::span<Motion> collided, StepReport& report);
+    void collisions(std::span<Motion> collided, std::span<Motion> late, StepReport& report);
+    void leave_out_late(std::span<const Motion> late, std::span<Motion> half) const;
     void half_velocities(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
     void set_half_velocities(std::span<const Motion> collided, std::span<Motion> half);
     ContactSet& contacts_at_start();
@@ -254,7 +255,7 @@ class Stepper {
     /// What one step hands from stage to stage; kept, so that a steady scene allocates nothing.
     struct StepBuffers {
         std::vector<Pose> end;
-        std::vector<Motion> collided, half, kept, next;
+        std::vector<Motion> collided, late, half, kept, next;
     };
     StepBuffers buffers_;
     CollisionScratch collisions_;

@@ -108,6 +108,23 @@ TEST_P(Impact, AFaceLandsFlat) {
     expect_near(world.spin(0), {}, kSolved);
 }
 
+// Of a blow that comes within the step the velocity has all, the way of the step what leaves e^2 of the gap.
+TEST_P(Impact, AHitWithinTheStepIsLateForItsWay) {
+    constexpr double kFall = 10, kHigh = 0.05; // m/s, of which the step has 0.1 m; m
+    for (const double e : {0.0, 0.4, 1.0}) {
+        SceneDescription s = scene();
+        add_body(s, test::add_octahedron(s, 2), BodyType::dynamic, {0.3, 0.1, kRadius + kHigh}, 0, e).velocity = {
+            0, 0, -kFall};
+        add_body(s, add_shape(s, make_plate(4, 4)), BodyType::fixed, {}, 0, 0);
+        StageWorld world(s);
+        const double dt = world.dt(), rest = world.lengths(0, 1).rest;
+        collide(world);
+        EXPECT_NEAR(world.velocity(0).z, e * kFall, 1e-9);
+        const double end = world.end(0).com.z - kRadius;
+        EXPECT_NEAR(end, rest + e * e * (kHigh - rest) + e * kFall * dt, 1e-9) << e;
+    }
+}
+
 /// The corner of an octahedron `gap` above a plate, with gravity: its velocity after the stage, and whether the pair
 /// was processed.
 std::pair<double, bool> near_plate(SceneDescription s, double gap, double velocity) {

@@ -70,7 +70,7 @@ TEST_P(CollisionStage, WithoutSweepsItSaysSoAndLeavesAllAsItWas) {
 }
 
 TEST_P(CollisionStage, EndsWhereShellsHandEachOtherOnWhatNoBlowEnds) {
-    SceneDescription s = test::nested_boxes(scene(), 4);
+    SceneDescription s = test::nested_boxes(scene(), 2);
     s.settings.collision_iterations = 200;
     s.settings.approach_threshold = 0.5 * length(s.gravity) * s.settings.time_step; // nothing is left as calm
     StageWorld world(s);

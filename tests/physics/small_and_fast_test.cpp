@@ -17,12 +17,14 @@ void three_cubes(const Run& run, double edge, double time_step, double time) {
             .rotation = numbers.rotation();
     add_ground(scene, std::max(10.0, 100 * edge), 0.3);
     Motion motion(scene);
-    // A body that hangs in the air while its velocity grows shows as a step whose way is not that of its velocity.
+    // A body that hangs in the air while its velocity grows shows as a step whose way is not that of its velocity. One
+    // that is higher than before was hit from below.
     double hangs = 0;
     Vec3 at = motion.body(0).center_of_mass, speed;
     motion.run(time, [&](const StepReport&) {
         const BodyState s = motion.body(0);
-        if (s.velocity.z < speed.z && speed.z < 0 && s.center_of_mass.z > 3 * edge)
+        const bool in_air = s.center_of_mass.z > 3 * edge && s.center_of_mass.z <= at.z;
+        if (in_air && s.velocity.z < speed.z && speed.z < 0)
             hangs = std::max(hangs, 1 - (s.center_of_mass.z - at.z) / (speed.z * time_step));
         at = s.center_of_mass, speed = s.velocity;
     });

@@ -96,7 +96,7 @@ const std::map<std::string_view, Effect>& effects() {
         {"rest_distance", {"0.02", block, 20}},
         {"proximity_distance", {"0.1", block, 20}},
         {"separation", {"0.002", edge_on_edge, 5}},
-        {"proximity_angle", {"60", library("falling-boats"), 60}},
+        {"proximity_angle", {"60", library("triangles-on-pegs"), 40}},
         {"approach_threshold", {"0", block, 20}},
         {"collisions", {"accumulated", hit_stack, 10}},
         {"collision_iterations", {"1", hit_stack, 10}},

@@ -70,7 +70,7 @@ TEST(SweepMeasure, RotationsAreComparedByTheirAngle) {
 
 TEST(SweepMeasure, ADroppedCubeRestsWithItsWeightOnTheGround) {
     const TemporaryFolder folder;
-    constexpr double kDrop = 0.45;
+    constexpr double kDrop = 0.44;
     const SceneDescription ran = run_into(folder.path() / "run", cube_scene(0.5 + kDrop), 60);
     const Measures m = measure_run(folder.path() / "run", ran);
     EXPECT_NEAR(m.values[support], 1, 1e-6);

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "collision/late_hits.hpp"
+
+#include <algorithm>
+
+#include "base/index.hpp"
+#include "pair/impulses.hpp"
+#include "state/loads.hpp"
+
+namespace flotilla {
+namespace {
+
+/// m/s, what loads add to the approach of either body along the normal in half a step.
+double pull(const StepView& view, const CandidatePair& pair, const Vec3& normal) {
+    const auto load = [&](std::int32_t body) {
+        return view.model.bodies[at(body)].movable() ? dot(normal, acceleration(view.model, at(body))) : 0.0;
+    };
+    return 0.5 * view.dt * std::max({0.0, load(pair.a), -load(pair.b)});
+}
+
+} // namespace
+
+void Touching::start(std::size_t bodies, std::span<const Contact> contacts) {
+    touched_.assign(bodies, kNone);
+    const auto touch = [&](std::int32_t body, std::int32_t other) {
+        std::int32_t& touched = touched_[at(body)];
+        touched = touched == kNone || touched == other ? other : kSeveral;
+    };
+    for (const Contact& c : contacts) {
+        touch(c.a, c.b);
+        touch(c.b, c.a);
+    }
+}
+
+OfBoth late_shares(const StepView& view, const Touching& touching, const CandidatePair& pair, const Landing& landing,
+                   const OfBoth& change) {
+    const bool a = touching.may_be_late(view.clusters[pair.a], pair.a, pair.b);
+    const bool b = touching.may_be_late(view.clusters[pair.b], pair.b, pair.a);
+    const double of_late = (a ? change.a : 0.0) + (b ? change.b : 0.0);
+    if (!(of_late > 0)) return {};
+    const double e = pair_restitution(view.model, pair.a, pair.b);
+    const double rebound = e * std::min(landing.approach, landing.way);
+    const double closes = landing.gap > landing.lengths.rest ? landing.gap / view.dt : 0.0;
+    double after = rebound - (1 - e * e) * closes;                      // m/s, of the way
+    if (landing.gap > landing.lengths.proximity - landing.lengths.rest) // else static contact knows the points
+        after = std::max(after, pull(view, pair, landing.normal) - closes);
+    const double share = std::clamp((change.a + change.b - landing.way - after) / of_late, 0.0, 1.0);
+    return {a ? share : 0.0, b ? share : 0.0};
+}
+
+} // namespace flotilla

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Hits within the step act from when they happen.
+//
+// An impulse of stage 1 changes velocities at x^n, wherever on the way the bodies meet: a crate that falls 4 m/s at
+// 1/24 s turned round in the air, up to 17 cm above the floor, and had the energy of that height left. So a part of the
+// impulse is late (Clusters::delay): velocities have it, the way of this step has not. As much is late as leaves the
+// height above the place of the hit what the hit leaves of the energy: with the restitution e, the speed has e of what
+// it was, and the height e^2 of the gap. A crate that falls on the floor lies on it at the end of the step (e = 0), and
+// a rebound comes as high as it should: 1 m, restitution 0.3, 0.5 and 0.8, 1/24 s, 2.1, 1.31 and 1.06 times as high
+// without, 1.04, 1.01 and 1.00 times with it. With e = 1 nothing is late.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pair/step_view.hpp"
+#include "pair/worker.hpp"
+#include "state/contact.hpp"
+
+namespace flotilla {
+
+/// What bodies touch at x^n.
+class Touching {
+  public:
+    void start(std::size_t bodies, std::span<const Contact> contacts);
+    /// Whether a part of a blow by the other may be late for the body: where it touches nothing, but maybe the other,
+    /// or something is late for it already. Elsewhere its contacts answer from the start of the step on.
+    [[nodiscard]] bool may_be_late(const Cluster& cluster, std::int32_t body, std::int32_t other) const {
+        const std::int32_t touched = touched_[static_cast<std::size_t>(body)];
+        return touched == kNone || touched == other || cluster.any_late();
+    }
+
+  private:
+    static constexpr std::int32_t kNone = -1, kSeveral = -2;
+    std::vector<std::int32_t> touched_; ///< by body
+};
+
+/// Contacts at x^n, sorted by bodies, and the rest distances of their pairs, m.
+struct ContactsAtStart {
+    std::span<const Contact> contacts;
+    std::span<const double> rest;
+};
+
+/// Of the bodies a and b of a pair.
+struct OfBoth {
+    double a = 0, b = 0;
+};
+/// The shares of a pair's impulse that are late for its bodies, in [0, 1]. `change`: m/s, by which the impulse parts
+/// the points of the hit along the normal, by what it does to each body. What loads add in the half step that follows
+/// is left room for, as if the other body were held up; a gap within the rest distance is none.
+[[nodiscard]] OfBoth late_shares(const StepView& view, const Touching& touching, const CandidatePair& pair,
+                                 const Landing& landing, const OfBoth& change);
+
+} // namespace flotilla
