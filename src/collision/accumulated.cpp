@@ -50,7 +50,9 @@ class Accumulation {
             counters_.limit = rounds <= 0 || progress_.stalled();
             if (counters_.limit) break;
             look();
-            if (lists_.found.empty()) break;
+            const bool hastened = hasten_parting();
+            if (lists_.found.empty() && !hastened) break;
+            if (lists_.found.empty()) continue;
             keep();
             take_largest_push(workers_); // of other stages
             solve();
@@ -84,6 +86,35 @@ class Accumulation {
             return std::tuple(x.record->a, x.record->b) < std::tuple(y.record->a, y.record->b);
         });
         if (!lists_.found.empty()) ++counters_.sweeps;
+    }
+
+    /// Takes out of what was found the hits whose velocities part, whose ways are put right one after the other.
+    /// Whether any was.
+    bool hasten_parting() {
+        bool any = false;
+        std::vector<FoundHit>& found = lists_.found;
+        const auto parts = [](const FoundHit& f) { return f.landing && f.landing->parts; };
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < found.size();) {
+            PairRecord& record = *found[i].record;
+            std::size_t end = i + 1;
+            while (end < found.size() && found[end].record == &record) ++end;
+            if (!parts(found[i])) {
+                for (; i < end; ++i) found[kept++] = found[i];
+                continue;
+            }
+            if (hasten(view_, movers_.clusters(), {record.a, record.b}, found[i].point, *found[i].landing)) {
+                any = true;
+                movers_.evolve(record.a);
+                movers_.evolve(record.b);
+            } else {
+                commit(view_.trajectories, record, Verdict::settled);
+                ++counters_.settled;
+            }
+            i = end;
+        }
+        found.resize(kept);
+        return any;
     }
 
     /// Adds what was found to the hits, where it is not one of them.

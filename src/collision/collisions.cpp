@@ -63,29 +63,16 @@ void push_all(const StepView& view, const Touching& touching, Movers& movers, Wo
     movers.evolve(pair.b);
 }
 
-/// What is late for a body was so much where the other one was: the way of the pair hits, its velocities part.
-bool hasten(const StepView& view, Movers& movers, Worker& worker, const CandidatePair& pair) {
-    if (!worker.landing) return false;
-    Clusters& clusters = movers.clusters();
-    const bool late_a = clusters[pair.a].any_late(), late_b = clusters[pair.b].any_late();
-    const double wanted = worker.landing->way - std::max(0.0, worker.landing->gap) / view.dt;
-    if (!(wanted > 0) || !(late_a || late_b)) return false;
-    Impulsive a = clusters.impulsive(pair.a), b = clusters.impulsive(pair.b);
-    if (!late_a) a.inverse_mass = 0, a.inverse_inertia = {};
-    if (!late_b) b.inverse_mass = 0, b.inverse_inertia = {};
-    const ContactPoint& hit = worker.hits[0];
-    const double mobility = normal_mobility(a, b, hit, collision_matrix(a, b, hit.arm_a, hit.arm_b));
-    if (!(mobility > 0)) return false;
-    const Vec3 impulse = (wanted / mobility) * hit.normal;
-    if (late_a) clusters.delay(pair.a, hit.arm_a, impulse), movers.evolve(pair.a);
-    if (late_b) clusters.delay(pair.b, hit.arm_b, -impulse), movers.evolve(pair.b);
-    return true;
-}
-
 /// The impulses of worker.hits, together with those of the operation before. False: there is none, as the bodies part
 /// already or the energy clamp leaves nothing of it.
 bool respond(const StepView& view, const Touching& touching, Movers& movers, Worker& worker,
              const CandidatePair& pair) {
+    if (worker.landing && worker.landing->parts) {
+        if (!hasten(view, movers.clusters(), pair, worker.hits[0], *worker.landing)) return false;
+        movers.evolve(pair.a);
+        movers.evolve(pair.b);
+        return true;
+    }
     const double restitution = pair_restitution(view.model, pair.a, pair.b);
     const ContactPoint first = worker.hits[0];
     const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
@@ -94,7 +81,7 @@ bool respond(const StepView& view, const Touching& touching, Movers& movers, Wor
         return true;
     }
     const auto impulse = elastic_impulse(view, pair, first);
-    if (!impulse) return hasten(view, movers, worker, pair);
+    if (!impulse) return false;
     worker.manifold.add(first, restitution, *impulse);
     worker.changes.assign(1, {first, *impulse});
     push_all(view, touching, movers, worker, pair);

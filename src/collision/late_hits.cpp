@@ -48,4 +48,19 @@ OfBoth late_shares(const StepView& view, const Touching& touching, const Candida
     return {a ? share : 0.0, b ? share : 0.0};
 }
 
+bool hasten(const StepView& view, Clusters& clusters, const CandidatePair& pair, const ContactPoint& hit,
+            const Landing& landing) {
+    const double wanted = landing.way - std::max(0.0, landing.gap) / view.dt;
+    if (!(wanted > 0)) return false;
+    const bool late_a = clusters[pair.a].any_late(), late_b = clusters[pair.b].any_late();
+    const Impulsive a = late_a ? clusters.impulsive(pair.a) : Impulsive{};
+    const Impulsive b = late_b ? clusters.impulsive(pair.b) : Impulsive{};
+    const double mobility = normal_mobility(a, b, hit, collision_matrix(a, b, hit.arm_a, hit.arm_b));
+    if (!(mobility > 0)) return false;
+    const Vec3 impulse = (wanted / mobility) * hit.normal;
+    if (late_a) clusters.delay(pair.a, hit.arm_a, impulse);
+    if (late_b) clusters.delay(pair.b, hit.arm_b, -impulse);
+    return true;
+}
+
 } // namespace flotilla

@@ -51,4 +51,9 @@ struct OfBoth {
 [[nodiscard]] OfBoth late_shares(const StepView& view, const Touching& touching, const CandidatePair& pair,
                                  const Landing& landing, const OfBoth& change);
 
+/// Of a hit whose velocities part: takes back as much of what is late for its bodies as keeps the way of the points
+/// apart. What was late was so much where the other body was by then. Whether it could; the ends follow with evolve().
+bool hasten(const StepView& view, Clusters& clusters, const CandidatePair& pair, const ContactPoint& hit,
+            const Landing& landing);
+
 } // namespace flotilla

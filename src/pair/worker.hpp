@@ -26,6 +26,7 @@ struct StageCounters {
 struct Landing {
     Vec3 normal;         ///< unit, from a to b
     double approach = 0; ///< m/s, > 0, of what rebounds
+    bool parts = false;  ///< nothing rebounds: the velocities part already, but some of them is late (Cluster::late)
     double way = 0;      ///< m/s, > 0, how fast they come nearer on their way in this step
     double gap = 0;      ///< m, at the start of the step, above the rest distance
     PairLengths lengths{};

@@ -125,6 +125,28 @@ TEST_P(Impact, AHitWithinTheStepIsLateForItsWay) {
     }
 }
 
+// A plastic blow leaves the velocity that is nearest in energy of those that part the points: of what falls straight
+// and does not spin, without friction, none that rises. However many points hit one after the other in the step.
+TEST(SequentialImpact, WhatLandsWithoutReboundDoesNotRise) {
+    constexpr double kFall = 3, kEdge = 0.6; // m/s, m
+    const TriangleMesh cube = make_box(kEdge, kEdge, kEdge);
+    for (int i = 0; i < 100; ++i) {
+        SceneDescription s = test::weightless_scene();
+        s.settings.time_step = 1.0 / 24;
+        const Quat rotation = rotation_from_vector({0.9 * (i % 5) - 2, 0.37 * i, 1.3 * (i % 7)});
+        double lowest = 0;
+        for (const Vec3& v : cube.vertices) lowest = std::min(lowest, rotate(rotation, v).z);
+        const double gap = (i % 10 + 0.5) / 10 * kFall * s.settings.time_step;
+        BodyDescription& body = add_body(s, add_shape(s, cube, 200), BodyType::dynamic, {0, 0, gap - lowest}, 0, 0);
+        body.rotation = rotation;
+        body.velocity = {0, 0, -kFall};
+        add_body(s, add_shape(s, make_plate(40, 40)), BodyType::fixed, {}, 0, 0);
+        StageWorld world(s);
+        EXPECT_GE(collide(world).impulses, 1) << i;
+        EXPECT_LE(world.velocity(0).z, 2e-3 * kFall) << i;
+    }
+}
+
 /// The corner of an octahedron `gap` above a plate, with gravity: its velocity after the stage, and whether the pair
 /// was processed.
 std::pair<double, bool> near_plate(SceneDescription s, double gap, double velocity) {
