@@ -124,7 +124,10 @@ void Stepper::change_body(std::int32_t body, const Body& changed) {
 void Stepper::set_force(std::int32_t body, const Vec3& force, const Vec3& torque) {
     model_.bodies[at(body)].force = force;
     model_.bodies[at(body)].torque = torque;
-    if (!looks_ahead_ && may_look_ahead(model_, at(body))) stale_ = true;
+    if (looks_ahead_)
+        any_changed_ = true; // how far loads reach says who is near
+    else if (may_look_ahead(model_, at(body)))
+        stale_ = true;
 }
 
 double Stepper::energy() const {
