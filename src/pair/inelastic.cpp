@@ -25,6 +25,8 @@ constexpr double kPushSeparations = 4;
 // 50,000 tries of it do not either, and cost 40 s. Pushes after as many more are twice as far: with a rest distance of
 // a micrometre those of four separations do not end in minutes where bodies of a metre are in each other's way.
 constexpr int kMostTries = 20;
+// Of those pushes: no end of tries may throw bodies out of what numbers can hold.
+constexpr int kMostDoublings = 20;
 
 // A contact's impulse turns a body by dt I^-1 (r x l), and its point then moves by that turn times r: as long as the
 // turn is small. A thin body that is hit on an edge would turn many times instead, its point would be anywhere, and the
@@ -67,7 +69,7 @@ double inelastic_target(double dt, const SweptContact& contact, const PairLength
     const double exact = (lengths.rest - contact.start_gap) / dt;
     if (exact > vn && iteration < iterations / 2) return exact;
     if (vn < 0 && exact <= vn && iteration < iterations / 4) return 0.5 * vn;
-    const double pushes = std::exp2(std::max(0, iteration - iterations) / kMostTries);
+    const double pushes = std::exp2(std::clamp((iteration - iterations) / kMostTries, 0, kMostDoublings));
     return std::max(0.0, vn + kPushSeparations * pushes * lengths.separation / dt);
 }
 
