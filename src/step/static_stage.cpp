@@ -164,7 +164,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     const double accelerated = final_stage && model_.settings.velocity_update == VelocityUpdate::end ? 1 : 0.5;
     set_targets(&workers_.team, model_, contacts, velocities,
                 {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, stage == ContactStage::kept,
-                 final_stage ? std::span<const Motion>() : std::span<const Motion>(buffers_.late),
+                 final_stage || !any_late_ ? std::span<const Motion>() : std::span<const Motion>(buffers_.late),
                  accelerated * model_.settings.time_step, options_.tuning},
                 targets);
     load_warm(&workers_.team, targets.contacts, known_impulses(stage), impulses);

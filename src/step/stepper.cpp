@@ -226,12 +226,17 @@ void Stepper::collisions(std::span<Motion> collided, std::span<Motion> late, Ste
     report.collisions = c.impulses;
     if (c.limit) report.warnings |= kCollisionLimit;
     copy_active<Motion>(clusters_.motion(), collided);
-    for (const std::int32_t i : model_.active) late[at(i)] = clusters_[i].late;
+    any_late_ = false;
+    for (const std::int32_t i : model_.active) {
+        late[at(i)] = clusters_[i].late;
+        any_late_ = any_late_ || clusters_[i].any_late();
+    }
     open_account();
 }
 
 /// What came late in the step moves bodies in the next one.
 void Stepper::leave_out_late(std::span<const Motion> late, std::span<Motion> half) const {
+    if (!any_late_) return;
     for (const std::int32_t i : model_.active) {
         half[at(i)].velocity -= late[at(i)].velocity;
         half[at(i)].momentum -= late[at(i)].momentum;

@@ -258,6 +258,7 @@ class Stepper {
         std::vector<Motion> collided, late, half, kept, next;
     };
     StepBuffers buffers_;
+    bool any_late_ = false; ///< of buffers_.late
     CollisionScratch collisions_;
     /// What a solve of stages 3 and 7 is made of; the last one's, until the next.
     struct StaticBuffers {
