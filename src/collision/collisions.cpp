@@ -63,8 +63,8 @@ void push_all(const StepView& view, const Touching& touching, Movers& movers, Wo
     movers.evolve(pair.b);
 }
 
-/// The impulses of worker.hits, together with those of the operation before. False: there is none, as the bodies part
-/// already or the energy clamp leaves nothing of it.
+/// The impulses of worker.hits, together with those of the operation before at the same time. False: there is none, as
+/// the bodies part already or the energy clamp leaves nothing of it.
 bool respond(const StepView& view, const Touching& touching, Movers& movers, Worker& worker,
              const CandidatePair& pair) {
     if (worker.landing && worker.landing->parts) {
@@ -75,6 +75,9 @@ bool respond(const StepView& view, const Touching& touching, Movers& movers, Wor
     }
     const double restitution = pair_restitution(view.model, pair.a, pair.b);
     const ContactPoint first = worker.hits[0];
+    const Landing& landing = *worker.landing;
+    if (worker.manifold.empty() || !worker.manifold.simultaneous(first, landing.gap, landing.lengths.rest))
+        worker.manifold.start(view.clusters.impulsive(pair.a), view.clusters.impulsive(pair.b), landing.gap);
     const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
     if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.changes)) {
         push_all(view, touching, movers, worker, pair);
@@ -95,7 +98,7 @@ bool collide(const StepView& view, const Touching& touching, Movers& movers, Wor
     const CandidatePair& pair = listed.pair;
     ++worker.counters.pairs;
     record.processed.withdraw();
-    worker.manifold.start(view.clusters.impulsive(pair.a), view.clusters.impulsive(pair.b));
+    worker.manifold.clear();
     for (int i = 0; i < view.model.settings.collision_pair_iterations; ++i) {
         if (!find_hits(view, worker, record)) return i > 0;
         if (!respond(view, touching, movers, worker, pair)) {

@@ -12,11 +12,14 @@ constexpr int kSweeps = 30;
 /// The share of the fastest approach at which the sweeps stop.
 constexpr double kTolerance = 1e-4;
 
+double approach(const ContactPoint& point) { return -dot(point.normal, point.relative_velocity); }
+
 } // namespace
 
-void PairManifold::start(const Impulsive& a, const Impulsive& b) {
+void PairManifold::start(const Impulsive& a, const Impulsive& b, double gap) {
     a_ = a;
     b_ = b;
+    gap_ = gap;
     hits_.clear();
 }
 
@@ -26,13 +29,19 @@ void PairManifold::set_masses(Hit& hit) const {
     hit.mass_tangent = k.m[0] + k.m[4] + k.m[8]; // its trace: no less than its largest eigenvalue
 }
 
-PairManifold::Velocities PairManifold::applied() {
+PairManifold::Velocities PairManifold::applied() const {
     Velocities v;
-    for (Hit& hit : hits_) {
-        hit.next = hit.impulse;
-        push(hit, hit.impulse, v);
-    }
+    for (const Hit& hit : hits_) push(hit, hit.impulse, v);
     return v;
+}
+
+bool PairManifold::simultaneous(const ContactPoint& point, double gap, double reach) const {
+    Hit hit;
+    hit.point = point;
+    hit.point.relative_velocity = {};
+    hit.point.relative_velocity = point.relative_velocity - relative(hit, applied());
+    const double first = approach(hits_[0].point), speed = approach(hit.point);
+    return std::abs(first * std::max(0.0, gap) - speed * std::max(0.0, gap_)) <= reach * std::min(first, speed);
 }
 
 PairManifold::Hit PairManifold::make_hit(const ContactPoint& point, double restitution,
@@ -104,6 +113,7 @@ double PairManifold::energy_share() const {
 bool PairManifold::resolve(std::span<const ContactPoint> points, double restitution, std::vector<Change>& changes) {
     const std::size_t before = hits_.size();
     Velocities v = applied();
+    for (Hit& hit : hits_) hit.next = hit.impulse;
     for (const ContactPoint& point : points) hits_.push_back(make_hit(point, restitution, v));
     double fastest = 0;
     for (const Hit& h : hits_) fastest = std::max(fastest, length(h.point.relative_velocity));

@@ -125,9 +125,10 @@ TEST_P(Impact, AHitWithinTheStepIsLateForItsWay) {
     }
 }
 
-// A plastic blow leaves the velocity that is nearest in energy of those that part the points: of what falls straight
-// and does not spin, without friction, none that rises. However many points hit one after the other in the step.
-TEST(SequentialImpact, WhatLandsWithoutReboundDoesNotRise) {
+// What falls straight, does not spin and meets no friction is stopped corner by corner, and may rise in the end, but by
+// no more than 0.157 of its fall: the largest of the exact sequences of these hundred cubes (0.1565), see
+// Impact.PlasticCubesRiseAsInTheExactSequence.
+TEST(SequentialImpact, WhatLandsWithoutReboundRisesNoFasterThanItMay) {
     constexpr double kFall = 3, kEdge = 0.6; // m/s, m
     const TriangleMesh cube = make_box(kEdge, kEdge, kEdge);
     for (int i = 0; i < 100; ++i) {
@@ -143,7 +144,7 @@ TEST(SequentialImpact, WhatLandsWithoutReboundDoesNotRise) {
         add_body(s, add_shape(s, make_plate(40, 40)), BodyType::fixed, {}, 0, 0);
         StageWorld world(s);
         EXPECT_GE(collide(world).impulses, 1) << i;
-        EXPECT_LE(world.velocity(0).z, 2e-3 * kFall) << i;
+        EXPECT_LE(world.velocity(0).z, 0.157 * kFall) << i;
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Impacts: free fall, bounces, what lands flat, what hands a blow on.
 #include "physics/physics.hpp"
+#include "physics/problems/falling_cube.hpp"
 #include "physics/problems/impact.hpp"
 
 namespace flotilla::physics {
@@ -76,6 +77,24 @@ void lies_where_it_lands(const Run& run) {
     EXPECT_LT(worst, 2 * std::sqrt(3) / 330);
 }
 
+// Corners that land one after the other are stopped one after the other, however many a step has.
+void cubes_rise_as_in_the_exact_sequence(const Run& run) {
+    constexpr double kTime = 1; // s
+    double error = 0, due_mean = 0, mean = 0;
+    for (int i = 0; i < kFallingCubes; ++i) {
+        Motion motion(falling_cube(run.settings(), i));
+        motion.run(kTime);
+        const double rise = motion.body(0).velocity.z / kCubeFall, due = due_rise_of_cube(i, kTime) / kCubeFall;
+        error += std::abs(rise - due) / kFallingCubes;
+        mean += rise / kFallingCubes;
+        due_mean += due / kFallingCubes;
+        expect_no_rise(motion);
+    }
+    std::printf("rise with %.4f of their fall, due %.4f, mean error %.4f\n", mean, due_mean, error);
+    EXPECT_NEAR(due_mean, 0.0771, 1e-3);
+    EXPECT_LT(error, 0.016);
+}
+
 void cradle_hands_on(const Run& run, double e) {
     Motion motion(cradle(run.settings(), e));
     Vec3 momentum;
@@ -107,6 +126,7 @@ std::vector<Run> runs_of_impacts() {
         add_runs("Impact", "CrateLandsFlatWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,
                  [=](const Run& r) { lands_flat(r, 0.01 * e); });
     add_runs("Impact", "PlasticCrateLiesWhereItLands", runs_of_impacts(), true, lies_where_it_lands);
+    add_runs("Impact", "PlasticCubesRiseAsInTheExactSequence", runs(), true, cubes_rise_as_in_the_exact_sequence);
     for (const int e : {100, 50})
         add_runs("Impact", "CradleWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,
                  [=](const Run& r) { cradle_hands_on(r, 0.01 * e); });

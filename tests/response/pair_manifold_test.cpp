@@ -11,6 +11,7 @@ namespace flotilla {
 namespace {
 
 constexpr Vec3 kUp{0, 0, 1};
+constexpr double kGap = 0.05;    // m, of the first hit at the start of the step
 constexpr double kSolved = 1e-3; // m/s and rad/s: the sweeps stop at 1e-4 of 3 m/s
 
 Impulsive make_body(double mass, const Vec3& inertia, const Vec3& velocity, const Vec3& spin = {}) {
@@ -59,7 +60,7 @@ TEST(PairManifold, ACrateThatLandsFlatReboundsWithoutSpin) {
             for (const double friction : {0.0, 0.3}) {
                 Pair p{ground_mass > 0 ? make_body(1, {0.2, 0.2, 0.2}, {}) : Impulsive{},
                        make_body(1, {0.2, 0.3, 0.4}, {0, 0, -3})};
-                p.manifold.start(p.a, p.b);
+                p.manifold.start(p.a, p.b, kGap);
                 const std::vector<ContactPoint> points = corners(friction);
                 ASSERT_TRUE(p.resolve(points, e));
                 EXPECT_EQ(p.changes.size(), 4u);
@@ -74,7 +75,7 @@ TEST(PairManifold, ACrateThatLandsFlatReboundsWithoutSpin) {
 // Resolved alone, the first corner turns the crate; found afterwards, the others turn it back.
 TEST(PairManifold, CornersFoundOneAfterAnotherAreResolvedTogether) {
     Pair p{{}, make_body(1, {1.0 / 6, 1.0 / 6, 1.0 / 6}, {0, 0, -3})};
-    p.manifold.start(p.a, p.b);
+    p.manifold.start(p.a, p.b, kGap);
     std::vector<ContactPoint> points = corners(0);
     points[0].relative_velocity = p.relative(points[0]);
     const Vec3 alone = contact_impulse(p.a, p.b, points[0], 0.5 * 3).value();
@@ -89,7 +90,7 @@ TEST(PairManifold, CornersFoundOneAfterAnotherAreResolvedTogether) {
 TEST(PairManifold, FrictionIsCoulombs) {
     for (const double slip : {0.5, 4.0}) { // the crate's mass times what friction of 0.3 changes: 0.3 * 4.5 m/s
         Pair p{{}, make_body(1, {1e9, 1e9, 1e9}, {slip, 0, -3})}; // hardly turns
-        p.manifold.start(p.a, p.b);
+        p.manifold.start(p.a, p.b, kGap);
         ASSERT_TRUE(p.resolve(corners(0.3), 0.5));
         EXPECT_NEAR(p.b.velocity.x, std::max(0.0, slip - 0.3 * 4.5), kSolved);
         EXPECT_NEAR(p.b.velocity.z, 1.5, kSolved);
@@ -98,13 +99,13 @@ TEST(PairManifold, FrictionIsCoulombs) {
 
 TEST(PairManifold, RefusesAHitThatGetsNoImpulseAndForgetsIt) {
     Pair p{{}, make_body(1, {0.2, 0.2, 0.2}, {0, 0, -3})};
-    p.manifold.start(p.a, p.b);
+    p.manifold.start(p.a, p.b, kGap);
     ASSERT_TRUE(p.resolve({{kUp, {}, {}, {}, 0}}, 0));
     const Vec3 before = p.b.velocity;
     EXPECT_FALSE(p.resolve({{kUp, {}, {}, {}, 0}}, 0)) << "the same point, at rest by now";
     EXPECT_EQ(p.b.velocity, before);
     Pair ground{{}, {}};
-    ground.manifold.start(ground.a, ground.b);
+    ground.manifold.start(ground.a, ground.b, kGap);
     EXPECT_FALSE(ground.resolve(corners(0.3), 1)) << "two of infinite mass";
     EXPECT_TRUE(ground.manifold.empty());
 }
@@ -122,7 +123,7 @@ TEST(PairManifold, NoEnergyIsGainedAndImpulsesStayInTheirCones) {
     for (int i = 0; i < 10000; ++i) {
         Pair p{i % 3 == 0 ? Impulsive{} : some_body(), some_body()};
         const double before = energy(p.a) + energy(p.b), e = unit(rng);
-        p.manifold.start(p.a, p.b);
+        p.manifold.start(p.a, p.b, kGap);
         const Vec3 n = normalized(vec());
         for (int batch = 0; batch < 1 + i % 3; ++batch) {
             std::vector<ContactPoint> points;
@@ -142,6 +143,36 @@ TEST(PairManifold, NoEnergyIsGainedAndImpulsesStayInTheirCones) {
         }
     }
     EXPECT_GT(resolved, 5000);
+}
+
+// With 3 m/s the first corner meets at 1/60 s; what decides are the velocities before its impulse, which stops it.
+TEST(PairManifold, AHitIsSimultaneousWhereItMeetsAtThatTimeWithoutTheFirst) {
+    constexpr double kReach = 0.002;
+    Pair p{Impulsive{}, make_body(1, {0.2, 0.3, 0.4}, {0, 0, -3})};
+    p.manifold.start(p.a, p.b, kGap);
+    std::vector<ContactPoint> points = corners(0.3);
+    ASSERT_TRUE(p.resolve({points[0]}, 0));
+    ContactPoint& next = points[3];
+    next.relative_velocity = p.relative(next);
+    EXPECT_LT(next.relative_velocity.z, -3.1) << "faster than before";
+    EXPECT_TRUE(p.manifold.simultaneous(next, kGap, kReach));
+    EXPECT_TRUE(p.manifold.simultaneous(next, kGap + 0.9 * kReach, kReach));
+    EXPECT_TRUE(p.manifold.simultaneous(next, kGap - 0.9 * kReach, kReach));
+    EXPECT_FALSE(p.manifold.simultaneous(next, kGap + 1.1 * kReach, kReach));
+    EXPECT_FALSE(p.manifold.simultaneous(next, kGap - 1.1 * kReach, kReach));
+}
+
+// A corner that only touches, and that the other one's blow drives into the ground, is hit after that.
+TEST(PairManifold, APointThatWouldNotMeetIsHitLater) {
+    Pair p{Impulsive{}, make_body(1, {0.2, 0.3, 0.4}, {0, 0, -3}, {0, 6, 0})};
+    p.manifold.start(p.a, p.b, 1e-4);
+    std::vector<ContactPoint> points = corners(0);
+    ContactPoint touching = points[0], landing = points[3];
+    EXPECT_NEAR(p.relative(touching).z, 0, 1e-15);
+    ASSERT_TRUE(p.resolve({landing}, 0));
+    touching.relative_velocity = p.relative(touching);
+    EXPECT_LT(touching.relative_velocity.z, -1);
+    EXPECT_FALSE(p.manifold.simultaneous(touching, 0, 0.002));
 }
 
 } // namespace
