@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "base/axis_locks.hpp"
 #include "base/index.hpp"
@@ -11,6 +12,9 @@
 
 namespace flotilla {
 namespace {
+
+/// N s: of less the inverse is not finite.
+constexpr double kLeastCarried = std::numeric_limits<double>::min();
 
 /// What the loads of a pair's bodies press on each other: that of the one that is pressed more.
 struct Press {
@@ -134,7 +138,7 @@ void give_landing_loads(const Model& model, const ContactTargets& targets, doubl
         const LandingPair pair(targets, inside, impulses);
         const Press loads = press(pair);
         const double all = out.carried[at(loads.body)];
-        if (!(pair.carried() > 0)) continue;
+        if (!(pair.carried() >= kLeastCarried)) continue;
         const double load = pair.carried() * std::min(1.0, loads.impulse / all);
         pair.take_over(out.taken);
         for (std::size_t k = pair.first(); k < pair.end(); ++k) {
