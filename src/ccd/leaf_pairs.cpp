@@ -13,10 +13,8 @@ namespace {
 
 Vec3 direction_of(const float (&d)[3]) { return {d[0], d[1], d[2]}; }
 
-/// Vertex numbers of a leaf's triangles.
-std::span<const std::int32_t> corners_of(const BodyMotion& body, std::int32_t leaf) {
-    const BvhNode node = body.shape->bvh.nodes[at(leaf)];
-    return {body.shape->bvh.corners[at(node.first)].data(), 3 * at(node.count)};
+std::span<const std::int32_t> vertices_of(const BodyMotion& body, std::int32_t leaf) {
+    return body.shape->bvh.leaf_vertices(body.shape->bvh.nodes[at(leaf)]);
 }
 
 /// The lesser distance that the vertices of two leaves keep along a direction, and two vertices that do.
@@ -59,8 +57,8 @@ class LeafPairs::Separation {
 
     /// Whether the kept direction proves the leaves farther apart than `distance` at the end, m.
     [[nodiscard]] bool proved_at_end(const NodeIds& leaves, const Kept& kept, double distance) const {
-        const double gap = gap_along(a_.at1.x.data(), corners_of(a_, leaves.a), b_.at1.x.data(),
-                                     corners_of(b_, leaves.b), direction_of(kept.direction));
+        const double gap = gap_along(a_.at1.x.data(), vertices_of(a_, leaves.a), b_.at1.x.data(),
+                                     vertices_of(b_, leaves.b), direction_of(kept.direction));
         return kLengthRoom * (gap - error_) > distance;
     }
 
@@ -69,7 +67,7 @@ class LeafPairs::Separation {
     /// all differences of vertices at both ends. Keeps the best.
     [[nodiscard]] bool find(const NodeIds& leaves, double least, double wanted, const Vec3& guess, Kept& kept) const {
         constexpr int kTrials = 4;
-        const auto corners_a = corners_of(a_, leaves.a), corners_b = corners_of(b_, leaves.b);
+        const auto vertices_a = vertices_of(a_, leaves.a), vertices_b = vertices_of(b_, leaves.b);
         Vec3 d = direction_of(kept.direction), nearest;
         if (d == Vec3{}) d = guess == Vec3{} ? center(*b_.at1.box) - center(*a_.at1.box) : guess;
         double best = least;
@@ -79,8 +77,8 @@ class LeafPairs::Separation {
             const float unit[3] = {static_cast<float>(d.x / size), static_cast<float>(d.y / size),
                                    static_cast<float>(d.z / size)};
             d = direction_of(unit);
-            const Extremes at0 = extremes(a_.at0.x.data(), corners_a, b_.at0.x.data(), corners_b, d);
-            const Extremes at1 = extremes(a_.at1.x.data(), corners_a, b_.at1.x.data(), corners_b, d);
+            const Extremes at0 = extremes(a_.at0.x.data(), vertices_a, b_.at0.x.data(), vertices_b, d);
+            const Extremes at1 = extremes(a_.at1.x.data(), vertices_a, b_.at1.x.data(), vertices_b, d);
             const double lesser = kLengthRoom * (std::min(at0.gap, at1.gap) - error_);
             if (lesser > best) {
                 best = lesser;

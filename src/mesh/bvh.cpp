@@ -57,6 +57,7 @@ class Builder {
         build(0, static_cast<std::int32_t>(mesh.triangles.size()), 0);
         bvh_.corners.reserve(mesh.triangles.size());
         for (std::int32_t t : bvh_.triangles) bvh_.corners.push_back(mesh.triangles[at(t)]);
+        list_vertices();
         std::vector<Box> boxes;
         refit(bvh_, mesh.vertices, boxes);
         for (const Box& box : boxes) bvh_.sizes.push_back(static_cast<float>(bvh_detail::extent_sum(box)));
@@ -64,6 +65,20 @@ class Builder {
     Bvh take() { return std::move(bvh_); }
 
   private:
+    void list_vertices() {
+        std::vector<std::int32_t>& list = bvh_.vertices;
+        bvh_.first_vertex.assign(bvh_.triangles.size() + 1, 0);
+        for (const BvhNode& node : bvh_.nodes) { // leaves come in the order of their triangles
+            if (node.count == 0) continue;
+            const auto begin = static_cast<std::ptrdiff_t>(list.size());
+            for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
+                for (const std::int32_t v : bvh_.corners[at(k)])
+                    if (std::find(list.begin() + begin, list.end(), v) == list.end()) list.push_back(v);
+                bvh_.first_vertex[at(k + 1)] = static_cast<std::int32_t>(list.size());
+            }
+        }
+    }
+
     void build(std::int32_t first, std::int32_t last, int depth) {
         const auto node = bvh_.nodes.size();
         bvh_.nodes.push_back({first, last - first});

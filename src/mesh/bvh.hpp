@@ -39,12 +39,19 @@ struct Bvh {
     std::vector<BvhNode> nodes;          ///< root first; never empty
     std::vector<std::int32_t> triangles; ///< triangle numbers of the mesh, in leaf order
     std::vector<Triangle> corners;       ///< their vertex indices, in the same order
-    std::vector<float> sizes;            ///< of the nodes' boxes in the mesh's own axes, sum of the edges, m
-    int depth = 0;                       ///< edges on the longest path from the root, <= kMaxBvhDepth
+    /// The vertices of the leaves, each once, in their order; those of a leaf begin at first_vertex of its first
+    /// triangle's position and end at that of the position after its last one.
+    std::vector<std::int32_t> vertices, first_vertex;
+    std::vector<float> sizes; ///< of the nodes' boxes in the mesh's own axes, sum of the edges, m
+    int depth = 0;            ///< edges on the longest path from the root, <= kMaxBvhDepth
 
     [[nodiscard]] bool is_leaf(std::int32_t node) const { return nodes[static_cast<std::size_t>(node)].count > 0; }
     [[nodiscard]] std::span<const std::int32_t> leaf_triangles(const BvhNode& leaf) const {
         return {triangles.data() + leaf.first, static_cast<std::size_t>(leaf.count)};
+    }
+    [[nodiscard]] std::span<const std::int32_t> leaf_vertices(const BvhNode& leaf) const {
+        const std::int32_t first = first_vertex[at(leaf.first)], end = first_vertex[at(leaf.first + leaf.count)];
+        return {vertices.data() + first, at(end - first)};
     }
     [[nodiscard]] std::span<const std::int32_t> leaf_triangles(std::int32_t leaf) const {
         return leaf_triangles(nodes[static_cast<std::size_t>(leaf)]);

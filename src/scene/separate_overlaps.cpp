@@ -178,7 +178,8 @@ class Separator {
 
     /// How far the body's centre goes along d before it pierces a body of infinite mass, at most `limit`.
     [[nodiscard]] double same_side(std::int32_t body, const Vec3& d, double limit) const {
-        static const Bvh kOneLeaf{{{0, 1}}, {0}, {}, {}, 0};
+        static const Bvh kOneLeaf{
+            .nodes = {{0, 1}}, .triangles = {0}, .corners = {}, .vertices = {}, .first_vertex = {}, .sizes = {}};
         const Vec3 from = world_center(scene_, scene_.bodies[at(body)]), to = from + limit * d;
         const std::array<Box, 1> box{extended(extended(Box{}, from), to)};
         double least = 1;
