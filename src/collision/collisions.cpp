@@ -47,6 +47,12 @@ OfBoth change_of_hit(const StepView& view, const Worker& worker, const Candidate
             dot(hit.normal, linear_b + cross(angular_b, hit.arm_b))};
 }
 
+/// Of all operations of a round.
+struct Operations {
+    const Touching& touching;
+    bool join = false; ///< the hits of an operation, whenever they come
+};
+
 /// Applies worker.changes.
 void push_all(const StepView& view, const Touching& touching, Movers& movers, Worker& worker,
               const CandidatePair& pair) {
@@ -65,7 +71,7 @@ void push_all(const StepView& view, const Touching& touching, Movers& movers, Wo
 
 /// The impulses of worker.hits, together with those of the operation before at the same time. False: there is none, as
 /// the bodies part already or the energy clamp leaves nothing of it.
-bool respond(const StepView& view, const Touching& touching, Movers& movers, Worker& worker,
+bool respond(const StepView& view, const Operations& operations, Movers& movers, Worker& worker,
              const CandidatePair& pair) {
     if (worker.landing && worker.landing->parts) {
         if (!hasten(view, movers.clusters(), pair, worker.hits[0], *worker.landing)) return false;
@@ -76,24 +82,28 @@ bool respond(const StepView& view, const Touching& touching, Movers& movers, Wor
     const double restitution = pair_restitution(view.model, pair.a, pair.b);
     const ContactPoint first = worker.hits[0];
     const Landing& landing = *worker.landing;
-    if (worker.manifold.empty() || !worker.manifold.simultaneous(first, landing.gap, landing.lengths.rest))
+    const auto together = [&] {
+        return operations.join || worker.manifold.simultaneous(first, landing.gap, landing.lengths.rest);
+    };
+    if (worker.manifold.empty() || !together())
         worker.manifold.start(view.clusters.impulsive(pair.a), view.clusters.impulsive(pair.b), landing.gap);
     const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
     if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.changes)) {
-        push_all(view, touching, movers, worker, pair);
+        push_all(view, operations.touching, movers, worker, pair);
         return true;
     }
     const auto impulse = elastic_impulse(view, pair, first);
     if (!impulse) return false;
     worker.manifold.add(first, restitution, *impulse);
     worker.changes.assign(1, {first, *impulse});
-    push_all(view, touching, movers, worker, pair);
+    push_all(view, operations.touching, movers, worker, pair);
     return true;
 }
 
 /// The inner part of Algorithm 1: resolves the hits of one pair in consecutive order, then its fast end proximities.
 /// Whether it applied an impulse.
-bool collide(const StepView& view, const Touching& touching, Movers& movers, Worker& worker, const ListedPair& listed) {
+bool collide(const StepView& view, const Operations& operations, Movers& movers, Worker& worker,
+             const ListedPair& listed) {
     PairRecord& record = *listed.record;
     const CandidatePair& pair = listed.pair;
     ++worker.counters.pairs;
@@ -101,7 +111,7 @@ bool collide(const StepView& view, const Touching& touching, Movers& movers, Wor
     worker.manifold.clear();
     for (int i = 0; i < view.model.settings.collision_pair_iterations; ++i) {
         if (!find_hits(view, worker, record)) return i > 0;
-        if (!respond(view, touching, movers, worker, pair)) {
+        if (!respond(view, operations, movers, worker, pair)) {
             commit(view.trajectories, record, Verdict::settled); // stage 5 takes it
             ++worker.counters.settled;
             return i > 0;
@@ -120,10 +130,12 @@ class SequentialCollisions {
 
     /// Algorithm 1: for all pairs that may collide or come near each other, resolve their hits; again, until none hits.
     /// Between two rounds over all pairs, those that had an impulse are resolved several times over: most further hits
-    /// are theirs.
+    /// are theirs. Where that gains nothing the hits of an operation are joined, and it is tried again: a ring that
+    /// hits the peg in it on one side and, on its way from the start of the step, on the other would go to and fro for
+    /// ever.
     StageCounters run() {
         scratch_.active.clear();
-        while (sweeps_left() > 0 && !progress_.stalled()) {
+        while (sweeps_left() > 0 && goes_on()) {
             const FrozenList list = pairs_to_resolve();
             if (list.num_open == 0 || resolve(list.pairs, 1) == 0) {
                 // What was known of pairs, a cache, must not decide how many sweeps count: resolving in turn those that
@@ -145,6 +157,14 @@ class SequentialCollisions {
   private:
     [[nodiscard]] int sweeps_left() const {
         return view_.model.settings.collision_iterations - static_cast<int>(counters_.sweeps);
+    }
+
+    bool goes_on() {
+        if (!progress_.stalled()) return true;
+        if (join_) return false;
+        join_ = true;
+        progress_ = {};
+        return true;
     }
 
     /// All pairs that are not proved apart; those in which nothing calls for an impulse are closed where that is cheap
@@ -177,7 +197,7 @@ class SequentialCollisions {
             [&](std::size_t i, int round, Worker& worker) {
                 const std::size_t r = at(round);
                 take_largest_push(worker); // of operations before
-                if (collide(view_, scratch_.touching, movers_, worker, list[i])) ++worker.hitting[r];
+                if (collide(view_, {scratch_.touching, join_}, movers_, worker, list[i])) ++worker.hitting[r];
                 worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));
                 ++worker.work[r];
             }};
@@ -233,6 +253,7 @@ class SequentialCollisions {
     CollisionScratch& scratch_;
     StageCounters counters_;
     Progress progress_;
+    bool join_ = false; ///< Operations::join
 };
 
 } // namespace

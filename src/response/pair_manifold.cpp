@@ -8,9 +8,11 @@ namespace flotilla {
 namespace {
 
 /// A bound on the sweeps over the hits of a pair, which end at kTolerance: a pair has few. Not measured.
-constexpr int kSweeps = 30;
-/// The share of the fastest approach at which the sweeps stop.
-constexpr double kTolerance = 1e-4;
+constexpr int kSweeps = 300;
+/// The share of the fastest approach at which the sweeps stop. What they leave is spin: with 1e-4, and no more than 30
+/// sweeps, two boxes that fell on a floor and flat on each other (restitution 0.8) had 0.05 rad/s from the first hit,
+/// which made corners of the next ones land one after the other, and 3 rad/s in the end; 0.001 with this.
+constexpr double kTolerance = 0x1p-20;
 
 double approach(const ContactPoint& point) { return -dot(point.normal, point.relative_velocity); }
 

@@ -77,6 +77,25 @@ void lies_where_it_lands(const Run& run) {
     EXPECT_LT(worst, 2 * std::sqrt(3) / 330);
 }
 
+// Boxes that land flat on one another, edge on edge, in the air and on the ground, keep flat.
+void boxes_land_flat(const Run& run, double e) {
+    double spin = 0, aside = 0;
+    for (const double gap : {0.01, 0.02, 0.03, 0.05, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2}) {
+        Motion motion(flat_boxes(run.settings(), gap, e));
+        motion.run(0.6, [&](const StepReport&) {
+            for (std::size_t i = 0; i < 2; ++i) {
+                const BodyState s = motion.body(i);
+                spin = std::max(spin, length(s.angular_velocity));
+                aside = std::max(aside, std::hypot(s.center_of_mass.x, s.center_of_mass.y));
+            }
+        });
+        expect_no_rise(motion);
+    }
+    std::printf("spin of up to %.3g rad/s, moved aside by up to %.3g m\n", spin, aside);
+    EXPECT_LT(spin, 0.05);
+    EXPECT_LT(aside, 2e-3);
+}
+
 // Corners that land one after the other are stopped one after the other, however many a step has.
 void cubes_rise_as_in_the_exact_sequence(const Run& run) {
     constexpr double kTime = 1; // s
@@ -126,6 +145,9 @@ std::vector<Run> runs_of_impacts() {
         add_runs("Impact", "CrateLandsFlatWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,
                  [=](const Run& r) { lands_flat(r, 0.01 * e); });
     add_runs("Impact", "PlasticCrateLiesWhereItLands", runs_of_impacts(), true, lies_where_it_lands);
+    for (const int e : {50, 80, 100})
+        add_runs("Impact", "BoxesLandFlatOnEachOtherWithRestitution" + std::to_string(e) + "Percent", runs(), true,
+                 [=](const Run& r) { boxes_land_flat(r, 0.01 * e); });
     add_runs("Impact", "PlasticCubesRiseAsInTheExactSequence", runs(), true, cubes_rise_as_in_the_exact_sequence);
     for (const int e : {100, 50})
         add_runs("Impact", "CradleWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,

@@ -69,6 +69,14 @@ SceneDescription flat_crate(const Start& start, double e) {
     return scene;
 }
 
+SceneDescription flat_boxes(const Start& start, double gap, double e) {
+    SceneDescription scene = make_scene_with(start.settings);
+    const auto box = add_solid(scene, make_box(0.5, 0.4, 0.2), 1000);
+    for (const double z : {0.4, 0.6 + gap}) add_body(scene, box, BodyType::dynamic, {0, 0, z}, 0.4, e);
+    add_ground(scene, 10, 0.4, e);
+    return scene;
+}
+
 SceneDescription cradle(const Start& start, double e) {
     SceneDescription scene = make_scene_with(start.settings, {});
     const auto ball = add_solid(scene, make_box(1, 1, 1), 100);

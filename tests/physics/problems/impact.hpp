@@ -25,6 +25,9 @@ struct Bounces {
 /// A crate that falls flat from 1 m.
 [[nodiscard]] SceneDescription flat_crate(const Start& start, double e);
 
+/// Two boxes that fall flat on a plate, `gap` m between them, edge above edge.
+[[nodiscard]] SceneDescription flat_boxes(const Start& start, double gap, double e);
+
 inline constexpr int kCradleBodies = 5;
 inline constexpr double kCradleSpeed = 2;
 /// Equal bodies in a row, met one after the other: the last one leaves with ((1 + e) / 2)^(N - 1) of the first one's
