@@ -77,6 +77,22 @@ void EnergyAccount::join(const Model& model, std::int32_t a, std::int32_t b) {
     }
 }
 
+void EnergyAccount::keep_centers(const Model& model, std::span<Motion> late) {
+    const auto each = [&](auto&& work) {
+        for (const std::int32_t body : model.active)
+            if (model.bodies[at(body)].movable()) work(at(body), islands_[at(root(body))]);
+    };
+    for (const std::int32_t body : model.active) islands_[at(body)] = {};
+    each([&](std::size_t i, Balance& island) {
+        island.mass += model.bodies[i].mass;
+        island.momentum += model.bodies[i].mass * late[i].velocity;
+        island.grounded = island.grounded || grounded_[i] != 0;
+    });
+    each([&](std::size_t i, const Balance& island) {
+        if (!island.grounded && island.momentum != Vec3{}) late[i].velocity -= (1 / island.mass) * island.momentum;
+    });
+}
+
 EnergyAccount::Balance EnergyAccount::balance(const Model& model, std::size_t i, const Pose& end, const Motion& motion,
                                               double lift) const {
     const Body& body = model.bodies[i];

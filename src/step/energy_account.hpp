@@ -35,6 +35,11 @@ class EnergyAccount {
     /// Work of scripted bodies on a body, J. Counts where it is positive for the island.
     void add_work(std::int32_t body, double work) { work_[static_cast<std::size_t>(body)] += work; }
 
+    /// Takes the mean out of what velocities do not move in the step (Cluster::late), in islands that nothing of
+    /// infinite mass touches: their centres of mass go where their momentum says. Of a body that touches others nothing
+    /// is late, and of the one that hits it a part; what would raise the centre of mass no velocity could pay for.
+    void keep_centers(const Model& model, std::span<Motion> late);
+
     /// Work of a body's own force and torque, J (state/loads.hpp): that of a step which pulls up is negative.
     void add_loads(std::int32_t body, double work) { loads_[static_cast<std::size_t>(body)] += work; }
 

@@ -232,6 +232,7 @@ void Stepper::collisions(std::span<Motion> collided, std::span<Motion> late, Ste
         any_late_ = any_late_ || clusters_[i].any_late();
     }
     open_account();
+    if (any_late_) energy_.keep_centers(model_, late);
 }
 
 /// What came late in the step moves bodies in the next one.
