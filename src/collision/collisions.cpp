@@ -47,10 +47,10 @@ OfBoth change_of_hit(const StepView& view, const Worker& worker, const Candidate
             dot(hit.normal, linear_b + cross(angular_b, hit.arm_b))};
 }
 
-/// Of all operations of a round.
-struct Operations {
+/// How all operations of a round take their hits.
+struct HitRules {
     const Touching& touching;
-    bool join = false; ///< the hits of an operation, whenever they come
+    bool join = false; ///< all hits of an operation together, whenever they come
 };
 
 /// Applies worker.changes.
@@ -69,10 +69,9 @@ void push_all(const StepView& view, const Touching& touching, Movers& movers, Wo
     movers.evolve(pair.b);
 }
 
-/// The impulses of worker.hits, together with those of the operation before at the same time. False: there is none, as
-/// the bodies part already or the energy clamp leaves nothing of it.
-bool respond(const StepView& view, const Operations& operations, Movers& movers, Worker& worker,
-             const CandidatePair& pair) {
+/// The impulses of worker.hits, together with the earlier ones of this operation that belong to the same time. False:
+/// there is none, as the bodies part already or the energy clamp leaves nothing of it.
+bool respond(const StepView& view, const HitRules& rules, Movers& movers, Worker& worker, const CandidatePair& pair) {
     if (worker.landing && worker.landing->parts) {
         if (!hasten(view, movers.clusters(), pair, worker.hits[0], *worker.landing)) return false;
         movers.evolve(pair.a);
@@ -83,27 +82,26 @@ bool respond(const StepView& view, const Operations& operations, Movers& movers,
     const ContactPoint first = worker.hits[0];
     const Landing& landing = *worker.landing;
     const auto together = [&] {
-        return operations.join || worker.manifold.simultaneous(first, landing.gap, landing.lengths.rest);
+        return rules.join || worker.manifold.simultaneous(first, landing.gap, landing.lengths.rest);
     };
     if (worker.manifold.empty() || !together())
         worker.manifold.start(view.clusters.impulsive(pair.a), view.clusters.impulsive(pair.b), landing.gap);
     const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
     if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.changes)) {
-        push_all(view, operations.touching, movers, worker, pair);
+        push_all(view, rules.touching, movers, worker, pair);
         return true;
     }
     const auto impulse = elastic_impulse(view, pair, first);
     if (!impulse) return false;
     worker.manifold.add(first, restitution, *impulse);
     worker.changes.assign(1, {first, *impulse});
-    push_all(view, operations.touching, movers, worker, pair);
+    push_all(view, rules.touching, movers, worker, pair);
     return true;
 }
 
 /// The inner part of Algorithm 1: resolves the hits of one pair in consecutive order, then its fast end proximities.
 /// Whether it applied an impulse.
-bool collide(const StepView& view, const Operations& operations, Movers& movers, Worker& worker,
-             const ListedPair& listed) {
+bool collide(const StepView& view, const HitRules& rules, Movers& movers, Worker& worker, const ListedPair& listed) {
     PairRecord& record = *listed.record;
     const CandidatePair& pair = listed.pair;
     ++worker.counters.pairs;
@@ -111,7 +109,7 @@ bool collide(const StepView& view, const Operations& operations, Movers& movers,
     worker.manifold.clear();
     for (int i = 0; i < view.model.settings.collision_pair_iterations; ++i) {
         if (!find_hits(view, worker, record)) return i > 0;
-        if (!respond(view, operations, movers, worker, pair)) {
+        if (!respond(view, rules, movers, worker, pair)) {
             commit(view.trajectories, record, Verdict::settled); // stage 5 takes it
             ++worker.counters.settled;
             return i > 0;
@@ -163,7 +161,7 @@ class SequentialCollisions {
         if (!progress_.stalled()) return true;
         if (join_) return false;
         join_ = true;
-        progress_ = {};
+        progress_ = Progress();
         return true;
     }
 
@@ -253,7 +251,7 @@ class SequentialCollisions {
     CollisionScratch& scratch_;
     StageCounters counters_;
     Progress progress_;
-    bool join_ = false; ///< Operations::join
+    bool join_ = false; ///< HitRules::join
 };
 
 } // namespace

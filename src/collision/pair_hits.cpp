@@ -32,21 +32,6 @@ ContactPoint rebounding(const StepView& view, const PairRecord& pair, ContactPoi
     return point;
 }
 
-/// The hit with the normal at which its features come to their rest distance of each other, where these approach along
-/// it. At the hit itself, a thousandth of that apart, an offset of a tenth of a micrometre decides which way edges that
-/// meet along their length see each other: boxes that land on each other edge on edge were pushed sideways and spun.
-PairHit seen_from_rest(const StepView& view, const PairRecord& pair, PairHit hit) {
-    const BodyMotion a = view.trajectories.motion(at(pair.a)), b = view.trajectories.motion(at(pair.b));
-    const FeaturePoints p = closest_points(a, b, hit.features, hit.toi);
-    const Vec3 way = (p.b1 - p.b0) - (p.a1 - p.a0);
-    const double nearer = -dot(hit.normal, way);
-    if (!(nearer > 0)) return hit;
-    const double time = std::max(0.0, hit.toi - pair.lengths.rest / nearer);
-    const Vec3 normal = closest_direction(a, b, hit.features, time);
-    if (normal != Vec3{} && dot(normal, way) < 0) hit.normal = normal;
-    return hit;
-}
-
 /// `way`: m/s, of the points on their way in this step, b minus a; `start_gap`: m, along the normal at x^n.
 Landing landing_of(const StepView& view, const PairRecord& pair, const ContactPoint& point, const Vec3& way,
                    double start_gap) {
@@ -152,8 +137,7 @@ CollisionFinding find_collision(const StepView& view, Worker& worker, const Pair
     CollisionFinding out{.hit = found.hit, .verdict = found.verdict, .processed = false, .urgent = {}, .landing = {}};
     if (found.hit.hit) {
         out.processed = true;
-        out.hit = seen_from_rest(view, pair, found.hit);
-        const SweptContact swept = swept_contact(view, {out.hit, pair.a, pair.b});
+        const SweptContact swept = swept_contact(view, {found.hit, pair.a, pair.b});
         out.urgent = rebounding(view, pair, swept.point);
         out.landing = landing_of(view, pair, *out.urgent, swept.point.relative_velocity, swept.start_gap);
         const double approach = -dot(out.urgent->relative_velocity, out.urgent->normal);

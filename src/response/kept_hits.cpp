@@ -13,7 +13,7 @@ namespace {
 /// A bound on the sweeps over the hits of an island, which end when no impulse changes: an island has more hits than a
 /// pair. Not measured.
 constexpr int kSweeps = 200;
-/// The share of the fastest approach met in a round that is left undone, as in pair_manifold.cpp.
+/// The share of the fastest approach met in a round that is left undone.
 constexpr double kTolerance = 1e-4;
 
 /// The largest eigenvalue of a symmetric matrix in the plane across a unit vector, where it has two: from their sum and

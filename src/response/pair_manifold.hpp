@@ -5,10 +5,12 @@
 // it, the next one's turns it back too late, and with restitution a fifth of its energy ends in spin, at any time step.
 // So an operation forgets no hit: when another one is found that belongs to the same time, the impulses of all hits so
 // far are solved again, each for the rebound from the approach that its point had before the first, with friction, by
-// projected Gauss-Seidel. One hit alone is resolved as in section 3.2. A hit that comes later meets the velocities that
-// the former ones left, and begins anew: where one corner of a plate lies on the floor and the other one falls on it,
-// that tips the plate, and the first corner's friction turns round. Solved together a cube that falls plastically on
-// its corners comes to rest; in fact each one stops while the others move on, and 97 of 100 rise in the end.
+// projected Gauss-Seidel. One hit alone is resolved as in section 3.2.
+//
+// A hit that comes later meets the velocities that the former ones left, and the list begins anew: where one corner of
+// a plate lies on the floor and another one falls on it, that tips the plate, and the slip of the first corner turns
+// round. A cube that falls plastically on its corners stops corner by corner, the others moving on, and mostly rises in
+// the end (97 of 100); with all of them solved at once it comes to rest.
 #pragma once
 
 #include <span>

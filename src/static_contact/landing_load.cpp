@@ -13,7 +13,7 @@
 namespace flotilla {
 namespace {
 
-/// N s: of less the inverse is not finite.
+/// N s: the inverse of a subnormal number may not be finite.
 constexpr double kLeastCarried = std::numeric_limits<double>::min();
 
 /// What the loads of a pair's bodies press on each other: that of the one that is pressed more.

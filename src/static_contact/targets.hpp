@@ -32,7 +32,8 @@ struct TargetInput {
     /// By body: contacts do not raise it to its rest distance; may be empty: of none.
     std::span<const std::uint8_t> level;
     bool all_level = false; ///< of none at all
-    /// By body: what of the velocities does not move it in this step (Cluster::late); empty: nothing.
+    /// By body: what of the velocities does not move it in this step (Cluster::late, but for the mean of free islands);
+    /// empty: nothing.
     std::span<const Motion> late;
     double accelerated = 0; ///< s, for which loads have acted on the velocities, without contacts
     ContactTuning tuning{};

@@ -86,10 +86,12 @@ void EnergyAccount::keep_centers(const Model& model, std::span<Motion> late) {
     each([&](std::size_t i, Balance& island) {
         island.mass += model.bodies[i].mass;
         island.momentum += model.bodies[i].mass * late[i].velocity;
+        island.rounding += kRounding * model.bodies[i].mass * length(late[i].velocity);
         island.grounded = island.grounded || grounded_[i] != 0;
     });
     each([&](std::size_t i, const Balance& island) {
-        if (!island.grounded && island.momentum != Vec3{}) late[i].velocity -= (1 / island.mass) * island.momentum;
+        if (!island.grounded && length(island.momentum) > island.rounding)
+            late[i].velocity -= (1 / island.mass) * island.momentum;
     });
 }
 

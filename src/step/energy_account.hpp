@@ -35,9 +35,10 @@ class EnergyAccount {
     /// Work of scripted bodies on a body, J. Counts where it is positive for the island.
     void add_work(std::int32_t body, double work) { work_[static_cast<std::size_t>(body)] += work; }
 
-    /// Takes the mean out of what velocities do not move in the step (Cluster::late), in islands that nothing of
-    /// infinite mass touches: their centres of mass go where their momentum says. Of a body that touches others nothing
-    /// is late, and of the one that hits it a part; what would raise the centre of mass no velocity could pay for.
+    /// Subtracts from what is late of each island's velocities (m/s, Cluster::late) its mean by mass, where nothing of
+    /// infinite mass touches the island and none of its bodies is locked along an axis: its centre of mass then follows
+    /// its momentum. Else a blow that is late for one body and not for the one it hits moves the centre of mass, and
+    /// where that rises no velocity pays for it. After all join() of stage 1.
     void keep_centers(const Model& model, std::span<Motion> late);
 
     /// Work of a body's own force and torque, J (state/loads.hpp): that of a step which pulls up is negative.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Vec3 kUp{0, 0, 1};
 constexpr double kGap = 0.05;    // m, of the first hit at the start of the step
-constexpr double kSolved = 1e-3; // m/s and rad/s: the sweeps stop at 1e-4 of 3 m/s
+constexpr double kSolved = 1e-5; // m/s and rad/s: the sweeps stop at 2^-20 of 3 m/s
 
 Impulsive make_body(double mass, const Vec3& inertia, const Vec3& velocity, const Vec3& spin = {}) {
     return {1 / mass, diagonal({1 / inertia.x, 1 / inertia.y, 1 / inertia.z}), velocity, spin};
@@ -172,7 +172,13 @@ TEST(PairManifold, APointThatWouldNotMeetIsHitLater) {
     ASSERT_TRUE(p.resolve({landing}, 0));
     touching.relative_velocity = p.relative(touching);
     EXPECT_LT(touching.relative_velocity.z, -1);
-    EXPECT_FALSE(p.manifold.simultaneous(touching, 0, 0.002));
+    for (const double noise : {-1e-15, 0.0, 1e-15}) {
+        ContactPoint point = touching;
+        point.relative_velocity.z += noise;
+        EXPECT_FALSE(p.manifold.simultaneous(point, 0, 0.002)) << noise;
+    }
+    touching.relative_velocity.z -= 0.1;
+    EXPECT_TRUE(p.manifold.simultaneous(touching, 0, 0.002)) << "had it come nearer, it would have met";
 }
 
 } // namespace
