@@ -57,9 +57,7 @@ struct HitRules {
 void push_all(const StepView& view, const Touching& touching, Movers& movers, Worker& worker,
               const CandidatePair& pair) {
     const Stopwatch watch(worker.counters.response_ms);
-    const OfBoth late = worker.landing
-                            ? late_shares(view, touching, pair, *worker.landing, change_of_hit(view, worker, pair))
-                            : OfBoth{};
+    const OfBoth late = late_shares(view, touching, pair, *worker.landing, change_of_hit(view, worker, pair));
     for (const PairManifold::Change& c : worker.changes) {
         apply_impulse(movers.clusters(), worker, pair.a, pair.b, c.point, c.impulse);
         if (late.a > 0) movers.clusters().delay(pair.a, c.point.arm_a, -late.a * c.impulse);
@@ -72,15 +70,15 @@ void push_all(const StepView& view, const Touching& touching, Movers& movers, Wo
 /// The impulses of worker.hits, together with the earlier ones of this operation that belong to the same time. False:
 /// there is none, as the bodies part already or the energy clamp leaves nothing of it.
 bool respond(const StepView& view, const HitRules& rules, Movers& movers, Worker& worker, const CandidatePair& pair) {
-    if (worker.landing && worker.landing->parts) {
-        if (!hasten(view, movers.clusters(), pair, worker.hits[0], *worker.landing)) return false;
+    const Landing& landing = *worker.landing; // where there are hits there is one
+    if (landing.parts) {
+        if (!hasten(view, movers.clusters(), pair, worker.hits[0], landing)) return false;
         movers.evolve(pair.a);
         movers.evolve(pair.b);
         return true;
     }
     const double restitution = pair_restitution(view.model, pair.a, pair.b);
     const ContactPoint first = worker.hits[0];
-    const Landing& landing = *worker.landing;
     const auto together = [&] {
         return rules.join || worker.manifold.simultaneous(first, landing.gap, landing.lengths.rest);
     };

@@ -9,9 +9,9 @@ namespace {
 
 /// A bound on the sweeps over the hits of a pair, which end at kTolerance.
 constexpr int kSweeps = 300;
-/// The share of the fastest relative velocity at which the sweeps stop. What they leave is spin: with 1e-4, and no more
-/// than 30 sweeps, two boxes that fell on a floor and flat on each other (restitution 0.8) had 0.05 rad/s from the
-/// first hit, which made corners of the next ones land one after the other, and 3 rad/s in the end; 0.01 with this.
+/// The share of the fastest relative velocity at which the sweeps stop. What they leave is spin, which makes corners of
+/// the next hits land one after the other: two boxes that fall on a floor and flat on each other (restitution 0.8,
+/// friction 0.4, 1/24 s) come to 3.1 rad/s with 1e-4 and no more than 30 sweeps, to 0.003 with this.
 constexpr double kTolerance = 0x1p-20;
 
 double approach(const ContactPoint& point) { return -dot(point.normal, point.relative_velocity); }
@@ -37,12 +37,13 @@ PairManifold::Velocities PairManifold::applied() const {
     return v;
 }
 
+Vec3 PairManifold::change(const ContactPoint& point, const Velocities& v) {
+    return (v.linear_b + cross(v.angular_b, point.arm_b)) - (v.linear_a + cross(v.angular_a, point.arm_a));
+}
+
 bool PairManifold::simultaneous(const ContactPoint& point, double gap, double reach) const {
-    Hit hit;
-    hit.point = point;
-    hit.point.relative_velocity = {};
-    hit.point.relative_velocity = point.relative_velocity - relative(hit, applied());
-    const double first = approach(hits_[0].point), speed = approach(hit.point);
+    const double first = approach(hits_[0].point);
+    const double speed = approach(point) + dot(point.normal, change(point, applied()));
     if (!(speed > kTolerance * first)) return false; // it touches, and does not meet
     return std::abs(first * std::max(0.0, gap) - speed * std::max(0.0, gap_)) <= reach * std::min(first, speed);
 }
@@ -52,8 +53,7 @@ PairManifold::Hit PairManifold::make_hit(const ContactPoint& point, double resti
     Hit hit;
     hit.point = point;
     set_masses(hit);
-    hit.point.relative_velocity = {};
-    hit.point.relative_velocity = point.relative_velocity - relative(hit, applied);
+    hit.point.relative_velocity -= change(point, applied);
     hit.target = std::max(0.0, -restitution * dot(point.normal, hit.point.relative_velocity));
     return hit;
 }
@@ -72,8 +72,7 @@ void PairManifold::push(const Hit& hit, const Vec3& impulse, Velocities& v) cons
 }
 
 Vec3 PairManifold::relative(const Hit& hit, const Velocities& v) {
-    return hit.point.relative_velocity +
-           ((v.linear_b + cross(v.angular_b, hit.point.arm_b)) - (v.linear_a + cross(v.angular_a, hit.point.arm_a)));
+    return hit.point.relative_velocity + change(hit.point, v);
 }
 
 /// Returns the largest change of a velocity.

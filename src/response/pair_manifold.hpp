@@ -58,6 +58,8 @@ class PairManifold {
     /// The effect of what is applied.
     [[nodiscard]] Velocities applied() const;
     [[nodiscard]] Hit make_hit(const ContactPoint& point, double restitution, const Velocities& applied) const;
+    /// What of the velocities changes at the point, b against a, m/s.
+    [[nodiscard]] static Vec3 change(const ContactPoint& point, const Velocities& v);
     [[nodiscard]] static Vec3 relative(const Hit& hit, const Velocities& v);
     void set_masses(Hit& hit) const;
     [[nodiscard]] double sweep(Velocities& v);

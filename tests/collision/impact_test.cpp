@@ -13,7 +13,7 @@ using test::collide;
 using test::StageWorld;
 
 constexpr double kGap = 0.02, kRadius = 0.5; // m, before the impact; of the octahedron
-constexpr double kSolved = 2e-4 * 10;        // m/s: several points of a pair are solved to 1e-4 of the approach
+constexpr double kSolved = 2e-4 * 10;        // m/s: accumulated hits are solved to 1e-4 of the approach
 
 class Impact : public test::BothWays {
   protected:

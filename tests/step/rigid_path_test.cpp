@@ -36,8 +36,7 @@ TEST(RigidTrajectory, PlateOfSeveralTurnsAStepStaysAboveTheGround) {
         scene.settings.sleeping = false;
         scene.settings.trajectory = Trajectory::rigid;
         scene.bodies[0].velocity = {0, 0, -speed};
-        scene.bodies[0].angular_velocity = {300, 180,
-                                            -90}; // two turns a step, of which a hit at 500 m/s may leave half
+        scene.bodies[0].angular_velocity = {300, 180, -90}; // of its turns a hit at 500 m/s may leave half
         AuditedRun run(scene);
         for (int n = 0; n < 24; ++n) {
             run.step();
