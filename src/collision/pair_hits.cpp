@@ -7,6 +7,7 @@
 #include "base/stopwatch.hpp"
 #include "geometry/rounding.hpp"
 #include "pair/cluster_query.hpp"
+#include "pair/face_of_hit.hpp"
 #include "pair/impulses.hpp"
 #include "pair/neighbour_lists.hpp"
 #include "pair/pair_distance.hpp"
@@ -21,6 +22,17 @@ namespace {
 Vec3 rigid_velocity(const StepView& view, const PairRecord& pair, const ContactPoint& point) {
     return point_velocity(view.clusters.impulsive(pair.b), point.arm_b) -
            point_velocity(view.clusters.impulsive(pair.a), point.arm_a);
+}
+
+/// The contact of a swept hit, along the normal of the face that meets the other body where the points approach along
+/// that as well.
+SweptContact contact_of_hit(const StepView& view, const ClusterHit& hit) {
+    const SweptContact contact = swept_contact(view, hit);
+    const auto face = face_of_hit(view, hit);
+    if (!face || !(dot(*face, contact.point.relative_velocity) < 0)) return contact;
+    ClusterHit of_face = hit;
+    of_face.hit.normal = *face;
+    return swept_contact(view, of_face);
 }
 
 /// The contact of a swept hit with rigid velocities where these approach as well. Effective ones, of straight paths,
@@ -137,7 +149,7 @@ CollisionFinding find_collision(const StepView& view, Worker& worker, const Pair
     CollisionFinding out{.hit = found.hit, .verdict = found.verdict, .processed = false, .urgent = {}, .landing = {}};
     if (found.hit.hit) {
         out.processed = true;
-        const SweptContact swept = swept_contact(view, {found.hit, pair.a, pair.b});
+        const SweptContact swept = contact_of_hit(view, {found.hit, pair.a, pair.b});
         out.urgent = rebounding(view, pair, swept.point);
         out.landing = landing_of(view, pair, *out.urgent, swept.point.relative_velocity, swept.start_gap);
         const double approach = -dot(out.urgent->relative_velocity, out.urgent->normal);

@@ -8,16 +8,13 @@
 #include "base/index.hpp"
 #include "geometry/closest.hpp"
 #include "geometry/rounding.hpp"
+#include "pair/body_at.hpp"
 
 namespace flotilla {
 namespace {
 
-Vec3 vertex_at(const BodyMotion& body, std::int32_t v, double t) {
-    return body.at0.x[at(v)] + t * (body.at1.x[at(v)] - body.at0.x[at(v)]);
-}
-
-/// The box of the node at time t, but for rounding by a few units of the largest coordinate, for which CoarseReach has
-/// room.
+/// The box of the node at time t of a body that moves straight, but for rounding by a few units of the largest
+/// coordinate, for which CoarseReach has room.
 CoarseBox node_at(const BodyMotion& body, std::size_t node, Float4 t) {
     const CoarseBox &at0 = body.at0.nodes[node], &at1 = body.at1.nodes[node];
     const auto between = [&](const float* x0, const float* x1) { return load4(x0) + t * (load4(x1) - load4(x0)); };
@@ -27,23 +24,24 @@ CoarseBox node_at(const BodyMotion& body, std::size_t node, Float4 t) {
     return box;
 }
 
-/// Whether the body is within `reach` (m) of x at time t.
-bool touches(const BodyMotion& body, const Vec3& x, double t, double reach) {
-    const Bvh& bvh = body.shape->bvh;
+/// Whether the body is within `reach` (m) of x.
+bool touches(const BodyAt& body, const Vec3& x, double reach) {
+    const BodyMotion& motion = body.motion();
+    const Bvh& bvh = body.shape().bvh;
     const CoarseBox point = coarse_box(x);
-    const CoarseReach room(reach, std::max(body.max_abs(), max_component(abs(x))));
-    const Float4 time = both4(static_cast<float>(t));
-    const auto corner = [&](std::int32_t v) { return vertex_at(body, v, t); };
+    const CoarseReach room(reach + motion.arc_gap(1), std::max(motion.max_abs(), max_component(abs(x))));
+    const Float4 time = both4(static_cast<float>(body.time()));
     const auto near = [&](std::int32_t triangle) {
-        const Triangle& f = body.shape->mesh.triangles[at(triangle)];
-        return closest_vertex_triangle(x, corner(f[0]), corner(f[1]), corner(f[2])).distance_sq <= reach * reach;
+        const Triangle& f = body.shape().mesh.triangles[at(triangle)];
+        return closest_vertex_triangle(x, body.vertex(f[0]), body.vertex(f[1]), body.vertex(f[2])).distance_sq <=
+               reach * reach;
     };
     std::array<std::int32_t, kMaxBvhDepth + 2> stack;
     std::size_t size = 0;
     stack[size++] = 0;
     while (size > 0) {
         const std::int32_t i = stack[--size];
-        if (!coarse_overlap(node_at(body, at(i), time), point, room)) continue;
+        if (!coarse_overlap(node_at(motion, at(i), time), point, room)) continue;
         const BvhNode node = bvh.nodes[at(i)];
         if (node.count > 0) {
             const auto triangles = bvh.leaf_triangles(node);
@@ -62,17 +60,17 @@ struct Plane {
     double offset;
 };
 
-/// Heights above a plane at time t by mesh coordinates, for a third of the work of the exact ones.
+/// Heights above a plane by mesh coordinates, for a third of the work of the exact ones.
 struct Heights {
     Vec3 slope;
     double start, error; ///< m; the error is far more than the rounding of either
 
-    Heights(const BodyMotion& body, double t, const Plane& plane) {
-        const MatrixPose p0 = matrix_pose(body.at0), p1 = matrix_pose(body.at1);
-        slope = transpose(p0.rotation + t * (p1.rotation - p0.rotation)) * plane.normal;
-        start = dot(plane.normal, p0.origin + t * (p1.origin - p0.origin)) - plane.offset;
-        const double origin = max_component(max(abs(p0.origin), abs(p1.origin)));
-        error = place_rounding(body.max_abs() + origin + std::abs(plane.offset));
+    Heights(const BodyAt& body, const Plane& plane) {
+        const MatrixPose map = body.map();
+        slope = transpose(map.rotation) * plane.normal;
+        start = dot(plane.normal, map.origin) - plane.offset;
+        error = place_rounding(body.motion().max_abs() + body.shape().radius + max_component(abs(map.origin)) +
+                               std::abs(plane.offset));
     }
     [[nodiscard]] double at_least(const Vec3& local) const { return (dot(slope, local) + start) - error; }
 };
@@ -80,14 +78,13 @@ struct Heights {
 /// The vertices of a body that stands on the plane which are within `reach` of it. None where the body does not stand
 /// on the plane but reaches through it, and through what is `gap` (m) beyond it. All vertices are tested: an impulse
 /// has moved all of them before.
-void find_feet(const BodyMotion& body, double t, const Plane& plane, double reach, double gap,
-               std::vector<Vec3>& feet) {
+void find_feet(const BodyAt& body, const Plane& plane, double reach, double gap, std::vector<Vec3>& feet) {
     feet.clear();
-    const Heights heights(body, t, plane);
-    const std::vector<Vec3>& local = body.shape->mesh.vertices;
+    const Heights heights(body, plane);
+    const std::vector<Vec3>& local = body.shape().mesh.vertices;
     for (std::size_t v = 0; v < local.size(); ++v) {
-        if (heights.at_least(local[v]) > reach || body.shape->topology.vertex_owner[v] < 0) continue;
-        const Vec3 x = vertex_at(body, static_cast<std::int32_t>(v), t);
+        if (heights.at_least(local[v]) > reach || body.shape().topology.vertex_owner[v] < 0) continue;
+        const Vec3 x = body.vertex(static_cast<std::int32_t>(v));
         const double height = dot(plane.normal, x) - plane.offset;
         if (height > reach) continue;
         if (height < -(gap + reach)) return feet.clear();
@@ -101,6 +98,7 @@ void find_simultaneous_hits(const StepView& view, std::vector<Vec3>& feet, const
                             const ContactPoint& first, double reach, std::vector<ContactPoint>& out) {
     const double t = hit.hit.toi;
     const BodyMotion a = view.trajectories.motion(at(hit.a)), b = view.trajectories.motion(at(hit.b));
+    const BodyAt a_then(a, t), b_then(b, t);
     const Vec3 com_a = a.pose(t).com, com_b = b.pose(t).com, point_a = com_a + first.arm_a, point = com_b + first.arm_b;
     const double gap = length(point - point_a);
     const Impulsive body_a = view.clusters.impulsive(view.clusters.of(at(hit.a)));
@@ -110,18 +108,18 @@ void find_simultaneous_hits(const StepView& view, std::vector<Vec3>& feet, const
         return std::any_of(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
                            [&](const ContactPoint& p) { return length_sq(p.arm_b - (x - com_b)) <= reach * reach; });
     };
-    const auto add_feet = [&](const BodyMotion& body, const BodyMotion& other, const Plane& plane) {
+    const auto add_feet = [&](const BodyAt& body, const BodyAt& other, const Plane& plane) {
         const double room = gap + reach;
-        find_feet(body, t, plane, reach, gap, feet);
+        find_feet(body, plane, reach, gap, feet);
         for (const Vec3& x : feet) {
             ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
             p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
             if (!(dot(p.relative_velocity, p.normal) < 0) || length_sq(x - point) <= 4 * reach * reach) continue;
-            if (!known(x) && touches(other, x, t, room)) out.push_back(p);
+            if (!known(x) && touches(other, x, room)) out.push_back(p);
         }
     };
-    if (body_a.inverse_mass > 0) add_feet(a, b, {-first.normal, -dot(first.normal, point_a)});
-    if (body_b.inverse_mass > 0) add_feet(b, a, {first.normal, dot(first.normal, point)});
+    if (body_a.inverse_mass > 0) add_feet(a_then, b_then, {-first.normal, -dot(first.normal, point_a)});
+    if (body_b.inverse_mass > 0) add_feet(b_then, a_then, {first.normal, dot(first.normal, point)});
 }
 
 } // namespace flotilla

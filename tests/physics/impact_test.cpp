@@ -81,7 +81,7 @@ void lies_where_it_lands(const Run& run) {
 void boxes_land_flat(const Run& run, double e) {
     double spin = 0, aside = 0;
     for (const double gap : {0.01, 0.02, 0.03, 0.05, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2}) {
-        Motion motion(flat_boxes(run.settings(), gap, e));
+        Motion motion(flat_boxes(run.settings(), 2, gap, e));
         motion.run(0.6, [&](const StepReport&) {
             for (std::size_t i = 0; i < 2; ++i) {
                 const BodyState s = motion.body(i);
@@ -94,6 +94,47 @@ void boxes_land_flat(const Run& run, double e) {
     std::printf("spin of up to %.3g rad/s, moved aside by up to %.3g m\n", spin, aside);
     EXPECT_LT(spin, 0.2);
     EXPECT_LT(aside, 2e-3);
+}
+
+// The same of many: the more hits there are, the more of them are between edges that lie slightly aside.
+void stacks_land_flat(const Run& run, double e) {
+    double mean = 0, aside = 0;
+    int stacks = 0;
+    for (const std::size_t count : {3u, 5u, 8u})
+        for (const double gap : {0.02, 0.05, 0.08, 0.13}) {
+            Motion motion(flat_boxes(run.settings(), static_cast<int>(count), gap, e));
+            double spin = 0;
+            motion.run(1.5, [&](const StepReport&) {
+                for (std::size_t i = 0; i < count; ++i) {
+                    const BodyState s = motion.body(i);
+                    spin = std::max(spin, length(s.angular_velocity));
+                    aside = std::max(aside, std::hypot(s.center_of_mass.x, s.center_of_mass.y));
+                }
+            });
+            expect_no_rise(motion);
+            mean += spin;
+            ++stacks;
+        }
+    mean /= stacks;
+    std::printf("greatest spin %.3g rad/s in the mean, moved aside by up to %.3g m\n", mean, aside);
+    EXPECT_LT(mean, 0.3);
+    EXPECT_LT(aside, 0.01);
+}
+
+// What lands obliquely on a plate of many triangles, with edges of it on edges of the plate, moves on as from a plate
+// of two.
+void lands_as_on_two_triangles(const Run& run, double e) {
+    double mean = 0, most = 0;
+    for (int i = 0; i < kThrownBoxes; ++i) {
+        Motion plain(thrown_box(run.settings(), i, 1, e)), divided(thrown_box(run.settings(), i, 100, e));
+        for (Motion* motion : {&plain, &divided}) motion->run(0.4);
+        const double off = length(divided.body(0).velocity - plain.body(0).velocity);
+        mean += off / kThrownBoxes;
+        most = std::max(most, off);
+        expect_no_rise(divided);
+    }
+    std::printf("velocities %.3g m/s apart in the mean, %.3g at most\n", mean, most);
+    EXPECT_LT(mean, 0.002);
 }
 
 // Corners that land one after the other are stopped one after the other, however many a step has.
@@ -148,6 +189,12 @@ std::vector<Run> runs_of_impacts() {
     for (const int e : {50, 80, 100})
         add_runs("Impact", "BoxesLandFlatOnEachOtherWithRestitution" + std::to_string(e) + "Percent", runs(), true,
                  [=](const Run& r) { boxes_land_flat(r, 0.01 * e); });
+    for (const int e : {50, 80})
+        add_runs("Impact", "StacksLandFlatWithRestitution" + std::to_string(e) + "Percent", runs(), true,
+                 [=](const Run& r) { stacks_land_flat(r, 0.01 * e); });
+    for (const int e : {0, 50})
+        add_runs("Impact", "LandsOnManyTrianglesAsOnTwoWithRestitution" + std::to_string(e) + "Percent", runs(), true,
+                 [=](const Run& r) { lands_as_on_two_triangles(r, 0.01 * e); });
     add_runs("Impact", "PlasticCubesRiseAsInTheExactSequence", runs(), true, cubes_rise_as_in_the_exact_sequence);
     for (const int e : {100, 50})
         add_runs("Impact", "CradleWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,

@@ -69,11 +69,24 @@ SceneDescription flat_crate(const Start& start, double e) {
     return scene;
 }
 
-SceneDescription flat_boxes(const Start& start, double gap, double e) {
+SceneDescription flat_boxes(const Start& start, int count, double gap, double e) {
     SceneDescription scene = make_scene_with(start.settings);
     const auto box = add_solid(scene, make_box(0.5, 0.4, 0.2), 1000);
-    for (const double z : {0.4, 0.6 + gap}) add_body(scene, box, BodyType::dynamic, {0, 0, z}, 0.4, e);
+    for (int i = 0; i < count; ++i) add_body(scene, box, BodyType::dynamic, {0, 0, 0.4 + i * (0.2 + gap)}, 0.4, e);
     add_ground(scene, 10, 0.4, e);
+    return scene;
+}
+
+SceneDescription thrown_box(const Start& start, int i, int cells, double e) {
+    SceneDescription scene = make_scene_with(start.settings, {});
+    const auto box = add_solid(scene, make_box(0.6, 0.4, 0.2), 1000);
+    const double k = i;
+    const Vec3 turns[] = {{}, {0, 0, 0.4 * k}, {0.9 * std::fmod(k, 5) - 2, 0.37 * k, 1.3 * std::fmod(k, 7)}};
+    BodyDescription& body = add_body(scene, box, BodyType::dynamic, {0.03 * k, -0.02 * k, 0.5}, 0.3, e);
+    body.rotation = rotation_from_vector(turns[i % 3]);
+    body.velocity = {3 * std::sin(k), 3 * std::cos(1.7 * k), -1.5 - 0.1 * k};
+    const auto plate = add_shape(scene, make_plate(10, 10, cells, cells), 1);
+    add_body(scene, plate, BodyType::fixed, {0.011, 0.023, 0}, 0.3, e);
     return scene;
 }
 

@@ -25,8 +25,12 @@ struct Bounces {
 /// A crate that falls flat from 1 m.
 [[nodiscard]] SceneDescription flat_crate(const Start& start, double e);
 
-/// Two boxes that fall flat on a plate, `gap` m between them, edge above edge.
-[[nodiscard]] SceneDescription flat_boxes(const Start& start, double gap, double e);
+/// Boxes that fall flat on a plate, `gap` m between them, edge above edge.
+[[nodiscard]] SceneDescription flat_boxes(const Start& start, int count, double gap, double e);
+
+inline constexpr int kThrownBoxes = 24;
+/// The i-th of these boxes, thrown without gravity obliquely at a plate, flat or turned, on `cells` by `cells` cells.
+[[nodiscard]] SceneDescription thrown_box(const Start& start, int i, int cells, double e);
 
 inline constexpr int kCradleBodies = 5;
 inline constexpr double kCradleSpeed = 2;

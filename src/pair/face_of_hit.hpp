@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// The face with which a body meets another one, where the features that hit are on its border.
+#pragma once
+
+#include <optional>
+
+#include "pair/cluster_query.hpp"
+
+namespace flotilla {
+
+/// The unit normal, from a to b, of a face that touches at the points of a hit and parts, at that time, all faces that
+/// touch there of a from those of b; the one nearest to the hit's normal. None where the hit's normal is a face's
+/// already, and where no face's is within the slack of a hit of it.
+///
+/// At a hit bodies are a separation apart, a thousandth of a rest distance. Edges that meet along their length, those of
+/// boxes that land flat on each other, may be a tenth of that aside: the direction from one to the other is then 6
+/// degrees off, and so would be the impulse. Along the face's normal they are as near to each other as a hit's distance
+/// is certain (kHitReach).
+[[nodiscard]] std::optional<Vec3> face_of_hit(const StepView& view, const ClusterHit& hit);
+
+} // namespace flotilla
