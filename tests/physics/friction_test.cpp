@@ -189,7 +189,7 @@ void corner_passes_corner(const Run& run, double heading, double phase) {
                  [=](const Run& r) {
                      for (int k = 0; k < 8; ++k) corner_passes_corner(r, degrees * kDegree, k / 8.0);
                  });
-    add_runs("Friction", "SpinningBlockSlidesStraight", runs(), kNotReached, spinning_block_slides_straight);
+    add_runs("Friction", "SpinningBlockSlidesStraight", runs(), true, spinning_block_slides_straight);
     add_runs("Friction", "PainleveRodAbove4Thirds", runs(), true, [](const Run& r) { painleve_rod(r, 1.6); });
     add_runs("Friction", "PainleveRodBelow4Thirds", once, true, [](const Run& r) { painleve_rod(r, 1.2); });
     return true;

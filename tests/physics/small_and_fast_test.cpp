@@ -195,7 +195,7 @@ void falls_through_a_slot(const Run& run) {
         double edge, time_step, time;
     };
     for (const Edge& e : {Edge{"10mm", 1e-2, 0, 4}, {"1mm", 1e-3, 0, 4}, {"300um", 3e-4, 0, 4}, {"1mAt1s", 1, 1, 40}})
-        add_runs("SmallAndFast", std::string("ThreeCubesOf") + e.name, once, e.edge < 1e-3 ? kNotReached : true,
+        add_runs("SmallAndFast", std::string("ThreeCubesOf") + e.name, once, true,
                  [=](const Run& r) { three_cubes(r, e.edge, e.time_step > 0 ? e.time_step : r.dt(), e.time); });
     add_runs("SmallAndFast", "TwoBarsInSpace", runs(), true, two_bars);
     for (const int aspect : {100, 1000})
