@@ -12,10 +12,10 @@ namespace flotilla {
 /// touch there of a from those of b; the one nearest to the hit's normal. None where the hit's normal is a face's
 /// already, and where no face's is within the slack of a hit of it.
 ///
-/// At a hit bodies are a separation apart, a thousandth of a rest distance. Edges that meet along their length, those of
-/// boxes that land flat on each other, may be a tenth of that aside: the direction from one to the other is then 6
-/// degrees off, and so would be the impulse. Along the face's normal they are as near to each other as the distance of
-/// a hit is certain (kHitReach).
+/// At a hit bodies are a separation apart, a thousandth of a rest distance. Edges that meet along their length, as when
+/// boxes land flat on each other, may be a tenth of that aside: the direction from one to the other is then 6 degrees
+/// off, and so would be the impulse. Along the face's normal they are as near to each other as the distance of a hit is
+/// certain (kHitReach).
 [[nodiscard]] std::optional<Vec3> face_of_hit(const StepView& view, const ClusterHit& hit);
 
 } // namespace flotilla
