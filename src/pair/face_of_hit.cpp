@@ -80,12 +80,13 @@ std::optional<Vec3> face_of_hit(const StepView& view, const ClusterHit& h) {
         });
         return most_a <= least_b;
     };
+    if (parts(h.hit.normal)) return std::nullopt;
     std::optional<Vec3> best;
     double nearest = 1 / kHitReach; // cosine of the angle to the hit's normal
     const auto offer = [&](const std::array<Vec3, 3>& x) {
         const Vec3 across = cross(x[1] - x[0], x[2] - x[0]);
         const double size = length(across), along = dot(across, h.hit.normal);
-        if (!(size > 0) || !(std::abs(along) >= nearest * size)) return;
+        if (!(size > 0) || !(std::abs(along) >= nearest * size) || (best && std::abs(along) == nearest * size)) return;
         const Vec3 normal = (along > 0 ? 1 / size : -1 / size) * across;
         if (!parts(normal)) return;
         nearest = std::abs(along) / size;

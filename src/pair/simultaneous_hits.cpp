@@ -13,8 +13,8 @@
 namespace flotilla {
 namespace {
 
-/// The box of the node at time t of a body that moves straight, but for rounding by a few units of the largest
-/// coordinate, for which CoarseReach has room.
+/// The box of the node at time t on the straight ways of its vertices, but for rounding by a few units of the largest
+/// coordinate, for which CoarseReach has room. Vertices of a body that turns are within arc_gap(1) of these ways.
 CoarseBox node_at(const BodyMotion& body, std::size_t node, Float4 t) {
     const CoarseBox &at0 = body.at0.nodes[node], &at1 = body.at1.nodes[node];
     const auto between = [&](const float* x0, const float* x1) { return load4(x0) + t * (load4(x1) - load4(x0)); };
@@ -99,7 +99,12 @@ void find_simultaneous_hits(const StepView& view, std::vector<Vec3>& feet, const
     const double t = hit.hit.toi;
     const BodyMotion a = view.trajectories.motion(at(hit.a)), b = view.trajectories.motion(at(hit.b));
     const BodyAt a_then(a, t), b_then(b, t);
-    const Vec3 com_a = a.pose(t).com, com_b = b.pose(t).com, point_a = com_a + first.arm_a, point = com_b + first.arm_b;
+    const auto center = [&](const BodyMotion& body, std::int32_t id) { // from which the arms of the hit are
+        const bool stays = hit.hit.hit && view.clusters[view.clusters.of(at(id))].infinite();
+        return stays ? view.trajectories.start_pose(at(id)).com : body.pose(t).com;
+    };
+    const Vec3 com_a = center(a, hit.a), com_b = center(b, hit.b), point_a = com_a + first.arm_a,
+               point = com_b + first.arm_b;
     const double gap = length(point - point_a);
     const Impulsive body_a = view.clusters.impulsive(view.clusters.of(at(hit.a)));
     const Impulsive body_b = view.clusters.impulsive(view.clusters.of(at(hit.b)));

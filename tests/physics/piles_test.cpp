@@ -32,7 +32,7 @@ void expect_due_way(SceneDescription was, Motion& motion) {
     finer.run(kWatched);
     for (std::size_t i = 0; i < was.bodies.size(); ++i) {
         const BodyState now = motion.body(i);
-        const double speed = length(now.velocity) + 0.5 * motion.size(i) * length(now.angular_velocity);
+        const double speed = length(now.velocity);
         if (motion.mass(i) == 0 || speed < kResting * motion.size(i)) continue;
         const Vec3 due = finer.body(i).position - was.bodies[i].position, way = now.position - was.bodies[i].position;
         std::printf("body %zu moves at %.3g m/s, has come %.4g m, due %.4g\n", i, speed, length(way), length(due));
