@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The normals along which hits on the borders of faces act.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "collision/stage.hpp"
@@ -37,15 +39,24 @@ TEST(FaceOfHit, BallsMeetAtTheirPolesAlongTheLineOfCentres) {
             expect_straight_blow(meeting(make_sphere(0.5, subdivisions), 1.01 * way, way), way, 1e-6);
 }
 
-// Boxes whose edges lie aside of each other by less than a separation.
+// A box that lands with one edge first, which lies aside of the other one's edge by less than a separation.
 TEST(FaceOfHit, EdgesAlongEachOtherMeetAlongTheFace) {
     const TriangleMesh box = make_box(0.5, 0.4, 0.2);
-    const StageWorld world(meeting(box, {0, 0, 0.21}, {0, 0, 1}));
-    const double separation = world.lengths(0, 1).separation;
-    for (const double x : {-0.1, -0.03, 0.0, 0.05, 0.1})
-        for (const double y : {-0.08, 0.0, 0.02}) {
-            SCOPED_TRACE(testing::Message() << x << ", " << y << " of the separation aside");
-            expect_straight_blow(meeting(box, {x * separation, y * separation, 0.21}, {0, 0, 1}), {0, 0, 1}, 1e-3);
+    const Vec3 down{0, 0, 1};
+    const double separation = StageWorld(meeting(box, {0, 0, 0.21}, down)).lengths(0, 1).separation;
+    for (const double tilt : {-1e-3, 1e-3})
+        for (const double aside : {0.02, 0.05, 0.1}) {
+            SCOPED_TRACE(testing::Message() << tilt << " rad, " << aside << " of the separation aside");
+            const Quat turned = rotation_from_vector({0, tilt, 0});
+            const double side = tilt > 0 ? 1 : -1; // of the lower edge
+            const Vec3 corner = rotate(turned, {side * 0.25, 0.2, -0.1});
+            SceneDescription scene =
+                meeting(box, {side * (0.25 + aside * separation) - corner.x, 0, 0.1 + 0.01 - corner.z}, down);
+            scene.bodies[1].rotation = turned;
+            StageWorld world(scene);
+            EXPECT_FALSE(collide(world).limit);
+            EXPECT_LT(world.velocity(0).z, -0.1);
+            EXPECT_LT(std::hypot(world.velocity(0).x, world.velocity(0).y), 5e-3);
         }
 }
 

@@ -121,7 +121,7 @@ void stacks_land_flat(const Run& run, double e) {
     EXPECT_LT(aside, 0.01);
 }
 
-// What lands obliquely on a plate of many triangles, with edges of it on edges of the plate, moves on as from a plate
+// What lands obliquely on a plate of many triangles, with edges of it across edges of the plate, moves on as from one
 // of two.
 void lands_as_on_two_triangles(const Run& run, double e) {
     double mean = 0, most = 0;
