@@ -178,7 +178,6 @@ std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(
     };
     add_runs("Stacks", "BrickWallSleepsWhenCarried", once, true,
              [=](const Run& r) { sleeps_only_when_carried(wall(r)); });
-    // Ten courses add up what a solve may leave undone: bricks move by up to ten tolerances now and then.
     add_runs("Stacks", "BrickWallStaysStillAwake", once, true, [=](const Run& r) { rests_awake(wall(r)); });
     for (const int beam : {61, 182, 606})
         add_runs("Stacks", "WallUnderABeamOf" + std::to_string(beam) + "Bricks", once, beam == 61,
