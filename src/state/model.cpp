@@ -128,6 +128,8 @@ std::uint64_t state_hash(const State& state, std::span<const std::int32_t> awake
     h.add(state.time);
     add(h, state, awake);
     for (const RestDistance& r : state.rest_distances) h.add(word(r.a, r.b)), h.add(r.distance);
+    for (const SqueezedPair& s : state.squeezed)
+        h.add(word(s.a, s.b)), h.add(s.distance), h.add(word(s.steps, s.waits));
     for (const auto& impulses : state.warm) add(h, impulses);
     if (of_sleepers != 0) h.add(of_sleepers);
     return h.value();

@@ -75,6 +75,14 @@ struct RestDistance {
     double distance;   ///< m
 };
 
+/// A pair that lacks some of its rest distance (static_contact/squeezed_pairs.hpp).
+struct SqueezedPair {
+    std::int32_t a, b;      ///< a < b
+    double distance;        ///< m, that it is due: its rest distance, or while it waits what it has
+    std::int32_t steps = 0; ///< in a row that it was asked in vain; negative: until it is asked again
+    std::int32_t waits = 0; ///< steps that it waited last; 0: never yet
+};
+
 /// The impulse at a feature pair, kept for the next solve as a world vector.
 struct WarmImpulse {
     std::int32_t a, b; ///< a < b
@@ -124,6 +132,7 @@ struct State {
     std::vector<double> script_delay;
     std::vector<double> lift;                 ///< J of each body's energy that are lift (step/energy_account.hpp)
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
+    std::vector<SqueezedPair> squeezed;       ///< sorted by (a, b)
     /// The impulses of the last solves, each sorted by (a, b, feature pair without a face, feature_key). They solve
     /// different problems: at rest each finds its own solution of the step before.
     WarmImpulses warm;

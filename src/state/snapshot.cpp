@@ -20,10 +20,11 @@ namespace {
 // Arrays are copied as they lie in memory, so none may have padding: those bytes would be anything.
 static_assert(sizeof(Pose) == 10 * sizeof(double) && sizeof(Motion) == 6 * sizeof(double));
 static_assert(sizeof(Sleep) == 8 && sizeof(RestDistance) == 16 && sizeof(WarmImpulse) == 40);
+static_assert(sizeof(SqueezedPair) == 24);
 static_assert(sizeof(Searched) == sizeof(Pose) + 8);
 
 constexpr std::uint64_t kMagic = 0x50414e534c464c46; // "FLFLSNAP"
-constexpr std::uint64_t kVersion = 4;
+constexpr std::uint64_t kVersion = 5;
 
 void add(Hasher& h, const Mat3& m) {
     for (const double x : m.m) h.add(x);
@@ -62,7 +63,7 @@ void add(Hasher& h, const Model& model) {
 template <typename S, typename Visit>
 void visit(S& state, Visit&& part) {
     part(state.step), part(state.time), part(state.pose), part(state.motion), part(state.sleep);
-    part(state.script_delay), part(state.lift), part(state.rest_distances);
+    part(state.script_delay), part(state.lift), part(state.rest_distances), part(state.squeezed);
     for (auto& impulses : state.warm) part(impulses);
     for (auto& impulses : state.waiting) part(impulses);
     part(state.searched);
@@ -91,6 +92,12 @@ bool sound_pairs(const std::vector<T>& list, std::size_t bodies) {
     const auto in_order = [](const T& x, const T& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); };
     return std::is_sorted(list.begin(), list.end(), in_order) && std::all_of(list.begin(), list.end(), [&](const T& x) {
                return x.a >= 0 && x.a < x.b && static_cast<std::size_t>(x.b) < bodies;
+           });
+}
+
+bool sound_squeezed(const std::vector<SqueezedPair>& list, std::size_t bodies) {
+    return sound_pairs(list, bodies) && std::all_of(list.begin(), list.end(), [](const SqueezedPair& s) {
+               return s.distance >= 0 && s.distance <= kMost && s.waits >= 0;
            });
 }
 
@@ -126,7 +133,8 @@ bool sound(const State& s, const Model& model) {
     const auto all_sound = [&](const WarmImpulses& impulses) {
         return std::all_of(impulses.begin(), impulses.end(), [&](const auto& x) { return sound_impulses(x, model); });
     };
-    return sound_pairs(s.rest_distances, n) && all_sound(s.warm) && all_sound(s.waiting) &&
+    return sound_pairs(s.rest_distances, n) && sound_squeezed(s.squeezed, n) && all_sound(s.warm) &&
+           all_sound(s.waiting) &&
            std::all_of(s.rest_distances.begin(), s.rest_distances.end(),
                        [](const RestDistance& r) { return r.distance >= 0 && std::isfinite(r.distance); });
 }

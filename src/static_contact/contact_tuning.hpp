@@ -119,6 +119,10 @@ struct ContactTuning {
 
     /// The share of the rest distance that a target's dead band takes at most. Row: band.
     double most_of_rest = 0.02;
+    /// A pair that lacks more than that share of its rest distance at the ends of so many steps in a row is asked in
+    /// vain (squeezed_pairs.hpp), and first waits as many. A blow brings pairs too near in one step or two: with 2 a
+    /// chain that fell taut hangs by joints of other play than its neighbours'. 0: none is. Row: squeezed.
+    int steps_in_vain = 4;
     /// The tolerance, as a share of what gravity adds in a step, and of a rest distance a step (`static_tolerance` in
     /// `flotilla plan --settings` says what it costs). No row.
     double of_gravity = 1.0 / 4096, of_rest = 1.0 / 2048;

@@ -95,7 +95,9 @@ class PairTargets {
         const bool rolls =
             arcs_of_pair(model_, pair, {dt_ * band(first, 1), dt_ * band(first, share), angle_cos_, input_.final_stage},
                          bodies_, std::span(out_.arcs).subspan(first, end - first));
-        for (std::size_t i = first; i < end; ++i) set(i, band(i, rolls ? share : 1));
+        const Contact& c = set_.contacts[first];
+        const double due = due_distance(input_.squeezed, c.a, c.b, set_.rest[first]);
+        for (std::size_t i = first; i < end; ++i) set(i, due, band(i, rolls ? share : 1));
     }
 
   private:
@@ -138,10 +140,13 @@ class PairTargets {
         return rest_band(set_.rest[i], dt_, out_.contacts[i].tolerance / widened, input_.tuning);
     }
 
-    void set(std::size_t i, double band) const {
+    /// `due`: m, to where the contact may raise bodies. One that is farther apart stays as it is, up to the rest
+    /// distance.
+    void set(std::size_t i, double due, double band) const {
         Contact& c = out_.contacts[i];
         const ArcContact& arcs = out_.arcs[i];
-        const double full = equation_16(set_.rest[i] - (c.distance - arcs.closer), dt_, band) + arcs.approach;
+        const double distance = c.distance - arcs.closer;
+        const double full = equation_16(std::clamp(distance, due, set_.rest[i]) - distance, dt_, band) + arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
         // there.
         const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);

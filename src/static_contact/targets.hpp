@@ -15,6 +15,7 @@
 #include "proximity/contact_set.hpp"
 #include "response/arc.hpp"
 #include "static_contact/contact_tuning.hpp"
+#include "static_contact/squeezed_pairs.hpp"
 #include "static_contact/sticking.hpp"
 #include "static_contact/velocity_arrays.hpp"
 
@@ -31,7 +32,8 @@ struct TargetInput {
     std::span<const Motion> last_motion; ///< v^n: which contacts stick
     /// By body: contacts do not raise it to its rest distance; may be empty: of none.
     std::span<const std::uint8_t> level;
-    bool all_level = false; ///< of none at all
+    bool all_level = false;                 ///< of none at all
+    std::span<const SqueezedPair> squeezed; ///< State::squeezed
     /// By body: what of the velocities does not move it in this step (Cluster::late, but for the mean of free islands);
     /// empty: nothing.
     std::span<const Motion> late;

@@ -198,6 +198,7 @@ void Stepper::place_changed() {
 
 void Stepper::forget_pairs_of(std::int32_t body) {
     erase_of(state_.rest_distances, body);
+    erase_of(state_.squeezed, body);
     for (WarmImpulses* stages : {&state_.warm, &state_.waiting})
         for (auto& impulses : *stages) erase_of(impulses, body);
     erase_of(sleeping_contacts_, body);
@@ -209,10 +210,11 @@ void Stepper::set_moved(std::vector<std::uint8_t> moved) {
     stale_ = std::find(moved_.begin(), moved_.end(), 1) != moved_.end();
 }
 
-/// Those are noted anew (note_rest_distances()).
+/// Rest distances are noted anew (note_rest_distances()), and squeezed pairs as steps find them.
 void Stepper::forget_moved_distances() {
-    std::erase_if(state_.rest_distances,
-                  [&](const RestDistance& r) { return (moved_[at(r.a)] | moved_[at(r.b)]) != 0; });
+    const auto moved = [&](const auto& pair) { return (moved_[at(pair.a)] | moved_[at(pair.b)]) != 0; };
+    std::erase_if(state_.rest_distances, moved);
+    std::erase_if(state_.squeezed, moved);
 }
 
 void Stepper::refresh() {

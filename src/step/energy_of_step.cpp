@@ -29,7 +29,8 @@ bool Stepper::mark_level(std::span<const Motion> half) {
     const std::span<const std::int32_t> bodies = energy_.overdrawn(model_, way_, state_.lift);
     if (bodies.empty()) return false;
     level_.assign(model_.size(), 0);
-    for (const std::int32_t body : bodies) level_[static_cast<std::size_t>(body)] = 1;
+    for (const std::int32_t body : bodies) level_[at(body)] = 1;
+    unpaid_ = level_;
     return true;
 }
 
@@ -41,6 +42,7 @@ void Stepper::mark_spent() {
     if (bodies.empty()) return;
     level_.assign(model_.size(), 0);
     for (const std::int32_t body : bodies) level_[at(body)] = 1;
+    unpaid_ = level_;
 }
 
 /// Takes islands that stage 3 would raise by more than they have back towards what it found without raising them, as
@@ -57,6 +59,7 @@ void Stepper::raise_as_far_as_paid(std::span<const Motion> kept, std::span<Motio
     for (const std::int32_t id : model_.active) {
         const std::size_t i = at(id);
         if (shares[i] == 1) continue;
+        mark_unpaid(i);
         half[i].velocity = kept[i].velocity + shares[i] * (half[i].velocity - kept[i].velocity);
         half[i].momentum = kept[i].momentum + shares[i] * (half[i].momentum - kept[i].momentum);
     }
@@ -73,25 +76,48 @@ std::span<const std::int32_t> Stepper::overdrawn() {
     return energy_.overdrawn(model_, way_, state_.lift);
 }
 
-/// Halves the half velocities of what stages 3 and 5 could not move as a whole, where no script pays for it or blocks
-/// it. Returns whether there is any. These are islands that were raised by more than all their energy: a body that
-/// falls on others in the step pushes them up with all its speed from the start on, and they keep theirs to the end, so
-/// that they rise by m g dt v for the m v^2 / 2 that they got. A slower one pushes less, or does not get there yet. And
-/// they are bodies that the failsafe held: half the displacement is more than none.
+void Stepper::mark_unpaid(std::size_t i) {
+    if (unpaid_.empty()) unpaid_.assign(model_.size(), 0);
+    unpaid_[i] = 1;
+}
+
+/// Slows down what stages 3 and 5 could not move as a whole. Returns whether there is any. These are islands that were
+/// raised by more than all their energy, which get half of their half velocities: a body that falls on others in the
+/// step pushes them up with all its speed from the start on, and they keep theirs to the end, so that they rise by
+/// m g dt v for the m v^2 / 2 that they got. A slower one pushes less, or does not get there yet. And they are bodies
+/// that the failsafe held, where no script blocks them: half the displacement is more than none. Before that held ones
+/// are left unraised: in a slot with less play than two rest distances no velocity brings a body to both, and what the
+/// solve made of that is wider than the play.
 bool Stepper::slow_down(std::span<Motion> half) {
     const std::span<const std::int32_t> raised = overdrawn();
-    std::vector<std::int32_t> bodies(raised.begin(), raised.end());
-    for (const std::int32_t body : model_.active)
-        if (clusters_[clusters_.of(at(body))].rung == Rung::held && !energy_.touches_script(body))
+    std::vector<std::int32_t> bodies(raised.begin(), raised.end()), unraised;
+    for (const std::int32_t body : model_.active) {
+        if (clusters_[clusters_.of(at(body))].rung != Rung::held) continue;
+        if (leave_unraised(at(body), half))
+            unraised.push_back(body);
+        else if (!energy_.touches_script(body))
             bodies.push_back(body);
+    }
     std::sort(bodies.begin(), bodies.end());
     bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
     for (const std::int32_t body : bodies) {
-        const auto i = static_cast<std::size_t>(body);
+        if (std::binary_search(unraised.begin(), unraised.end(), body)) continue;
+        const std::size_t i = at(body);
         half[i] = {0.5 * half[i].velocity, 0.5 * half[i].momentum};
         slowed_[i] = 1;
     }
-    return !bodies.empty();
+    return !bodies.empty() || !unraised.empty();
+}
+
+/// Gives a body the half velocity that stage 3 found before it raised anything, once in a step, and if that is another
+/// one. Whether it is. With `velocity_update: end` there is none.
+bool Stepper::leave_unraised(std::size_t i, std::span<Motion> half) {
+    if (slowed_[i] != 0 || model_.settings.velocity_update == VelocityUpdate::end) return false;
+    Motion unraised = buffers_.kept[i];
+    if (any_late_) unraised.velocity -= buffers_.late[i].velocity, unraised.momentum -= buffers_.late[i].momentum;
+    if (half[i].velocity == unraised.velocity && half[i].momentum == unraised.momentum) return false;
+    half[i] = unraised;
+    return true;
 }
 
 /// Islands that are raised too far even so stay where they were, and the failsafe goes on around them. Each round holds

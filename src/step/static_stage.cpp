@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/assert.hpp"
+#include "base/index.hpp"
 #include "step/phase_watch.hpp"
 #include "step/stepper.hpp"
 
@@ -59,6 +60,7 @@ ContactSolveOptions solve_options(const Model& model, const StepperOptions& opti
 void Stepper::half_static_contact(std::span<const Motion> collided, std::span<Motion> half, std::span<Motion> kept,
                                   StepReport& report) {
     const PhaseWatch watch(report, Phase::half_static_contact, workers_.team);
+    unpaid_.clear();
     if (model_.settings.velocity_update == VelocityUpdate::end) return raise_or_stay(collided, half, report);
     copy_active<Motion>(half, kept);
     mark_spent();
@@ -98,6 +100,7 @@ ContactSet& Stepper::contacts_at_start() {
 void Stepper::final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report) {
     const PhaseWatch watch(report, Phase::static_contact, workers_.team);
     find_contacts_at_end(report);
+    note_squeezed();
     static_contact(contacts_, next, end, ContactStage::final, report);
     settle_energy(next, end, report);
     report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
@@ -112,6 +115,18 @@ void Stepper::find_contacts_at_end(StepReport& report) {
     contacts_step_ = report.step;
     contacts_.mark_processed(workers_.team, start_pairs_);
     set_counters(contacts_.counters, report);
+}
+
+/// Pairs that have no room, from here on. Islands that cannot pay for it were not asked to part. What a script squeezes
+/// is asked always: that has an end, and what pairs lack then comes back at its expense.
+void Stepper::note_squeezed() {
+    const auto still = [&](std::int32_t a, std::int32_t b) { return rests(a, b); };
+    const auto may_ask = [&](std::int32_t i) {
+        if (!model_.bodies[at(i)].movable()) return true;
+        return (unpaid_.empty() || unpaid_[at(i)] == 0) && !energy_.touches_script(i);
+    };
+    const auto asked = [&](std::int32_t a, std::int32_t b) { return may_ask(a) && may_ask(b); };
+    squeezed_.update(workers_.team, contacts_, options_.tuning, still, asked, state_.squeezed);
 }
 
 void Stepper::static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses,
@@ -164,6 +179,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     const double accelerated = final_stage && model_.settings.velocity_update == VelocityUpdate::end ? 1 : 0.5;
     set_targets(&workers_.team, model_, contacts, velocities,
                 {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, stage == ContactStage::kept,
+                 state_.squeezed,
                  final_stage || !any_late_ ? std::span<const Motion>() : std::span<const Motion>(buffers_.late),
                  accelerated * model_.settings.time_step, options_.tuning},
                 targets);

@@ -18,9 +18,9 @@ namespace flotilla {
 namespace {
 
 constexpr std::size_t kBodyGrain = 16; // bodies of a task
-/// Of half velocities, see slow_down(). Three cubes of 0.3 mm, preset accurate, at 1/24 s: 82 bodies held in 96 steps
-/// with one, 75 with two, 1 with three, none with four; without, 8.
-constexpr int kMostHalvings = 4;
+/// Of stages 4 and 5, see slow_down(): one unraised and four halvings. Three cubes of 0.3 mm, preset accurate, 1/24 s:
+/// 82 bodies held in 96 steps with one halving, 75 with two, 1 with three, none with four; without, 8.
+constexpr int kMostRetries = 5;
 void add_counters(const StageCounters& c, StepReport& report) {
     report.pairs += c.pairs;
     report.ms(Phase::detection) += c.detection_ms;
@@ -321,16 +321,16 @@ void Stepper::start_trajectories(std::span<const Motion> motion) {
     });
 }
 
-/// Stages 4 and 5. What could not go as far as its half velocity says is tried again with half of it.
+/// Stages 4 and 5. What could not go as far as its half velocity says is tried again with less (slow_down).
 FailsafeStats Stepper::move_bodies(std::span<Motion> half, StepReport& report) {
     slowed_.assign(model_.size(), 0);
-    for (int halvings = 0;; ++halvings) {
+    for (int round = 0;; ++round) {
         candidate_end_states(half, report);                          // 4
         const DynamicContactStats dynamic = dynamic_contact(report); // 5: dynamic contact
         const PhaseWatch watch(report, Phase::failsafe, workers_.team);
         FailsafeStats failsafe = run_failsafe(view(), movers(), pairs_, workers_); // 5: the failsafe
         add_counters(failsafe.counters, report);
-        if (halvings < kMostHalvings && slow_down(half)) continue;
+        if (round < kMostRetries && slow_down(half)) continue;
         hold_overdrawn(failsafe);
         record_failsafe(dynamic, failsafe, report);
         if (!failsafe.delayed_scripts.empty() && model_.settings.unsatisfiable_script == UnsatisfiableScript::error)

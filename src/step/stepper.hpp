@@ -191,6 +191,7 @@ class Stepper {
                         std::span<Motion> next, StepReport& report);
     void final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report);
     void find_contacts_at_end(StepReport& report);
+    void note_squeezed();
     /// Of stage 3 for what v^{n+1} keeps of it, which nothing raises to its rest distance; of stage 3; of stage 7.
     void static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses, ContactStage stage,
                         StepReport& report);
@@ -212,6 +213,8 @@ class Stepper {
     void raise_as_far_as_paid(std::span<const Motion> kept, std::span<Motion> half);
     std::span<const std::int32_t> overdrawn();
     bool slow_down(std::span<Motion> half);
+    bool leave_unraised(std::size_t i, std::span<Motion> half);
+    void mark_unpaid(std::size_t i);
     void hold_overdrawn(FailsafeStats& failsafe);
     void join_pushed();
     void join_contacts();
@@ -270,11 +273,13 @@ class Stepper {
         ContactScratch solver;
     };
     StaticBuffers static_;
+    SqueezedPairs squeezed_;
     std::int64_t contact_visits_ = 0;
     EnergyAccount energy_;
     std::vector<Vec3> way_;            ///< m, displacements of centres of mass in the step
-    std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() did it
+    std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() halved its half velocity
     std::vector<std::uint8_t> level_;  ///< see mark_level() and mark_spent(); empty but in stage 3
+    std::vector<std::uint8_t> unpaid_; ///< by body: of islands that cannot pay for being raised; empty: of none
     std::vector<Vec3> level_way_;      ///< m, of raise_as_far_as_paid()
     ContactSearchScratch search_;
     /// With contacts at x^n. Stage 1 examined how they move from there, so that stage 7 misses no collision of theirs;

@@ -121,6 +121,31 @@ void same_motion_at_any_size(const Run& run) {
 // ---- next to nothing between bodies
 //      -----------------------------------------------------------------------------------------
 
+/// Two walls close on a cube that slides between them, until either side has less than a rest distance: no place is
+/// right by both, but nothing stops the cube.
+void walls_close(const Run& run) {
+    constexpr double kSpeed = 2, kEdge = 0.5, kTime = 2.5, kClosing = 0.3, kHalfWall = 0.1;
+    const double rest = std::sqrt(3.0) * kEdge / 330;
+    for (const double play : {0.1, 0.5, 0.9}) { // on either side, in rest distances
+        SceneDescription scene = make_scene_with(run.settings(), {});
+        const auto cube = add_solid(scene, make_box(kEdge, kEdge, kEdge), 1000);
+        const auto wall = add_shape(scene, make_box(8, 2, 2 * kHalfWall));
+        const auto place = [&](double gap) { return Vec3{3, 0, 0.5 * kEdge + gap * rest + kHalfWall}; };
+        add_body(scene, wall, BodyType::fixed, -1.0 * place(play) + Vec3{6, 0, 0}, 0, 0);
+        add_body(scene, wall, BodyType::kinematic, place(1.5), 0, 0).keyframes = {{0, place(1.5), {}},
+                                                                                  {kClosing, place(play), {}}};
+        add_body(scene, cube, BodyType::dynamic, {}, 0, 0).velocity = {kSpeed, 0, 0};
+        Motion motion(scene);
+        motion.run(kTime);
+        const BodyState s = motion.body(2);
+        motion.print("play of %g rest distances: %.6g m of %g, %.6g m/s", play, s.position.x, kSpeed * kTime,
+                     s.velocity.x);
+        EXPECT_EQ(motion.outcome().held, 0);
+        EXPECT_NEAR(s.position.x, kSpeed * kTime, 1e-3);
+        EXPECT_NEAR(s.velocity.x, kSpeed, 1e-3);
+    }
+}
+
 void slides_out_of_a_tunnel(const Run& run) {
     constexpr double kPlay = 1e-4, kSpeed = 10, kEdge = 1, kLength = 6;
     SceneDescription scene = make_scene_with(run.settings(), {});
@@ -205,6 +230,7 @@ void falls_through_a_slot(const Run& run) {
     add_runs("SmallAndFast", "HeapOfNeedlesOf10um", once, kNotReached, [](const Run& r) { bars_in_a_heap(r, 1e-5); });
     add_runs("SmallAndFast", "SameMotionAtAnySize", once, true, same_motion_at_any_size);
     add_runs("SmallAndFast", "CubeSlidesOutOfATightTunnel", runs(), true, slides_out_of_a_tunnel);
+    add_runs("SmallAndFast", "WallsCloseOnACubeThatSlides", runs(), true, walls_close);
     add_runs("SmallAndFast", "BoxLeavesAGapOfANanometre", once, true, leaves_a_gap_of_a_nanometre);
     add_runs("SmallAndFast", "BoxSlidesOverAGapOfANanometre", once, true, slides_over_a_gap_of_a_nanometre);
     add_runs("SmallAndFast", "BoxFallsThroughASlotOfANanometre", once, true, falls_through_a_slot);

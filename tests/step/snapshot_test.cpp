@@ -122,6 +122,10 @@ TEST(SnapshotOf, WhatIsNoStateOfTheSceneIsRefusedThoughItsHashFits) {
     EXPECT_EQ(message([](State& s) { s.motion[1].velocity.z = 1e200; }), content);
     EXPECT_EQ(message([](State& s) { s.sleep[0].island = 2; }), content);
     EXPECT_EQ(message([](State& s) { s.rest_distances = {{0, 2, 0.1}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 1, 0.1, -3, 4}}; }), "none");
+    EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 2, 0.1, 3, 0}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 1, 0.1, 3, -1}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 1, HUGE_VAL, 3, 0}}; }), content);
     EXPECT_EQ(message([](State& s) { s.warm[ContactStage::kept] = {{1, 0, 3, {}}}; }), content);
     EXPECT_EQ(message([](State& s) { s.waiting[ContactStage::final] = {{0, 1, 3, {0, 0, std::nan("")}}}; }), content);
     // Impulses at features: boxes have 8 vertices, 12 triangles and 18 edges.
