@@ -77,7 +77,8 @@ struct RestDistance {
 
 /// A pair that lacks some of its rest distance (static_contact/squeezed_pairs.hpp).
 struct SqueezedPair {
-    std::int32_t a, b;      ///< a < b
+    static constexpr std::int32_t kMostWait = 1 << 20; ///< steps, with room to double
+    std::int32_t a, b;                                 ///< a < b
     double distance;        ///< m, that it is due: its rest distance, or while it waits what it has
     std::int32_t steps = 0; ///< in a row that it was asked in vain; negative: until it is asked again
     std::int32_t waits = 0; ///< steps that it waited last; 0: never yet

@@ -97,7 +97,9 @@ bool sound_pairs(const std::vector<T>& list, std::size_t bodies) {
 
 bool sound_squeezed(const std::vector<SqueezedPair>& list, std::size_t bodies) {
     return sound_pairs(list, bodies) && std::all_of(list.begin(), list.end(), [](const SqueezedPair& s) {
-               return s.distance >= 0 && s.distance <= kMost && s.waits >= 0;
+               constexpr std::int32_t kMostSteps = SqueezedPair::kMostWait;
+               return s.distance >= 0 && s.distance <= kMost && s.waits >= 0 && s.waits <= kMostSteps &&
+                      std::abs(std::int64_t{s.steps}) <= kMostSteps;
            });
 }
 

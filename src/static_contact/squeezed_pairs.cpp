@@ -40,14 +40,13 @@ void SqueezedPairs::list_near(Team& team, const ContactSet& contacts, const Cont
 
 /// What a pair gains while it waits is due from then on.
 SqueezedPair SqueezedPairs::judge(const NearPair& pair, SqueezedPair known, const ContactTuning& tuning) {
-    constexpr std::int32_t kMostWait = 1 << 20; // steps, with room to double
     if (known.steps < 0) {
         known.distance = std::clamp(pair.distance, std::min(known.distance, pair.rest), pair.rest);
         if (++known.steps == 0) known.distance = pair.rest;
         return known;
     }
     if (++known.steps < tuning.steps_in_vain) return known;
-    known.waits = std::clamp(2 * known.waits, tuning.steps_in_vain, kMostWait);
+    known.waits = std::clamp(2 * known.waits, tuning.steps_in_vain, SqueezedPair::kMostWait);
     known.steps = -known.waits;
     known.distance = pair.distance;
     return known;

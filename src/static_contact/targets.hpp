@@ -2,8 +2,9 @@
 // Targets of contacts: the velocities that stages 3 and 7 ask for, equation 16, and how nearly.
 //
 // Stage 3 asks for (d_rest - d)/dt; stage 7 for its minimum with 0, so that velocities which are kept do not gain from
-// it. Around that: a dead band, arcs of turning bodies (response/arc.hpp, rolling.hpp), and in stage 7 the approach
-// that pairs keep for their bounce in the next step.
+// it. Squeezed pairs that wait (squeezed_pairs.hpp) ask for no more than they have. Around that: a dead band, arcs of
+// turning bodies (response/arc.hpp, rolling.hpp), and in stage 7 the approach that pairs keep for their bounce in the
+// next step.
 //
 // Reads: the contacts, the velocities at their poses. Writes: ContactTargets alone.
 #pragma once

@@ -126,6 +126,9 @@ TEST(SnapshotOf, WhatIsNoStateOfTheSceneIsRefusedThoughItsHashFits) {
     EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 2, 0.1, 3, 0}}; }), content);
     EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 1, 0.1, 3, -1}}; }), content);
     EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 1, HUGE_VAL, 3, 0}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 1, 0.1, INT32_MAX, 0}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 1, 0.1, INT32_MIN, 0}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 1, 0.1, 3, INT32_MAX}}; }), content);
     EXPECT_EQ(message([](State& s) { s.warm[ContactStage::kept] = {{1, 0, 3, {}}}; }), content);
     EXPECT_EQ(message([](State& s) { s.waiting[ContactStage::final] = {{0, 1, 3, {0, 0, std::nan("")}}}; }), content);
     // Impulses at features: boxes have 8 vertices, 12 triangles and 18 edges.
