@@ -48,13 +48,17 @@ class Team::Chunks {
     std::size_t threads_ = 1, chunks_ = 0;
 };
 
-/// Memory of ordered runs, kept.
+/// Memory of ordered runs, kept. Only start() asks for more: what helpers throw nobody would catch.
 struct Team::OrderedMemory {
+    /// The tasks beside one in its queue; -1: none.
+    struct Neighbours {
+        std::int32_t older, younger;
+    };
     /// Tasks that are ready, of one thread. Its owner takes the oldest, others the youngest.
     struct alignas(64) Ready {
         std::atomic_flag lock = ATOMIC_FLAG_INIT;
-        std::vector<std::int32_t> tasks;
-        std::size_t head = 0;
+        std::int32_t oldest = -1, youngest = -1;
+        std::atomic<std::size_t> count = 0; ///< a hint for threads that search; sleepers checked after the last push
 
         /// Held for the time of a few loads and stores, or until its holder has a core again: then the core is given
         /// away.
@@ -66,35 +70,49 @@ struct Team::OrderedMemory {
             lock.clear(std::memory_order_release);
             lock.notify_one();
         }
-        void push(std::int32_t task) { push(std::span(&task, 1)); }
-        void push(std::span<const std::int32_t> ready) {
-            acquire();
-            tasks.insert(tasks.end(), ready.begin(), ready.end());
-            count.store(tasks.size() - head);
-            release();
-        }
-        std::int32_t take(bool own) {
-            if (count.load(std::memory_order_relaxed) == 0) return -1;
-            acquire();
-            std::int32_t task = -1;
-            if (head < tasks.size()) {
-                if (own)
-                    task = tasks[head++];
-                else
-                    task = tasks.back(), tasks.pop_back();
-            }
-            if (head == tasks.size()) tasks.clear(), head = 0;
-            count.store(tasks.size() - head, std::memory_order_relaxed);
-            release();
-            return task;
-        }
-        std::atomic<std::size_t> count = 0; ///< a hint for threads that search; sleepers checked after the last push
     };
 
     explicit OrderedMemory(int threads) : ready(static_cast<std::size_t>(threads)) {}
 
+    void start(const TaskOrder& order) {
+        waits.assign(order.waits().begin(), order.waits().end());
+        neighbours.resize(order.size());
+    }
+    void push(std::size_t queue, std::int32_t task) { push(queue, std::span(&task, 1)); }
+    void push(std::size_t queue, std::span<const std::int32_t> tasks) {
+        Ready& q = ready[queue];
+        q.acquire();
+        for (const std::int32_t task : tasks) {
+            beside(task) = {q.youngest, -1};
+            (q.youngest < 0 ? q.oldest : beside(q.youngest).younger) = task;
+            q.youngest = task;
+        }
+        q.count.store(q.count.load(std::memory_order_relaxed) + tasks.size());
+        q.release();
+    }
+    /// -1: there is none.
+    std::int32_t take(std::size_t queue, bool own) {
+        Ready& q = ready[queue];
+        if (q.count.load(std::memory_order_relaxed) == 0) return -1;
+        q.acquire();
+        const std::int32_t task = own ? q.oldest : q.youngest;
+        if (task >= 0) {
+            const auto [older, younger] = beside(task);
+            (older < 0 ? q.oldest : beside(older).younger) = younger;
+            (younger < 0 ? q.youngest : beside(younger).older) = older;
+            q.count.store(q.count.load(std::memory_order_relaxed) - 1, std::memory_order_relaxed);
+        }
+        q.release();
+        return task;
+    }
+
     std::vector<Ready> ready;
     std::vector<std::uint8_t> waits; ///< by task, counted down
+
+  private:
+    [[nodiscard]] Neighbours& beside(std::int32_t task) { return neighbours[static_cast<std::size_t>(task)]; }
+
+    std::vector<Neighbours> neighbours; ///< by task; a task is in one queue, once
 };
 
 /// One ordered run. A thread without a task waits for one to become ready or for the end. One of both comes: of the
@@ -111,12 +129,12 @@ class Team::Ordered {
           threads_(static_cast<std::size_t>(threads)),
           region_(region),
           left_(order.size()) {
-        memory_.waits.assign(order.waits().begin(), order.waits().end());
+        memory_.start(order);
         // Neighbours in the list, which often share a body, go to one thread.
         const std::span<const std::int32_t> first = order.first();
         for (std::size_t k = 0; k < threads_; ++k) {
             const std::size_t begin = k * first.size() / threads_, end = (k + 1) * first.size() / threads_;
-            memory_.ready[k].push(first.subspan(begin, end - begin));
+            memory_.push(k, first.subspan(begin, end - begin));
         }
     }
 
@@ -160,7 +178,7 @@ class Team::Ordered {
     std::int32_t find(int share, bool& stolen) {
         for (std::size_t k = 0; k < threads_; ++k) {
             const std::size_t whose = (static_cast<std::size_t>(share) + k) % threads_;
-            if (const std::int32_t task = memory_.ready[whose].take(k == 0); task >= 0) {
+            if (const std::int32_t task = memory_.take(whose, k == 0); task >= 0) {
                 stolen = k > 0;
                 return task;
             }
@@ -189,16 +207,15 @@ class Team::Ordered {
     }
 
     void run(std::int32_t task, int share) {
-        TaskRecorder* recorder = team_.recorder();
-        const std::int64_t begin = recorder != nullptr ? recorder->now() : 0;
-        if (!error_.before(static_cast<std::size_t>(task))) {
-            try {
-                work_(static_cast<std::size_t>(task), share);
-            } catch (...) {
-                error_.keep(static_cast<std::size_t>(task));
-            }
+        if (error_.before(static_cast<std::size_t>(task))) return;
+        try {
+            TaskRecorder* recorder = team_.recorder();
+            const std::int64_t begin = recorder != nullptr ? recorder->now() : 0;
+            work_(static_cast<std::size_t>(task), share);
+            if (recorder != nullptr) recorder->add_task(share, {begin, recorder->now(), region_, task});
+        } catch (...) {
+            error_.keep(static_cast<std::size_t>(task));
         }
-        if (recorder != nullptr) recorder->add_task(share, {begin, recorder->now(), region_, task});
     }
 
     /// Tells the tasks that wait for this one. Returns the first of those that are ready now, to be run next.
@@ -211,7 +228,7 @@ class Team::Ordered {
                 ready[k] = next[k];
         if (ready[0] < 0) return ready[1];
         if (ready[1] < 0) return ready[0];
-        memory_.ready[static_cast<std::size_t>(share)].push(std::max(ready[0], ready[1]));
+        memory_.push(static_cast<std::size_t>(share), std::max(ready[0], ready[1]));
         if (sleepers_.load() > 0) team_.crew_.wake_one();
         return std::min(ready[0], ready[1]);
     }

@@ -5,11 +5,14 @@
 #include <cstdlib>
 #include <new>
 #include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include <flotilla/scene_library.hpp>
 #include <flotilla/world.hpp>
+
+#include "parallel/team.hpp"
 
 namespace {
 std::atomic<long> allocations{0};
@@ -96,6 +99,32 @@ TEST(RefusedMemory, WhileAWorldIsMadeLeavesNone) {
     }
     EXPECT_GE(failed, 20);
     EXPECT_EQ(World(scene(), "scene", {2}).state_hash(), expected);
+}
+
+// A refusal there would come out of a thread that nobody listens to.
+TEST(RefusedMemory, TeamsThatHandOutOrderedTasksAskForNone) {
+    constexpr std::size_t kTasks = 1 << 12;
+    TaskOrder tree; // every task makes two ready
+    tree.start(0);
+    tree.resize(kTasks);
+    const auto number = [](std::size_t task) { return task < kTasks ? static_cast<std::int32_t>(task) : -1; };
+    for (std::size_t i = 0; i < kTasks; ++i) tree.set(i, {number(2 * i + 1), number(2 * i + 2)}, i > 0 ? 1 : 0);
+    Team one;
+    std::vector<std::size_t> places;
+    tree.list_first(one, places);
+    for (const int threads : {2, 3, 8}) {
+        Team team({.threads = threads, .crowds = true});
+        std::atomic<std::size_t> done = 0;
+        long before = 0;
+        team.region([&] {
+            team.run("test", tree, [&](std::size_t i, int) {
+                if (i == 0) before = allocations; // the first: all others wait for it
+                ++done;
+            });
+            EXPECT_EQ(allocations, before);
+        });
+        EXPECT_EQ(done, kTasks);
+    }
 }
 
 } // namespace
