@@ -174,7 +174,7 @@ bool find_hits(const StepView& view, Worker& worker, PairRecord& pair) {
     if (!found.urgent) return false;
     worker.hits.push_back(*found.urgent);
     worker.landing = found.landing;
-    find_simultaneous_hits(view, worker.feet, {found.hit, pair.a, pair.b}, *found.urgent, pair.lengths.rest,
+    find_simultaneous_hits(view, worker.footprints, {found.hit, pair.a, pair.b}, *found.urgent, pair.lengths.rest,
                            worker.hits);
     return true;
 }

@@ -24,28 +24,25 @@ CoarseBox node_at(const BodyMotion& body, std::size_t node, Float4 t) {
     return box;
 }
 
-/// Whether the body is within `reach` (m) of x.
-bool touches(const BodyAt& body, const Vec3& x, double reach) {
+/// Calls found(triangle) for the triangles of the body that may come within `reach` (m) of the box, until one returns
+/// true; returns whether one did.
+template <class Found>
+bool any_near(const BodyAt& body, const Box& box, double reach, Found&& found) {
     const BodyMotion& motion = body.motion();
     const Bvh& bvh = body.shape().bvh;
-    const CoarseBox point = coarse_box(x);
-    const CoarseReach room(reach + motion.arc_gap(1), std::max(motion.max_abs(), max_component(abs(x))));
+    const CoarseBox around = merged(coarse_box(box.lower), coarse_box(box.upper));
+    const CoarseReach room(reach + motion.arc_gap(1), std::max(motion.max_abs(), max_abs_coordinate(box)));
     const Float4 time = both4(static_cast<float>(body.time()));
-    const auto near = [&](std::int32_t triangle) {
-        const Triangle& f = body.shape().mesh.triangles[at(triangle)];
-        return closest_vertex_triangle(x, body.vertex(f[0]), body.vertex(f[1]), body.vertex(f[2])).distance_sq <=
-               reach * reach;
-    };
     std::array<std::int32_t, kMaxBvhDepth + 2> stack;
     std::size_t size = 0;
     stack[size++] = 0;
     while (size > 0) {
         const std::int32_t i = stack[--size];
-        if (!coarse_overlap(node_at(motion, at(i), time), point, room)) continue;
+        if (!coarse_overlap(node_at(motion, at(i), time), around, room)) continue;
         const BvhNode node = bvh.nodes[at(i)];
         if (node.count > 0) {
             const auto triangles = bvh.leaf_triangles(node);
-            if (std::any_of(triangles.begin(), triangles.end(), near)) return true;
+            if (std::any_of(triangles.begin(), triangles.end(), found)) return true;
         } else {
             stack[size++] = node.first;
             stack[size++] = i + 1;
@@ -54,10 +51,29 @@ bool touches(const BodyAt& body, const Vec3& x, double reach) {
     return false;
 }
 
+/// Whether the body is within `reach` (m) of x.
+bool touches(const BodyAt& body, const Vec3& x, double reach) {
+    return any_near(body, {x, x}, reach, [&](std::int32_t triangle) {
+        const Triangle& f = body.shape().mesh.triangles[at(triangle)];
+        return closest_vertex_triangle(x, body.vertex(f[0]), body.vertex(f[1]), body.vertex(f[2])).distance_sq <=
+               reach * reach;
+    });
+}
+
+/// How near to the plane something is that stands on it, m.
+struct Reach {
+    double above, below;
+};
+
 /// x . normal = offset; what stands on the plane is on the side of `normal`.
 struct Plane {
     Vec3 normal;
     double offset;
+
+    [[nodiscard]] bool holds(const Vec3& x, const Reach& reach) const {
+        const double height = dot(normal, x) - offset;
+        return height <= reach.above && height >= -reach.below;
+    }
 };
 
 /// Heights above a plane by mesh coordinates, for a third of the work of the exact ones.
@@ -75,26 +91,102 @@ struct Heights {
     [[nodiscard]] double at_least(const Vec3& local) const { return (dot(slope, local) + start) - error; }
 };
 
-/// The vertices of a body that stands on the plane which are within `reach` of it. None where the body does not stand
-/// on the plane but reaches through it, and through what is `gap` (m) beyond it. All vertices are tested: an impulse
-/// has moved all of them before.
-void find_feet(const BodyAt& body, const Plane& plane, double reach, double gap, std::vector<Vec3>& feet) {
-    feet.clear();
+/// The vertices of a body that stands on the plane which are near it. None where the body does not stand on the plane
+/// but reaches through it, and through what is beyond. All vertices are tested: an impulse has moved all of them
+/// before.
+void find_feet(const BodyAt& body, const Plane& plane, const Reach& reach, std::vector<Vec3>& feet) {
     const Heights heights(body, plane);
     const std::vector<Vec3>& local = body.shape().mesh.vertices;
     for (std::size_t v = 0; v < local.size(); ++v) {
-        if (heights.at_least(local[v]) > reach || body.shape().topology.vertex_owner[v] < 0) continue;
+        if (heights.at_least(local[v]) > reach.above || body.shape().topology.vertex_owner[v] < 0) continue;
         const Vec3 x = body.vertex(static_cast<std::int32_t>(v));
         const double height = dot(plane.normal, x) - plane.offset;
-        if (height > reach) continue;
-        if (height < -(gap + reach)) return feet.clear();
+        if (height > reach.above) continue;
+        if (height < -reach.below) return feet.clear();
         feet.push_back(x);
     }
 }
 
+/// The edges of a body that lie on the plane, but for those within a flat face, the crossings of which say nothing that
+/// its rim does not.
+void find_rim(const BodyAt& body, const Plane& plane, const Reach& reach, std::vector<Segment>& rim) {
+    const Heights heights(body, plane);
+    const std::vector<Vec3>& local = body.shape().mesh.vertices;
+    const Topology& topology = body.shape().topology;
+    for (std::size_t e = 0; e < topology.edges.size(); ++e) {
+        const auto [v, w] = topology.edges[e];
+        if (topology.salient_edge[e] == 0 || heights.at_least(local[at(v)]) > reach.above ||
+            heights.at_least(local[at(w)]) > reach.above)
+            continue;
+        const Segment edge{body.vertex(v), body.vertex(w)};
+        if (plane.holds(edge.p, reach) && plane.holds(edge.q, reach)) rim.push_back(edge);
+    }
+}
+
+/// Both of a body that does not move, such as a floor of any size, where the other one stands; of its vertices too only
+/// those that lie within no flat face.
+void find_below(const BodyAt& body, const Plane& plane, const Reach& reach, const Box& where, Footprint& print) {
+    const RigidShape& shape = body.shape();
+    any_near(body, where, reach.above + reach.below, [&](std::int32_t triangle) {
+        const std::uint8_t owned = shape.topology.owned[at(triangle)];
+        const Triangle& corners = shape.mesh.triangles[at(triangle)];
+        std::array<Vec3, 3> x;
+        std::array<bool, 3> on_plane;
+        for (std::size_t k = 0; k < 3; ++k) {
+            x[k] = body.vertex(corners[k]);
+            on_plane[k] = plane.holds(x[k], reach);
+            if (on_plane[k] && owns_corner(owned, static_cast<int>(k)) &&
+                shape.topology.salient_vertex[at(corners[k])] != 0)
+                print.feet.push_back(x[k]);
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t edge = at(shape.topology.triangle_edges[at(triangle)][k]), next = (k + 1) % 3;
+            if (on_plane[k] && on_plane[next] && owns_edge(owned, static_cast<int>(k)) &&
+                shape.topology.salient_edge[edge] != 0)
+                print.rim.push_back({x[k], x[next]});
+        }
+        return false;
+    });
+}
+
+/// Calls found(x) for the points in which edges of the one rim cross edges of the other, or come within `reach` (m).
+template <class Found>
+void for_crossings(const std::vector<Segment>& rim_a, const std::vector<Segment>& rim_b, double reach, Found&& found) {
+    for (const Segment& a : rim_a) {
+        const Box box = a.box();
+        for (const Segment& b : rim_b) {
+            if (!boxes_overlap(box, b.box(), reach)) continue;
+            const EdgeEdgeClosest closest = closest_edge_edge(a.p, a.q, b.p, b.q);
+            if (closest.distance_sq <= reach * reach) found(0.5 * (closest.p + closest.q));
+        }
+    }
+}
+
+Box box_of(const std::vector<Vec3>& points) {
+    Box box;
+    for (const Vec3& x : points) box = extended(box, x);
+    return box;
+}
+
+/// What each of two bodies has on its plane, of which at least one moves.
+void find_footprints(const std::array<BodyAt, 2>& bodies, const std::array<Plane, 2>& planes,
+                     const std::array<bool, 2>& moves, const Reach& reach, std::array<Footprint, 2>& prints) {
+    for (std::size_t k = 0; k < 2; ++k) {
+        prints[k].clear();
+        if (moves[k]) find_feet(bodies[k], planes[k], reach, prints[k].feet);
+    }
+    for (std::size_t k = 0; k < 2; ++k)
+        if (!moves[k] && prints[1 - k].feet.size() > 1)
+            find_below(bodies[k], planes[k], reach, box_of(prints[1 - k].feet), prints[k]);
+    const auto has_rim = [&](std::size_t k) { return moves[k] ? prints[k].feet.size() > 1 : !prints[k].rim.empty(); };
+    if (!has_rim(0) || !has_rim(1)) return;
+    for (std::size_t k = 0; k < 2; ++k)
+        if (moves[k]) find_rim(bodies[k], planes[k], reach, prints[k].rim);
+}
+
 } // namespace
 
-void find_simultaneous_hits(const StepView& view, std::vector<Vec3>& feet, const ClusterHit& hit,
+void find_simultaneous_hits(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
                             const ContactPoint& first, double reach, std::vector<ContactPoint>& out) {
     const double t = hit.hit.toi;
     const BodyMotion a = view.trajectories.motion(at(hit.a)), b = view.trajectories.motion(at(hit.b));
@@ -113,18 +205,19 @@ void find_simultaneous_hits(const StepView& view, std::vector<Vec3>& feet, const
         return std::any_of(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
                            [&](const ContactPoint& p) { return length_sq(p.arm_b - (x - com_b)) <= reach * reach; });
     };
-    const auto add_feet = [&](const BodyAt& body, const BodyAt& other, const Plane& plane) {
-        const double room = gap + reach;
-        find_feet(body, plane, reach, gap, feet);
-        for (const Vec3& x : feet) {
-            ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
-            p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
-            if (!(dot(p.relative_velocity, p.normal) < 0) || length_sq(x - point) <= 4 * reach * reach) continue;
-            if (!known(x) && touches(other, x, room)) out.push_back(p);
-        }
+    const auto add_if = [&](const Vec3& x, auto&& meets) {
+        ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
+        p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
+        if (!(dot(p.relative_velocity, p.normal) < 0) || length_sq(x - point) <= 4 * reach * reach) return;
+        if (!known(x) && meets()) out.push_back(p);
     };
-    if (body_a.inverse_mass > 0) add_feet(a_then, b_then, {-first.normal, -dot(first.normal, point_a)});
-    if (body_b.inverse_mass > 0) add_feet(b_then, a_then, {first.normal, dot(first.normal, point)});
+    auto& [print_a, print_b] = prints;
+    const Plane plane_a{-first.normal, -dot(first.normal, point_a)}, plane_b{first.normal, dot(first.normal, point)};
+    find_footprints({a_then, b_then}, {plane_a, plane_b}, {body_a.inverse_mass > 0, body_b.inverse_mass > 0},
+                    {reach, gap + reach}, prints);
+    for (const Vec3& x : print_a.feet) add_if(x, [&] { return touches(b_then, x, gap + reach); });
+    for (const Vec3& x : print_b.feet) add_if(x, [&] { return touches(a_then, x, gap + reach); });
+    for_crossings(print_a.rim, print_b.rim, gap + reach, [&](const Vec3& x) { add_if(x, [] { return true; }); });
 }
 
 } // namespace flotilla

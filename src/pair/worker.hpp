@@ -2,10 +2,12 @@
 // The threads of a step: what each of them has to itself, and what the stages count.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
 #include "ccd/pair_query.hpp"
+#include "pair/footprint.hpp"
 #include "pair/pair_table.hpp"
 #include "parallel/team.hpp"
 #include "proximity/contact_points.hpp"
@@ -47,9 +49,9 @@ struct alignas(64) Worker {
     std::vector<FeaturePair> features;
     PairManifold manifold; ///< of the operation under way
     std::vector<PairManifold::Change> changes;
-    std::vector<ContactPoint> hits;   ///< at one time
-    std::optional<Landing> landing{}; ///< of the first of them
-    std::vector<Vec3> feet;
+    std::vector<ContactPoint> hits;        ///< at one time
+    std::optional<Landing> landing{};      ///< of the first of them
+    std::array<Footprint, 2> footprints{}; ///< of two bodies that hit
     std::vector<FoundHit> found;
     StageCounters counters;
     std::vector<std::int64_t> work;    ///< operations run, by round of a sweep

@@ -62,11 +62,16 @@ class Island {
         return point_velocity(b, hit.point.arm_b) - point_velocity(a, hit.point.arm_a);
     }
 
+    /// Bodies of infinite mass are those of other islands as well, which may be read side by side.
     static void push(const ContactPoint& point, const Vec3& impulse, Impulsive& a, Impulsive& b) {
-        a.velocity -= velocity_change(a, impulse);
-        b.velocity += velocity_change(b, impulse);
-        if (a.inverse_mass > 0) a.angular_velocity -= a.inverse_inertia * cross(point.arm_a, impulse);
-        if (b.inverse_mass > 0) b.angular_velocity += b.inverse_inertia * cross(point.arm_b, impulse);
+        if (a.inverse_mass > 0) {
+            a.velocity -= velocity_change(a, impulse);
+            a.angular_velocity -= a.inverse_inertia * cross(point.arm_a, impulse);
+        }
+        if (b.inverse_mass > 0) {
+            b.velocity += velocity_change(b, impulse);
+            b.angular_velocity += b.inverse_inertia * cross(point.arm_b, impulse);
+        }
     }
 
     /// Begins the rebound of fresh hits; whether there are any.

@@ -122,7 +122,9 @@ bool PairManifold::resolve(std::span<const ContactPoint> points, double restitut
     for (int i = 0; i < kSweeps; ++i)
         if (sweep(v) <= kTolerance * fastest) break;
     const double share = energy_share();
-    if (!(share > 0) || !(dot(hits_[before].next, hits_[before].point.normal) > 0)) {
+    const auto pushed = [](const Hit& hit) { return dot(hit.next, hit.point.normal) > 0; };
+    const auto first = hits_.begin() + static_cast<std::ptrdiff_t>(before);
+    if (!(share > 0) || std::none_of(first, hits_.end(), pushed)) {
         hits_.resize(before);
         return false;
     }

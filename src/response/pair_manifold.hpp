@@ -38,8 +38,9 @@ class PairManifold {
         Vec3 impulse;       ///< on b, N s, on top of what was applied before
     };
     /// More hits, at one time, with the velocities after all impulses so far. Fills `changes` with what the impulses of
-    /// all hits change by. False, and nothing is changed, where the first of the new ones gets no impulse: it cannot be
-    /// resolved together with the others.
+    /// all hits change by. False, and nothing is changed, where none of the new ones gets an impulse. That the first
+    /// gets none is no fault: of a bar that lands flat across a rail the edge next to its centre throws it off the
+    /// other one.
     [[nodiscard]] bool resolve(std::span<const ContactPoint> points, double restitution, std::vector<Change>& changes);
 
   private:

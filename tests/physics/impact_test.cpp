@@ -77,6 +77,44 @@ void lies_where_it_lands(const Run& run) {
     EXPECT_LT(worst, 2 * std::sqrt(3) / 330);
 }
 
+/// rad/s, about the axes in `about`, at most until some steps after the landing.
+double spin_of_landing(const SceneDescription& scene, double drop, const Run& run, const Vec3& about) {
+    Motion motion(scene);
+    double spin = 0;
+    motion.run(std::sqrt(2 * drop / kGravity) + 3 * run.dt(), [&](const StepReport&) {
+        const Vec3 w = abs(motion.body(0).angular_velocity);
+        spin = std::max({spin, about.x * w.x, about.y * w.y, about.z * w.z});
+    });
+    expect_no_rise(motion);
+    return spin;
+}
+
+// Where edges cross there is a point of the hit, though no corner of either body is near: a bar turns about the rail,
+// and not about itself.
+void bar_lands_across_a_rail(const Run& run, double e) {
+    double spin = 0;
+    for (const double aside : {0.0, 0.4})
+        for (const double friction : {0.0, 0.3})
+            for (int k = 0; k < 5; ++k) {
+                const double drop = 0.2 + 0.02 * k;
+                const SceneDescription scene = bar_over_rail(run.settings(), drop, aside, friction, e);
+                spin = std::max(spin, spin_of_landing(scene, drop, run, {1, 0, 1}));
+            }
+    std::printf("spin of up to %.3g rad/s about itself\n", spin);
+    EXPECT_LT(spin, 0.1);
+}
+
+// The corners of what does not move are points of the hit as well.
+void plate_lands_on_a_block(const Run& run, double e) {
+    double spin = 0;
+    for (int k = 0; k < 5; ++k) {
+        const double drop = 0.2 + 0.02 * k;
+        spin = std::max(spin, spin_of_landing(plate_over_block(run.settings(), drop, e), drop, run, {1, 1, 1}));
+    }
+    std::printf("spin of up to %.3g rad/s\n", spin);
+    EXPECT_LT(spin, 0.1);
+}
+
 // Boxes that land flat on one another, edge on edge, in the air and on the ground, keep flat.
 void boxes_land_flat(const Run& run, double e) {
     double spin = 0, aside = 0;
@@ -185,6 +223,13 @@ std::vector<Run> runs_of_impacts() {
     for (const int e : {0, 50, 90})
         add_runs("Impact", "CrateLandsFlatWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,
                  [=](const Run& r) { lands_flat(r, 0.01 * e); });
+    for (const int e : {50, 80}) {
+        const std::string percent = std::to_string(e) + "Percent";
+        add_runs("Impact", "BarLandsAcrossARailWithRestitution" + percent, runs_of_impacts(), true,
+                 [=](const Run& r) { bar_lands_across_a_rail(r, 0.01 * e); });
+        add_runs("Impact", "PlateLandsOnABlockWithRestitution" + percent, runs_of_impacts(), true,
+                 [=](const Run& r) { plate_lands_on_a_block(r, 0.01 * e); });
+    }
     add_runs("Impact", "PlasticCrateLiesWhereItLands", runs_of_impacts(), true, lies_where_it_lands);
     for (const int e : {50, 80, 100})
         add_runs("Impact", "BoxesLandFlatOnEachOtherWithRestitution" + std::to_string(e) + "Percent", runs(), true,

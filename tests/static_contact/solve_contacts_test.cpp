@@ -246,6 +246,7 @@ TEST(SolveContacts, MomentumNeedsTensOfTimesFewerSweeps) {
 
 TEST(SolveContacts, GivesUpWhereTheResidualFallsNoMore) {
     ContactWorld w = make_body_between_walls(false);
+    w.velocity[1] = {0, 0.5, 0};
     const ContactSolveStats stats = w.solve({.patience = 50});
     EXPECT_GT(stats.residual, 0.09);
     EXPECT_GE(stats.iterations, 50);
@@ -255,11 +256,24 @@ TEST(SolveContacts, GivesUpWhereTheResidualFallsNoMore) {
 TEST(SolveContacts, GivesUpAJamSooner) {
     ContactWorld w = make_body_between_walls(true); // its residual stands from the first look on
     ContactWorld moving = w;
+    w.velocity[1] = {0, 0.3, 0};
     const ContactSolveStats stats = w.solve({.patience = 50, .rest_speed = 0.4});
     EXPECT_GT(stats.residual, 0.09);
     EXPECT_EQ(stats.iterations, 30); // a look in ten sweeps; two that found it where the one before did
     moving.velocity[1] = {0, 0.5, 0};
     EXPECT_GE(moving.solve({.patience = 50, .rest_speed = 0.4}).iterations, 50);
+}
+
+// What moves there is what such solves leave: the motion would be their own, in every step anew.
+TEST(SolveContacts, HasMorePatienceWhereMoreIsLeftThanMoves) {
+    for (const bool third : {false, true}) { // a jam, with the third wall
+        ContactWorld w = make_body_between_walls(third);
+        w.velocity[1] = {0, 0.09, 0};
+        const ContactSolveStats stats = w.solve({.patience = 50, .rest_speed = 0.4});
+        EXPECT_GT(stats.residual, 0.09);
+        EXPECT_GE(stats.iterations, 200);
+        EXPECT_LE(stats.iterations, 250);
+    }
 }
 
 TEST(SolveContacts, AColumnCarriesTheWeightAbove) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "physics/problems/impact.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "scene/scene.hpp"
 
@@ -66,6 +68,29 @@ SceneDescription flat_crate(const Start& start, double e) {
     const auto crate = add_solid(scene, make_box(1, 1, 1), 200);
     add_body(scene, crate, BodyType::dynamic, {0, 0, 0.5 + 1}, 0.3, e).rotation = rotation_from_vector({0, 0, 0.3});
     add_ground(scene, 20, 0.3, e);
+    return scene;
+}
+
+SceneDescription bar_over_rail(const Start& start, double drop, double aside, double friction, double e) {
+    SceneDescription scene = make_scene_with(start.settings);
+    TriangleMesh far_ends_first = make_box(0.02, 1, 0.5); // which own the corners, far from the bar
+    std::ranges::stable_sort(far_ends_first.triangles, std::greater<>{}, [&](const Triangle& t) {
+        double y = 0;
+        for (const std::int32_t v : t) y += far_ends_first.vertices[static_cast<std::size_t>(v)].y / 3;
+        return std::abs(y);
+    });
+    const auto bar = add_solid(scene, make_box(1, 0.05, 0.05), 400), rail = add_solid(scene, far_ends_first, 1);
+    add_body(scene, bar, BodyType::dynamic, {aside, 0, 0.025 + drop}, friction, e);
+    add_body(scene, rail, BodyType::fixed, {0, 0, -0.25}, friction, e);
+    return scene;
+}
+
+SceneDescription plate_over_block(const Start& start, double drop, double e) {
+    SceneDescription scene = make_scene_with(start.settings);
+    const auto plate = add_solid(scene, make_box(1, 1, 0.05), 400),
+               block = add_solid(scene, make_box(0.3, 0.2, 0.5), 1);
+    add_body(scene, plate, BodyType::dynamic, {0, 0, 0.025 + drop}, 0.3, e);
+    add_body(scene, block, BodyType::fixed, {0, 0, -0.25}, 0.3, e);
     return scene;
 }
 

@@ -25,6 +25,11 @@ struct Bounces {
 /// A crate that falls flat from 1 m.
 [[nodiscard]] SceneDescription flat_crate(const Start& start, double e);
 
+/// A bar of 1 m along x that falls flat by `drop` m across the top of a fixed rail, its centre `aside` m beside that.
+[[nodiscard]] SceneDescription bar_over_rail(const Start& start, double drop, double aside, double friction, double e);
+/// A plate that falls flat by `drop` m on a fixed block smaller than it.
+[[nodiscard]] SceneDescription plate_over_block(const Start& start, double drop, double e);
+
 /// Boxes that fall flat on a plate, `gap` m between them, edge above edge.
 [[nodiscard]] SceneDescription flat_boxes(const Start& start, int count, double gap, double e);
 
