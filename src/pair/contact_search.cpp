@@ -55,7 +55,8 @@ void append_pair(const StepView& view, const KnownFeatures& known, Worker& worke
     worker.features.clear();
     known.list(record, worker.features);
     double nearest = 0;
-    if (!worker.features.empty() && renew_contact_points(a, b, proximity, worker.features, nearest, worker.points)) {
+    if (!worker.features.empty() &&
+        renew_contact_points(a, b, proximity, view.angle_cos, worker.features, nearest, worker.points)) {
         out.min_distance = std::min(out.min_distance, nearest);
         record_renewed_distance(view, record, nearest);
     } else {

@@ -25,7 +25,7 @@ namespace flotilla {
 struct ProximityPoint {
     FeaturePair features;
     Vec3 a, b;           ///< closest points on the two bodies, world, m
-    Vec3 normal;         ///< unit, from a to b
+    Vec3 normal;         ///< unit, from a to b; of a contact point, that of the flat side it is within theta of
     double distance = 0; ///< |b - a|, m
 };
 
@@ -81,7 +81,7 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
 /// The contact points of feature pairs that were contacts a little while ago: appends them to `out`, in the order of
 /// their feature keys, and sets `distance` to that of the nearest, m. False, and nothing appended, where one of them is
 /// none any more: not within `proximity`, or at the end of an edge of two.
-[[nodiscard]] bool renew_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity,
+[[nodiscard]] bool renew_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
                                         std::span<const FeaturePair> features, double& distance,
                                         std::vector<ProximityPoint>& out);
 

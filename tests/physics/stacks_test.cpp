@@ -124,6 +124,28 @@ void wall_stands(const Run& run, double bricks_of_beam) {
     expect_weight_on(motion, motion.world().size() - 1);
 }
 
+/// Cubes of one size, corner over corner but for `aside` m a cube, without friction: what turns them or drives them
+/// aside is of the contacts' directions alone.
+void flush_cubes_stay(const Run& run, double aside) {
+    constexpr double kEdge = 0.2;
+    const TriangleMesh mesh = make_box(kEdge, kEdge, kEdge);
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto cube = add_shape(scene, mesh, 1);
+    const double pitch = kEdge + rest_gap(mesh);
+    for (int k = 0; k < 4; ++k)
+        add_body(scene, cube, k == 0 ? BodyType::fixed : BodyType::dynamic, {k * aside, 0, k * pitch}, 0, 0);
+    Motion motion(scene);
+    double fastest = 0;
+    motion.run(3, [&](const StepReport&) {
+        for (std::size_t i = 1; i < 4; ++i)
+            fastest =
+                std::max({fastest, length(motion.body(i).velocity), kEdge * length(motion.body(i).angular_velocity)});
+    });
+    motion.print("moves at up to %.3g edges/s", fastest / kEdge);
+    EXPECT_LT(fastest / kEdge, 1e-6);
+    expect_no_rise(motion);
+}
+
 // The force between the boxes k and k + 1 from the ground of a stack of N is (N - k) m g.
 void forces_in_a_stack(const Run& run) {
     constexpr int kBoxes = 10;
@@ -187,6 +209,10 @@ std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(
     add_runs("Stacks", "TwentyBoxesDropped3cmApartStand", once, true, [](const Run& r) { dropped_apart(r, 20, 0.03); });
     add_runs("Stacks", "FiftyBoxesStayStill", {{"preview", 24}, {"balanced", 24}, {"balanced", 120}}, true,
              [](const Run& r) { stays_still(r, 50); });
+    for (const auto& [name, aside] : {std::pair("FlushCubesStay", 0.0), std::pair("CubesAHairAsideStay", 1e-6)})
+        add_runs("Stacks", std::string(name) + "WithoutFriction",
+                 {{"preview", 24}, {"preview", 120}, {"balanced", 24}, {"balanced", 120}, {"accurate", 24}}, true,
+                 [=](const Run& r) { flush_cubes_stay(r, aside); });
     add_runs("Stacks", "ForcesAreThoseOfTheWeightAbove", runs(), true, forces_in_a_stack);
     return true;
 }();

@@ -62,7 +62,7 @@ std::vector<ProximityPoint> contact_points(const Placed& a, const Placed& b) {
                               scratch, points);
     for (const ProximityPoint& p : points) {
         EXPECT_NEAR(p.distance, length(p.b - p.a), 1e-15);
-        EXPECT_NEAR(length(p.normal - normalized(p.b - p.a)), 0, 1e-12);
+        EXPECT_GE(dot(p.normal, normalized(p.b - p.a)), kAngleCos);
         EXPECT_LT(p.distance, kProximity);
     }
     return points;
@@ -182,11 +182,56 @@ TEST(ContactPoints, WhatATiltedBoxPassesIsWhatItsWaysLeadTo) {
     for (const ProximityPoint& p : high) EXPECT_NEAR(p.distance, kRest + std::sin(kTilt), 1e-12);
 }
 
+// A cube over one of its size, aside by a share of its gap on both axes. Up to 3 degrees their corners touch the other
+// one's side, beyond they touch nothing: those that are within it do.
+TEST(ContactPoints, CornerAHairOutsideASideTouchesTheSide) {
+    constexpr double kGap = 0.005;
+    const Vec3 up{0, 0, 1};
+    const auto on_cube = [&](double aside, const Quat& turn = {}) {
+        return contact_points({make_box(1, 1, 1), {}}, {make_box(1, 1, 1), {aside, aside, 1 + kGap}, turn});
+    };
+    for (const double share : {0.0, 1e-9, 1e-3, 0.035, 0.1}) {
+        const auto points = on_cube(share * kGap);
+        ASSERT_GE(points.size(), 2u) << share;
+        for (const ProximityPoint& p : points) EXPECT_LT(length(p.normal - up), 1e-12) << share;
+    }
+    for (const ProximityPoint& p : on_cube(0, rotation_from_vector({0, 0, 3e-5})))
+        EXPECT_LT(length(p.normal - up), 1e-12);
+}
+
+TEST(ContactPoints, RimOfAnOpenPlateIsOneOfASide) {
+    const TriangleMesh plate = make_plate(1, 1), cube = make_box(1, 1, 1);
+    const auto points = contact_points({plate, {}}, {cube, {1e-4, 1e-4, 0.505}});
+    ASSERT_GE(points.size(), 4u);
+    for (const ProximityPoint& p : points) EXPECT_LT(length(p.normal - Vec3{0, 0, 1}), 1e-12);
+}
+
+// The facets of this disc differ by 11.25 degrees. A corner near the edge between two of them stays off in the direction
+// of the points.
+TEST(ContactPoints, EdgeBetweenFacetsOfARoundBodyIsNoRim) {
+    const TriangleMesh disc = make_cylinder(0.5, 0.2, 32);
+    const double facet = std::numbers::pi / 32;
+    const Vec3 edge = 0.5 * Vec3{std::cos(2 * facet), std::sin(2 * facet), 0};
+    for (const double turn : {0.9 * facet, 0.95 * facet}) {
+        const Vec3 way{std::cos(2 * facet + turn), std::sin(2 * facet + turn), 0};
+        // A wedge whose corner points at the edge, from a place that sees the one facet 3 degrees or less aside.
+        const TriangleMesh wedge{{{0, 0, 0}, {0.1, 0.02, 0.02}, {0.1, -0.02, 0.02}, {0.1, 0, -0.02}},
+                                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
+        const auto points =
+            contact_points({disc, {}}, {wedge, edge + 0.005 * way, rotation_from_vector({0, 0, 2 * facet + turn})});
+        ASSERT_EQ(points.size(), 1u);
+        EXPECT_LT(length(points[0].normal - normalized(points[0].b - points[0].a)), 1e-12);
+        EXPECT_LT(length(points[0].normal - way), 1e-9);
+    }
+}
+
 TEST(ContactPoints, OnesThatAreKnownAreFoundAgain) {
     const Placed box{make_box(1, 1, 1), {2, -2, 0.51}, rotation_from_vector({0.003, -0.002, 0.4})};
     const Placed groove_up{groove(), {}},
         bar{make_box(0.2, 1, 0.2), {0.002, 0, 0.158}, rotation_from_vector({0, 0.785, 0})};
-    for (const auto& [a, b] : {std::pair(box, Placed{make_plate(10, 10), {}}), std::pair(groove_up, bar)}) {
+    const Placed cube{make_box(1, 1, 1), {}}, flush{make_box(1, 1, 1), {1e-4, -1e-4, 1.005}};
+    for (const auto& [a, b] :
+         {std::pair(box, Placed{make_plate(10, 10), {}}), std::pair(groove_up, bar), std::pair(cube, flush)}) {
         const Pair pair(a, b);
         const BodyMotion at_a = pair.trajectories.at_start(0), at_b = pair.trajectories.at_start(1);
         ProximityScratch scratch;
@@ -199,7 +244,7 @@ TEST(ContactPoints, OnesThatAreKnownAreFoundAgain) {
             features.insert(features.begin(), p.features);
         }
         double distance = 0;
-        ASSERT_TRUE(renew_contact_points(at_a, at_b, kProximity, features, distance, again));
+        ASSERT_TRUE(renew_contact_points(at_a, at_b, kProximity, kAngleCos, features, distance, again));
         EXPECT_EQ(distance, found.distance);
         ASSERT_EQ(again.size(), points.size());
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -209,7 +254,8 @@ TEST(ContactPoints, OnesThatAreKnownAreFoundAgain) {
             EXPECT_EQ(again[i].normal, points[i].normal) << i;
             EXPECT_EQ(again[i].distance, points[i].distance) << i;
         }
-        EXPECT_FALSE(renew_contact_points(at_a, at_b, 0.5 * distance, features, distance, again)); // beyond its reach
+        EXPECT_FALSE(
+            renew_contact_points(at_a, at_b, 0.5 * distance, kAngleCos, features, distance, again)); // beyond its reach
         EXPECT_EQ(again.size(), points.size());
     }
 }
