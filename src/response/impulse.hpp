@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Impulse at one point between two bodies or clusters: paper section 3.2 (from reference [15]) with the energy clamp of
-// [13].
+// Impulse at one point between two bodies or clusters: paper section 3.2 with the energy clamp of [13].
 //
 // Convention: n points from a to b, relative velocity is that of b minus that of a (approaching where its component
 // along n is negative), the impulse acts on b at its arm and its negative on a.
@@ -46,9 +45,9 @@ struct ContactPoint {
 /// n . K n for the normal n of a point, K being its matrix; 0 where neither body can move along n.
 [[nodiscard]] double normal_mobility(const Impulsive& a, const Impulsive& b, const ContactPoint& point, const Mat3& k);
 
-/// The impulse (N s, on b) after which the normal relative velocity is `target` (m/s): sticking if that lies in the
-/// friction cone, else sliding against the tangential velocity. Nothing where the point is not pushed apart by it
-/// (target not above the present normal velocity), or where both bodies have infinite mass.
+/// The impulse (N s, on b) after which the normal relative velocity is `target` (m/s), with friction against the slip
+/// of every moment of the impact (frictional_impact.hpp). Nothing where the point is not pushed apart by it (target not
+/// above the present normal velocity), or where both bodies have infinite mass.
 [[nodiscard]] std::optional<Vec3> contact_impulse(const Impulsive& a, const Impulsive& b, const ContactPoint& point,
                                                   double target);
 
