@@ -48,6 +48,13 @@ void PairTable::start_step(Team& team, std::int64_t step) {
     step_ = step;
 }
 
+void PairTable::restart_step(Team& team) {
+    team.for_each("restart pairs", records_.size(), kGrain, [&](std::size_t i, int) {
+        records_[i].active = false;
+        records_[i].processed = {};
+    });
+}
+
 void PairTable::clear() {
     records_.clear();
     free_.clear();

@@ -137,6 +137,8 @@ class PairTable {
   public:
     /// Begins a step: forgets pairs that the last step did not use, and what stage 1 processed.
     void start_step(Team& team, std::int64_t step);
+    /// Forgets what stage 1 did in the step so far.
+    void restart_step(Team& team);
     /// Forgets everything.
     void clear();
     /// Forgets all pairs of bodies that are marked, as flags by body.

@@ -68,7 +68,46 @@ void Stepper::wake_disturbed() {
         woken = true;
     }
     pairs_.lists.forget_motions(); // sleeping bodies are in no other list
-    if (!woken) return;
+    if (woken) rejoin_woken();
+}
+
+/// Wakes the islands that stage 1 or 5 hit: by bodies which others set in motion, so that wake_disturbed() could not
+/// know. What sleeps takes an impulse as if its mass were infinite, and what should go on with it is lost. Whether there
+/// were any: then the step is where it began.
+bool Stepper::wake_hit() {
+    if (sleepers_.count == 0) return false;
+    struct Hit {
+        std::int32_t sleeper, quiet_steps;
+        auto operator<=>(const Hit&) const = default;
+    };
+    std::vector<Hit> hits; // in an order that no thread decides
+    const auto add = [&](std::int32_t sleeper, std::int32_t quiet_steps) {
+        if (asleep(state_, at(sleeper))) hits.push_back({sleeper, quiet_steps});
+    };
+    for (const Worker& worker : workers_.each)
+        for (const CandidatePair& p : worker.pushed)
+            add(p.a, state_.sleep[at(p.b)].quiet_steps), add(p.b, state_.sleep[at(p.a)].quiet_steps);
+    std::vector<std::int32_t> tied; // clusters of the failsafe
+    for (const std::int32_t i : model_.active)
+        if (const std::int32_t id = clusters_.of(at(i)); clusters_[id].members.size() > 1) tied.push_back(id);
+    std::ranges::sort(tied);
+    tied.erase(std::unique(tied.begin(), tied.end()), tied.end());
+    for (const std::int32_t id : tied)
+        for (const std::int32_t member : clusters_[id].members) add(member, 0);
+    if (hits.empty()) return false;
+    std::ranges::sort(hits);
+    for (const Hit& hit : hits)
+        if (asleep(state_, at(hit.sleeper))) wake_island(at(hit.sleeper), hit.quiet_steps, state_);
+    for (Worker& worker : workers_.each) worker.pushed.clear();
+    contacts_.keep([&](std::size_t i) { return contacts_.ahead[i] == 0; });
+    pairs_.table.restart_step(workers_.team);
+    pairs_.lists.forget_motions();
+    rejoin_woken();
+    return true;
+}
+
+/// After islands woke: the step begins with them awake.
+void Stepper::rejoin_woken() {
     mark_asleep();
     take_woken_contacts();
     place_still();

@@ -181,13 +181,17 @@ void Stepper::advance(StepReport& report) {
     {
         const RecordedSpan recorded("step", workers_.team);
         begin_step(report.step);
-        collisions(collided, late, report); // 1) v^n becomes v^
-        observe(Phase::collisions);
-        half_velocities(collided, half, report);           // 2) v^{n+1/2} = v^ + dt/2 a
-        half_static_contact(collided, half, kept, report); // 3) on v^{n+1/2}; its contacts are the last stage 7's
-        observe(Phase::half_static_contact);
-        leave_out_late(late, half);
-        failsafe = move_bodies(half, report); // 4) x^{n+1} from x^n and v^{n+1/2}; 5) free of intersections
+        const StepReport begun = report;
+        for (;; report = begun) {
+            collisions(collided, late, report); // 1) v^n becomes v^
+            observe(Phase::collisions);
+            half_velocities(collided, half, report);           // 2) v^{n+1/2} = v^ + dt/2 a
+            half_static_contact(collided, half, kept, report); // 3) on v^{n+1/2}; its contacts are the last stage 7's
+            observe(Phase::half_static_contact);
+            leave_out_late(late, half);
+            failsafe = move_bodies(half, report); // 4) x^{n+1} from x^n and v^{n+1/2}; 5) free of intersections
+            if (!wake_hit()) break;               // or all of it again with what was hit asleep
+        }
         observe(Phase::failsafe);
         certify_end(end, report);
         new_velocities(collided, kept, end, next, report); // 6) v^{n+1} = v^{n+1/2} + dt/2 a, or v^ + dt a
@@ -219,9 +223,12 @@ void Stepper::collisions(std::span<Motion> collided, std::span<Motion> late, Ste
     const PhaseWatch watch(report, Phase::collisions, workers_.team);
     start_trajectories(state_.motion); // x^n -> x(v^n)
     wake_disturbed();
-    const ContactSet& known = contacts_at_start();
-    const StageCounters c =
-        handle_collisions(view(), movers(), pairs_, workers_, {known.contacts, known.rest}, collisions_);
+    const auto handle = [&] {
+        const ContactSet& known = contacts_at_start();
+        return handle_collisions(view(), movers(), pairs_, workers_, {known.contacts, known.rest}, collisions_);
+    };
+    StageCounters c = handle();
+    while (wake_hit()) c = handle();
     add_counters(c, report);
     report.collisions = c.impulses;
     if (c.limit) report.warnings |= kCollisionLimit;

@@ -157,6 +157,8 @@ class Stepper {
     [[nodiscard]] StepView view() const;
     [[nodiscard]] Movers movers() { return {clusters_, trajectories_, model_.settings.time_step}; }
     void wake_disturbed();
+    bool wake_hit();
+    void rejoin_woken();
     void mark_asleep();
     void put_to_sleep();
     void free_memory_of_sleepers();

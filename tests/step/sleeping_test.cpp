@@ -137,6 +137,71 @@ TEST(Sleeping, WhatAMostlySleepingSceneGivesBackChangesNoBits) {
     }
 }
 
+/// Frictionless cubes of 0.2 m in a row, so far apart, all asleep after a second, and one that comes along it.
+SceneDescription row_of_sleepers(const Settings& settings, int count, double gap, double speed, double restitution) {
+    SceneDescription scene = empty_scene();
+    scene.settings = settings;
+    constexpr double kEdge = 0.2;
+    const auto cube = add_shape(scene, make_box(kEdge, kEdge, kEdge), 125);
+    const auto add = [&](double x) -> BodyDescription& {
+        BodyDescription& body = add_body(scene, cube, BodyType::dynamic, {x, 0, 0.5 * kEdge + 0.001}, 0);
+        body.restitution = restitution;
+        return body;
+    };
+    add_body(scene, add_shape(scene, make_plate(40, 40)), BodyType::fixed, {0, 0, 0}, 0).restitution = 0;
+    for (int i = 0; i < count; ++i) add(i * (kEdge + gap));
+    add(-kEdge - 1.1 * speed).velocity = {speed, 0, 0};
+    return scene;
+}
+
+std::vector<double> speeds_after_blow(SceneDescription scene, bool sleeping, std::int64_t asleep) {
+    scene.settings.sleeping = sleeping;
+    World world(scene);
+    std::int64_t most = 0;
+    while (world.time() < 1.4) most = std::max(most, world.step().sleeping);
+    EXPECT_EQ(most, sleeping ? asleep : 0);
+    std::vector<double> out;
+    for (std::size_t i = 1; i < world.size(); ++i) out.push_back(world.body(i).velocity.x);
+    return out;
+}
+
+// Each of them meets the next one in the step in which it is hit itself.
+TEST(Sleeping, ABlowGoesThroughSleepersAsThroughOthers) {
+    for (const char* name : {"preview", "balanced", "accurate"})
+        for (const double dt : {1.0 / 24, 1.0 / 240})
+            for (const double restitution : {0.0, 1.0}) {
+                Settings settings = preset(name);
+                settings.sleeping = true;
+                settings.time_step = dt;
+                const SceneDescription scene = row_of_sleepers(settings, 4, 0.002, 4, restitution);
+                const auto asleep = speeds_after_blow(scene, true, 4), awake = speeds_after_blow(scene, false, 4);
+                double momentum = 0;
+                for (std::size_t i = 0; i < asleep.size(); ++i) {
+                    momentum += asleep[i];
+                    EXPECT_NEAR(asleep[i], awake[i], 0.02) << name << " " << dt << " " << restitution << " " << i;
+                }
+                EXPECT_NEAR(momentum, 4, 1e-3) << name << " " << dt << " " << restitution;
+            }
+}
+
+TEST(Sleeping, AScriptPushesARowOfSleepers) {
+    for (const char* name : {"preview", "balanced"}) {
+        Settings settings = preset(name);
+        settings.sleeping = true;
+        SceneDescription scene = row_of_sleepers(settings, 4, 0.003, 0, 0);
+        scene.bodies.pop_back();
+        BodyDescription& wall =
+            add_body(scene, add_shape(scene, make_box(0.1, 1, 1)), BodyType::kinematic, {-1.2, 0, 0.6});
+        wall.keyframes = {{0, {-1.2, 0, 0.6}, {}}, {1, {-1.2, 0, 0.6}, {}}, {3, {0.8, 0, 0.6}, {}}};
+        World world(scene);
+        ASSERT_GE(steps_until_asleep(world, 4, 24), 12);
+        std::int64_t held = 0;
+        while (world.time() < 3) held += world.step().held;
+        EXPECT_EQ(held, 0) << name;
+        EXPECT_NEAR(world.body(world.size() - 1).position.x, 0.8, 1e-9) << name;
+    }
+}
+
 TEST(Sleeping, AScriptedBodyPushesASleepingOne) {
     SceneDescription scene = tower(1);
     const auto wall = add_shape(scene, make_box(0.2, 2, 1));
