@@ -72,8 +72,8 @@ void Stepper::wake_disturbed() {
 }
 
 /// Wakes the islands that stage 1 or 5 hit: by bodies which others set in motion, so that wake_disturbed() could not
-/// know. What sleeps takes an impulse as if its mass were infinite, and what should go on with it is lost. Whether there
-/// were any: then the step is where it began.
+/// know. What sleeps takes an impulse as if its mass were infinite, and what should go on with it is lost. Whether
+/// there were any: then the step is where it began.
 bool Stepper::wake_hit() {
     if (sleepers_.count == 0) return false;
     struct Hit {
