@@ -127,9 +127,9 @@ struct ContactState {
     Vec3 point;                          ///< m, world
     Vec3 normal;                         ///< unit, from a to b
     double distance = 0;                 ///< m
-    /// On b, N s, world: the force at the end of the last step times the time step. It is that of stage 7, twice with
-    /// velocity_update: trapezoidal, times the number of substeps; zero where stage 7 left the contact out. a got its
-    /// opposite.
+    /// On b, N s, world: what the contact carried in the last step, divided by the time step the mean force; a got its
+    /// opposite. That of stages 3 and 7, of the last inner step times the number of substeps, without the blows of
+    /// stage 1. What contacts of the pair carried that are none any more at its end is shared out to those that are.
     Vec3 impulse;
     /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse
     /// is that of the step in which the island fell asleep.

@@ -8,6 +8,7 @@
 
 #include <flotilla/error.hpp>
 
+#include "api/contact_states.hpp"
 #include "api/world_access.hpp"
 #include "api/world_impl.hpp"
 #include "base/assumptions.hpp"
@@ -324,32 +325,7 @@ const std::shared_ptr<std::vector<ContactState>>& World::Impl::contacts() {
     const DefaultFloatingPoint environment;
     if (contact_list.use_count() > 1) // somebody keeps what it was
         contact_list = std::make_shared<std::vector<ContactState>>();
-    std::vector<ContactState>& out = *contact_list;
-    out.clear();
-    const std::vector<Contact>& awake = stepper->contacts().contacts;
-    const std::vector<Contact>& asleep = stepper->sleeping_contacts();
-    const State& state = stepper->state();
-    const auto bodies = [](const auto& x) { return std::pair(x.a, x.b); };
-    std::span<const WarmImpulse> solved = state.warm[ContactStage::final],
-                                 waiting = state.waiting[ContactStage::final]; // all lists are sorted by bodies
-    const bool half = stepper->model().settings.velocity_update == VelocityUpdate::trapezoidal;
-    const double of_step = (half ? 2 : 1) * stepper->substeps(); // a whole step's, of stage 7's
-    const auto add = [&](const Contact& c, bool sleeps) {
-        std::span<const WarmImpulse>& list = sleeps ? waiting : solved;
-        const auto first =
-            std::find_if(list.begin(), list.end(), [&](const WarmImpulse& w) { return bodies(w) >= bodies(c); });
-        list = list.subspan(static_cast<std::size_t>(first - list.begin()));
-        ContactState contact{c.a, c.b, c.point, c.normal, c.distance, {}, sleeps};
-        for (auto w = list.begin(); w != list.end() && bodies(*w) == bodies(c); ++w)
-            if (w->feature_key == c.feature_key) contact.impulse = of_step * w->impulse;
-        out.push_back(contact);
-    };
-    auto sleeper = asleep.begin();
-    for (const Contact& c : awake) {
-        for (; sleeper != asleep.end() && bodies(*sleeper) < bodies(c); ++sleeper) add(*sleeper, true);
-        add(c, false);
-    }
-    for (; sleeper != asleep.end(); ++sleeper) add(*sleeper, true);
+    list_contact_states(*stepper, *contact_list);
     contacts_of_step = stepper->steps();
     return contact_list;
 }

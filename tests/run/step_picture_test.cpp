@@ -141,7 +141,7 @@ TEST_F(StepPictures, TellOfClustersThatTheFailsafeMade) {
     scene.settings.rigidification = Rigidification::rigid;
     World world = stepped(scene, 20);
     std::size_t of_clusters = 0;
-    while (world.steps() < 32) {
+    while (world.steps() < 60) {
         const std::int64_t merges = world.step().merges;
         const StepPictureReport r = write_step_picture(world, output_, small());
         EXPECT_EQ(r.proved_by_query + r.proved_by_boxes + r.proved_by_cluster + r.proved_by_rest, shown_pairs(r));

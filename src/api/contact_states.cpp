@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "api/contact_states.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+namespace flotilla {
+namespace {
+
+template <class T>
+std::pair<std::int32_t, std::int32_t> bodies(const T& x) {
+    return {x.a, x.b};
+}
+
+/// The impulses of one solve, sorted by bodies; pairs are asked for in that order.
+class ImpulsesByPair {
+  public:
+    explicit ImpulsesByPair(std::span<const WarmImpulse> list) : left_(list) {}
+
+    std::span<const WarmImpulse> of(const std::pair<std::int32_t, std::int32_t>& pair) {
+        const auto first =
+            std::find_if(left_.begin(), left_.end(), [&](const WarmImpulse& w) { return bodies(w) >= pair; });
+        const auto end = std::find_if_not(first, left_.end(), [&](const WarmImpulse& w) { return bodies(w) == pair; });
+        left_ = {end, left_.end()};
+        return {first, end};
+    }
+
+  private:
+    std::span<const WarmImpulse> left_;
+};
+
+/// What contacts of the start of the step carried that are none any more, as one that rolls has them, goes to those of
+/// the pair that carry at its end, by their share: the force between the bodies is whole.
+void share(const Vec3& impulse, std::span<ContactState> pair) {
+    if (impulse == Vec3{}) return;
+    double sum = 0;
+    const auto load = [](const ContactState& c) { return std::max(0.0, dot(c.normal, c.impulse)); };
+    for (const ContactState& c : pair) sum += load(c);
+    for (ContactState& c : pair) {
+        const double part = sum > 0 ? load(c) / sum : 1 / static_cast<double>(pair.size());
+        c.impulse += part * impulse;
+    }
+}
+
+/// Sets the impulses of the contacts of one pair: the sum of stages 3 and 7, as `factor` times what they found.
+/// `features`: of the contacts.
+void set_impulses(std::span<const WarmImpulse> start, std::span<const WarmImpulse> end,
+                  std::span<const std::uint64_t> features, double factor, std::span<ContactState> pair) {
+    const auto place = [&](const WarmImpulse& w) {
+        return static_cast<std::size_t>(std::ranges::find(features, w.feature_key) - features.begin());
+    };
+    for (const WarmImpulse& w : end)
+        if (const std::size_t i = place(w); i < pair.size()) pair[i].impulse += factor * w.impulse;
+    Vec3 gone;
+    for (const WarmImpulse& w : start)
+        if (place(w) == pair.size()) gone += factor * w.impulse;
+    share(gone, pair);
+    for (const WarmImpulse& w : start)
+        if (const std::size_t i = place(w); i < pair.size()) pair[i].impulse += factor * w.impulse;
+}
+
+/// Appends the contacts of a list that is sorted by bodies.
+void append(std::span<const Contact> contacts, const WarmImpulses& stages, const Stepper& stepper, bool sleep,
+            std::vector<ContactState>& out) {
+    // All of a step's is stage 7's where velocities are those of its end.
+    const bool halves = stepper.model().settings.velocity_update == VelocityUpdate::trapezoidal;
+    ImpulsesByPair starts(halves ? std::span<const WarmImpulse>(stages[ContactStage::kept])
+                                 : std::span<const WarmImpulse>());
+    ImpulsesByPair ends(stages[ContactStage::final]);
+    std::vector<std::uint64_t> features;
+    for (std::size_t first = 0; first < contacts.size(); first += features.size()) {
+        const auto pair = bodies(contacts[first]);
+        features.clear();
+        const std::size_t place = out.size();
+        for (std::size_t i = first; i < contacts.size() && bodies(contacts[i]) == pair; ++i) {
+            const Contact& c = contacts[i];
+            features.push_back(c.feature_key);
+            out.push_back({c.a, c.b, c.point, c.normal, c.distance, {}, sleep});
+        }
+        set_impulses(starts.of(pair), ends.of(pair), features, stepper.substeps(), std::span(out).subspan(place));
+    }
+}
+
+} // namespace
+
+void list_contact_states(const Stepper& stepper, std::vector<ContactState>& out) {
+    out.clear();
+    append(stepper.contacts().contacts, stepper.state().warm, stepper, false, out);
+    const auto awake = static_cast<std::ptrdiff_t>(out.size());
+    append(stepper.sleeping_contacts(), stepper.state().waiting, stepper, true, out);
+    std::inplace_merge(out.begin(), out.begin() + awake, out.end(), [](const ContactState& x, const ContactState& y) {
+        return std::pair(x.body_a, x.body_b) < std::pair(y.body_a, y.body_b);
+    });
+}
+
+} // namespace flotilla
