@@ -24,8 +24,8 @@ struct ContactTuning {
     /// Sweeps between two evaluations of the residual, of which one costs half a sweep. Row: looks.
     int look_every = 10;
     /// Sweeps after which inactive contacts are evaluated, before the first residual is: sweeps that do not know of a
-    /// violated one are in vain, and walls and piles with random pyramids do not come to rest without this. 0: never.
-    /// Row: peeks.
+    /// violated one are in vain. It saves no time, but 102 boats (nine seeds) come to rest after 6.6 s with it and
+    /// after 7.8 s without. 0: never. Row: peeks.
     int peek = 2;
 
     // --- giving up (sweep_island.cpp) ---
