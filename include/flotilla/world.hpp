@@ -128,9 +128,10 @@ class World {
     /// Called at the start of every step, when it may change the World as above; what it throws leaves step() with
     /// nothing done but its edits. Empty: none.
     void set_force_callback(std::function<void(World&)> callback);
-    /// Called after stages 1, 3, 5 and 7 of a step, or of each inner one, on the thread that calls step(). Where it
-    /// returns false, or throws, everything is as it was before the step, and step() throws StepCancelled, or what it
-    /// threw. Costs a copy of the state in every step. Empty: none.
+    /// Called after stages 1, 3, 5 and 7 of a step, or of each inner one, on the thread that calls step(); after 1 and
+    /// 3 again where the step begins anew, since it hit what slept. Where it returns false, or throws, everything is as
+    /// it was before the step, and step() throws StepCancelled, or what it threw. Costs a copy of the state in every
+    /// step. Empty: none.
     void set_observer(std::function<bool(Phase)> observer);
     /// Takes one line for what is worth a look: warnings of a step that the step before did not have, and edits that
     /// were refused. What it throws comes out of the call, whose work is done: the World goes on. Empty: nobody.

@@ -332,7 +332,7 @@ Vec3 area_normal(const BodyMotion& body, std::int32_t t) {
 /// The side of a body on whose rim the foot of a contact's vertex is: the triangles around the foot that face the
 /// vertex to within kOtherDirection, all in one plane that does so to within theta. Its normal, in the sense of
 /// `normal`; zero where there is none. A vertex a hair outside such a side has a normal that is tilted by that hair
-/// over the distance: one cube flush on another of its size is turned by it, ever faster, up to 0.2 rad/s.
+/// over the distance: one cube flush on another of its size is turned by it, ever faster, up to 0.5 rad/s.
 Vec3 side_below(const BodyMotion& body, const Vec3& vertex, std::int32_t face, const Vec3& normal, double angle_cos) {
     const auto f = corners(body, face);
     const auto foot = closest_vertex_triangle(vertex, f[0], f[1], f[2]).barycentric;

@@ -59,6 +59,7 @@ class Course {
         const double least_slip = kLeast * length(start_), least_left = kLeast * (target_ - dot(n_, start_));
         for (int i = 0; i < kMostSteps; ++i) {
             if (!(length(slip(u_)) > least_slip)) return stop();
+            if (balances(against(u_))) break;
             step();
             if (target_ - dot(n_, u_) <= least_left) break;
         }
@@ -70,7 +71,8 @@ class Course {
     static constexpr double kTurn = 0.25;     ///< rad, by which slip turns in a step
     static constexpr double kSlower = 0.9375; ///< the most of it that a step takes
     static constexpr double kRate = 1;        ///< of the relaxation of its direction, within the method's stability
-    static constexpr int kMostSteps = 100;    ///< two are usual
+    static constexpr double kLeastMoved = 0x1p-10; ///< of what a push along the normal moves
+    static constexpr int kMostSteps = 100;         ///< two are usual
 
     [[nodiscard]] Vec3 slip(const Vec3& u) const { return u - dot(n_, u) * n_; }
     /// dI/dp at the relative velocity u.
@@ -99,20 +101,47 @@ class Course {
         impulse_ += push;
     }
 
+    /// Whether a push hardly moves the point at all, as one that hinges or rails take has it: then the end is reached
+    /// without friction.
+    [[nodiscard]] bool balances(const Vec3& push) const {
+        return !(dot(push, k_ * push) > kLeastMoved * dot(n_, k_ * n_));
+    }
+
     Vec3 stop() {
         const auto hold = solved(n_);
         if (hold && length(*hold - dot(*hold, n_) * n_) <= friction_ * dot(*hold, n_))
             if (const auto all = solved(target_ * n_ - start_)) return *all;
-        Vec3 way = hold ? -*hold : Vec3{};
-        constexpr int kTries = 20; // a fixed point
-        for (int i = 0; i < kTries; ++i) way = k_ * against(way);
-        return finish(against(way));
+        return finish(n_ - friction_ * starting_slip());
+    }
+
+    /// The unit direction t that slip keeps when it starts, K (n - mu t) being along t there: t = (mu M + s)^-1 m for
+    /// the tangential parts m of K n and M of K and the one s > 0 at which that is of unit length. Newton's method for
+    /// the inverse of the length, from below (More and Sorensen 1983).
+    [[nodiscard]] Vec3 starting_slip() const {
+        const Vec3 m = slip(k_ * n_);
+        const double size = length(m);
+        if (!(size > 0)) return {};
+        const Vec3 t1 = m / size, t2 = cross(n_, t1), k1 = friction_ * (k_ * t1), k2 = friction_ * (k_ * t2);
+        const double a = dot(t1, k1), b = dot(t1, k2), c = dot(t2, k2);
+        constexpr double kRounding = 0x1p-40;
+        constexpr int kNewtonSteps = 30;
+        double s = std::max(size - (a + c), kRounding * size), x = 1, y = 0;
+        for (int i = 0; i < kNewtonSteps; ++i) {
+            const double p = a + s, q = c + s, det = p * q - b * b;
+            x = q * size / det;
+            y = -b * size / det;
+            const double square = x * x + y * y, is = std::sqrt(square);
+            if (!(std::abs(is - 1) > kRounding)) break;
+            const double slope = (q * x * x - 2 * b * x * y + p * y * y) / det;
+            s = std::max(s + square / slope * (is - 1), kRounding * size);
+        }
+        return normalized(x * t1 + y * t2);
     }
 
     /// What is left, with slip in one direction.
     Vec3 finish(const Vec3& push) {
-        const double out = dot(n_, k_ * push);
-        const Vec3 last = out > 0 ? push / out : n_ / dot(n_, k_ * n_);
+        const double out = dot(n_, k_ * push), nkn = dot(n_, k_ * n_);
+        const Vec3 last = out > kLeastMoved * nkn ? push / out : n_ / nkn;
         return impulse_ + (target_ - dot(n_, u_)) * last;
     }
 

@@ -25,6 +25,15 @@ void move_if(std::vector<T>& from, std::vector<T>& to, Wanted&& wanted) {
     std::inplace_merge(to.begin(), to.begin() + before, to.end(), by_bodies<T>);
 }
 
+/// m, between two boxes.
+double box_distance(const Box& a, const Box& b) {
+    const auto gap = [](double lower, double upper) { return std::max(0.0, lower - upper); };
+    const Vec3 d{std::max(gap(a.lower.x, b.upper.x), gap(b.lower.x, a.upper.x)),
+                 std::max(gap(a.lower.y, b.upper.y), gap(b.lower.y, a.upper.y)),
+                 std::max(gap(a.lower.z, b.upper.z), gap(b.lower.z, a.upper.z))};
+    return length(d);
+}
+
 } // namespace
 
 /// After State's sleepers changed.
@@ -71,39 +80,77 @@ void Stepper::wake_disturbed() {
     if (woken) rejoin_woken();
 }
 
-/// Wakes the islands that stage 1 or 5 hit: by bodies which others set in motion, so that wake_disturbed() could not
-/// know. What sleeps takes an impulse as if its mass were infinite, and what should go on with it is lost. Whether
-/// there were any: then the step is where it began.
-bool Stepper::wake_hit() {
+/// Whether this step pushed what sleeps: by bodies that others set in motion, so that wake_disturbed() could not know.
+bool Stepper::hit_sleepers() const {
     if (sleepers_.count == 0) return false;
-    struct Hit {
-        std::int32_t sleeper, quiet_steps;
-        auto operator<=>(const Hit&) const = default;
-    };
-    std::vector<Hit> hits; // in an order that no thread decides
-    const auto add = [&](std::int32_t sleeper, std::int32_t quiet_steps) {
-        if (asleep(state_, at(sleeper))) hits.push_back({sleeper, quiet_steps});
-    };
+    const auto pushed = [&](const CandidatePair& p) { return asleep(state_, at(p.a)) || asleep(state_, at(p.b)); };
+    return std::ranges::any_of(workers_.each,
+                               [&](const Worker& worker) { return std::ranges::any_of(worker.pushed, pushed); });
+}
+
+/// Wakes the islands that stage 1 or 5 hit. What sleeps takes an impulse as if its mass were infinite, and what should
+/// go on with it is lost. Whether there were any: then the step is where it began.
+bool Stepper::wake_hit() {
+    if (!hit_sleepers()) return false;
+    std::vector<std::int32_t> hit; // of an order that no thread decides
+    double way = 0;
     for (const Worker& worker : workers_.each)
         for (const CandidatePair& p : worker.pushed)
-            add(p.a, state_.sleep[at(p.b)].quiet_steps), add(p.b, state_.sleep[at(p.a)].quiet_steps);
-    std::vector<std::int32_t> tied; // clusters of the failsafe
-    for (const std::int32_t i : model_.active)
-        if (const std::int32_t id = clusters_.of(at(i)); clusters_[id].members.size() > 1) tied.push_back(id);
-    std::ranges::sort(tied);
-    tied.erase(std::unique(tied.begin(), tied.end()), tied.end());
-    for (const std::int32_t id : tied)
-        for (const std::int32_t member : clusters_[id].members) add(member, 0);
-    if (hits.empty()) return false;
-    std::ranges::sort(hits);
-    for (const Hit& hit : hits)
-        if (asleep(state_, at(hit.sleeper))) wake_island(at(hit.sleeper), hit.quiet_steps, state_);
+            for (const std::int32_t body : {p.a, p.b}) {
+                if (asleep(state_, at(body)))
+                    hit.push_back(body);
+                else
+                    way = std::max(way, way_in_step(at(body)));
+            }
+    std::ranges::sort(hit);
+    wake_along(hit, way);
     for (Worker& worker : workers_.each) worker.pushed.clear();
     contacts_.keep([&](std::size_t i) { return contacts_.ahead[i] == 0; });
     pairs_.table.restart_step(workers_.team);
     pairs_.lists.forget_motions();
     rejoin_woken();
     return true;
+}
+
+/// m, how far points of an awake body may go in the step, at its velocity before or after stage 1.
+double Stepper::way_in_step(std::size_t body) const {
+    const auto speed = [&](const Motion& m) {
+        const Vec3 omega = model_.bodies[body].movable()
+                               ? angular_velocity(model_, body, state_.pose[body].rotation, m.momentum)
+                               : m.momentum;
+        return length(m.velocity) + length(omega) * model_.shape_of(body).radius;
+    };
+    return model_.settings.time_step * std::max(speed(state_.motion[body]), speed(clusters_.motion()[body]));
+}
+
+/// Wakes the islands of some sleepers, and those that these may hit in turn: a blow that comes `way` metres far in the
+/// step goes on to what is so near, less each gap that it crosses. One island after the other would take a step anew
+/// for each.
+void Stepper::wake_along(std::span<const std::int32_t> hit, double way) {
+    std::vector<double> left(model_.size(), -1); // m, of the way, by body
+    std::vector<std::int32_t> reached;
+    std::int64_t asleep_still = sleepers_.count;
+    const auto reach = [&](std::size_t body, double rest) {
+        const std::int32_t island = state_.sleep[body].island;
+        for (std::size_t i = 0; i < left.size(); ++i) {
+            if (state_.sleep[i].island != island || left[i] >= rest) continue;
+            if (left[i] < 0) --asleep_still;
+            left[i] = rest;
+            reached.push_back(static_cast<std::int32_t>(i));
+        }
+    };
+    for (const std::int32_t body : hit) reach(at(body), way);
+    for (std::size_t k = 0; k < reached.size() && asleep_still > 0; ++k) {
+        const std::size_t from = at(reached[k]);
+        const Box box = trajectories_.motion(from).swept();
+        for (std::size_t i = 0; i < left.size(); ++i) {
+            if (!asleep(state_, i) || !(left[from] > left[i])) continue;
+            const double rest = left[from] - box_distance(box, trajectories_.motion(i).swept());
+            if (rest > left[i] && rest >= 0) reach(i, rest);
+        }
+    }
+    for (const std::int32_t body : reached)
+        if (asleep(state_, at(body))) wake_island(at(body), 0, state_);
 }
 
 /// After islands woke: the step begins with them awake.

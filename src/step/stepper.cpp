@@ -174,6 +174,12 @@ void Stepper::observe(Phase phase) const {
     if (!goes_on) throw CancelledStep{phase, nullptr};
 }
 
+/// What a step that begins anew has found: nothing, in the time that it took.
+StepReport with_times_of(const StepReport& report, StepReport begun) {
+    begun.phase_ms = report.phase_ms;
+    return begun;
+}
+
 /// One inner step: section 2 of the paper.
 void Stepper::advance(StepReport& report) {
     auto& [end, collided, late, half, kept, next] = buffers_;
@@ -182,7 +188,8 @@ void Stepper::advance(StepReport& report) {
         const RecordedSpan recorded("step", workers_.team);
         begin_step(report.step);
         const StepReport begun = report;
-        for (;; report = begun) {
+        const std::int64_t begun_visits = contact_visits_;
+        for (;; report = with_times_of(report, begun), contact_visits_ = begun_visits) {
             collisions(collided, late, report); // 1) v^n becomes v^
             observe(Phase::collisions);
             half_velocities(collided, half, report);           // 2) v^{n+1/2} = v^ + dt/2 a
@@ -334,6 +341,7 @@ FailsafeStats Stepper::move_bodies(std::span<Motion> half, StepReport& report) {
     for (int round = 0;; ++round) {
         candidate_end_states(half, report);                          // 4
         const DynamicContactStats dynamic = dynamic_contact(report); // 5: dynamic contact
+        if (hit_sleepers()) return {};                               // not with these: wake_hit()
         const PhaseWatch watch(report, Phase::failsafe, workers_.team);
         FailsafeStats failsafe = run_failsafe(view(), movers(), pairs_, workers_); // 5: the failsafe
         add_counters(failsafe.counters, report);

@@ -121,6 +121,10 @@ class Stepper {
     [[nodiscard]] const std::vector<Contact>& sleeping_contacts() const { return sleeping_contacts_; }
     /// Cluster state and cost of every body in the last step; contacts are not counted.
     [[nodiscard]] const std::vector<BodyActivity>& activity() const { return activity_; }
+    /// Whether the failsafe moved, held or slowed down a body in the last step.
+    [[nodiscard]] bool failsafe_acted_on(std::size_t body) const {
+        return body < failsafe_bodies_.size() && failsafe_bodies_[body] != 0;
+    }
     /// Contact updates of sweeps in the last step, stages 3 and 7 together.
     [[nodiscard]] std::int64_t contact_visits() const { return contact_visits_; }
     [[nodiscard]] QueryCounters query_counters() const;
@@ -157,7 +161,10 @@ class Stepper {
     [[nodiscard]] StepView view() const;
     [[nodiscard]] Movers movers() { return {clusters_, trajectories_, model_.settings.time_step}; }
     void wake_disturbed();
+    [[nodiscard]] bool hit_sleepers() const;
     bool wake_hit();
+    void wake_along(std::span<const std::int32_t> hit, double way);
+    [[nodiscard]] double way_in_step(std::size_t body) const;
     void rejoin_woken();
     void mark_asleep();
     void put_to_sleep();

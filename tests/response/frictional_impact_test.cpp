@@ -108,11 +108,39 @@ TEST(FrictionalImpact, OfWhatDoesNotSlipTakesTheCone) {
     const Mat3 k = mobility({2, 9, 14}, {0.3, 0.8, -1});
     const Outcome held = impact(k, {0, 0, -1}, 0.5, 2);
     EXPECT_NEAR(length(held.after - Vec3{0, 0, 0.5}), 0, 1e-14);
-    const Outcome slides = impact(k, {0, 0, -1}, 0.5, 0.05);
-    const Vec3 slip{slides.after.x, slides.after.y, 0}, drag{slides.impulse.x, slides.impulse.y, 0};
-    EXPECT_NEAR(slides.after.z, 0.5, 1e-14);
-    EXPECT_NEAR(length(drag), 0.05 * slides.impulse.z, 1e-12);
-    EXPECT_NEAR(dot(normalized(slip), normalized(drag)), -1, 1e-9);
+    std::mt19937_64 rng(7);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    int slide = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Mat3 any =
+            mobility({1 + 20 * std::abs(unit(rng)), 1 + 20 * std::abs(unit(rng)), 1 + 20 * std::abs(unit(rng))},
+                     {2 * unit(rng), 2 * unit(rng), -0.1 - std::abs(unit(rng))});
+        const double friction = 0.5 * std::abs(unit(rng)) + 0.01;
+        const Outcome out = impact(any, {0, 0, -1}, 0.5, friction);
+        const Vec3 slip{out.after.x, out.after.y, 0}, drag{out.impulse.x, out.impulse.y, 0};
+        EXPECT_NEAR(out.after.z, 0.5, 1e-12) << i;
+        if (length(slip) < 1e-9) continue;
+        ++slide;
+        EXPECT_NEAR(length(drag), friction * out.impulse.z, 1e-9 * out.impulse.z) << i;
+        EXPECT_NEAR(dot(normalized(slip), normalized(drag)), -1, 1e-6) << i;
+    }
+    EXPECT_GT(slide, 1000);
+}
+
+// A hinge about y lets the point move along one line in the plane y = 0, and a script drives it along x: a push that
+// friction keeps off that line would be of any size.
+TEST(FrictionalImpact, HingeThatFrictionBalancesTakesThePushWithoutIt) {
+    for (const double friction : {0.4, 0.5, 0.5 + 1e-9, 0.500001, 0.6, 1.0}) {
+        const Vec3 line = normalized(Vec3{2, 0, 1}); // n - mu t is across it for mu = 1/2
+        Mat3 k{};
+        const double of[3] = {line.x, line.y, line.z};
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) k.m[3 * i + j] = of[i] * of[j];
+        const Vec3 impulse = frictional_impact({k, kUp, friction, true}, {5, 0, -1}, 0);
+        const double alone = 1 / k.m[8];
+        EXPECT_LT(length(impulse), 1100 * alone) << friction;
+        EXPECT_NEAR(-1 + dot(kUp, k * impulse), 0, 1e-9) << friction;
+    }
 }
 
 } // namespace
