@@ -36,6 +36,12 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
     }
 }
 
+/// What a step that begins anew has found: nothing, in the time that it took.
+StepReport with_times_of(const StepReport& report, StepReport begun) {
+    begun.phase_ms = report.phase_ms;
+    return begun;
+}
+
 } // namespace
 
 Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
@@ -172,12 +178,6 @@ void Stepper::observe(Phase phase) const {
         throw CancelledStep{phase, std::current_exception()};
     }
     if (!goes_on) throw CancelledStep{phase, nullptr};
-}
-
-/// What a step that begins anew has found: nothing, in the time that it took.
-StepReport with_times_of(const StepReport& report, StepReport begun) {
-    begun.phase_ms = report.phase_ms;
-    return begun;
 }
 
 /// One inner step: section 2 of the paper.
