@@ -101,8 +101,8 @@ class Course {
         impulse_ += push;
     }
 
-    /// Whether a push hardly moves the point at all, as one that hinges or rails take has it: then the end is reached
-    /// without friction.
+    /// Whether a push hardly moves the point at all, as one that hinges or rails take has it: finish() then ends it, as
+    /// a rule without friction.
     [[nodiscard]] bool balances(const Vec3& push) const {
         return !(dot(push, k_ * push) > kLeastMoved * dot(n_, k_ * n_));
     }
