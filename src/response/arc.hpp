@@ -56,7 +56,10 @@ struct ArcContact {
     double rises = 0;    ///< m/s, along the normal, how much faster the place of the shift moves than the point
     double friction = 1; ///< of that of the pair
     double carries = 0;  ///< share of the load of the step until another one lands; negative where this one does
-    Vec3 carries_at;     ///< m, from the contact to where it then is in the mean
+    /// m/s, for a point that stands on the other body: of the two bodies' points against each other now, so that they
+    /// come together again by the end of the step (static_contact/expected_turns.hpp).
+    Vec3 stands;
+    Vec3 carries_at; ///< m, from the contact to where it then is in the mean
 };
 
 /// For a contact of a and b with the normal n from a to b.

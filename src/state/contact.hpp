@@ -20,6 +20,7 @@ struct Contact {
     std::uint64_t feature_key = 0; ///< feature pair, unique within the body pair
     double tolerance = std::numeric_limits<double>::infinity(); ///< m/s, to which its island is to be solved at least
     bool sticks = false; ///< hardly slid in the last step: random tangents stay what they were
+    Vec3 slip;           ///< m/s, tangential: (v_b - v_a) that friction leads to; world
 };
 
 } // namespace flotilla

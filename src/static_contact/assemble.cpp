@@ -440,7 +440,6 @@ void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& opt
                 row = make_row(c, arm_a, block, cone, options);
                 set_mass(cone, block, principal, row);
             }
-            row.local.target = c.target;
         }
         s.block_stands[k] = all_stand ? 1 : 0;
     };
@@ -448,6 +447,8 @@ void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& opt
         for (std::int32_t r = block.first; r < block.end; ++r) {
             ContactRow& row = s.rows[at(r)];
             const Vec3 warm = options.warm_start ? impulses[at(s.source[at(r)])] : Vec3{};
+            const Contact& c = contacts[at(s.source[at(r)])];
+            row.local.target = {c.target, dot(row.tangent_1, c.slip), dot(row.tangent_2, c.slip)};
             row.local.impulse = cut_to_cone(cone, to_contact(row, warm), row.local.friction);
         }
     };

@@ -58,7 +58,7 @@ void set_lane(Row& out, std::size_t lane, const ContactRow& row) {
     out.field[PacketRow::kNormalMass][lane] = c.mass_diagonal.x;
     out.field[PacketRow::kInvNormalMass][lane] = c.inv_mass_diagonal.x;
     out.field[PacketRow::kNormalImpulse][lane] = out.field[PacketRow::kNormalPrevious][lane] = c.impulse.x;
-    out.field[PacketRow::kTarget][lane] = c.target;
+    out.field[PacketRow::kTarget][lane] = c.target.x;
     set_lane(out, lane, PacketRow::kNormal, row.normal);
     set_lane(out, lane, PacketRow::kArmA, row.arm_a);
     if constexpr (std::is_same_v<Row, PacketRow>) {
@@ -69,6 +69,7 @@ void set_lane(Row& out, std::size_t lane, const ContactRow& row) {
         set_lane(out, lane, PacketRow::kCoupling, c.coupling);
         out.field[PacketRow::kFriction][lane] = c.friction;
         set_lane(out, lane, PacketRow::kTangent1, row.tangent_1);
+        set_tangential(out, lane, PacketRow::kSlip, c.target);
     }
 }
 
@@ -191,7 +192,11 @@ void refill_packet(std::span<const ContactRow> rows, std::size_t p, PackedContac
             for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
                 const std::int32_t source = packed.source[row * kPacketLanes + lane];
                 const LocalContact c = source < 0 ? LocalContact{} : rows[at(source)].local;
-                field[PacketRow::kTarget][lane] = c.target;
+                field[PacketRow::kTarget][lane] = c.target.x;
+                if (!packed.frictionless) {
+                    field[PacketRow::kSlip][lane] = c.target.y;
+                    field[PacketRow::kSlip + 1][lane] = c.target.z;
+                }
                 set_impulse(field, lane, c.impulse, packed.frictionless);
             }
         }

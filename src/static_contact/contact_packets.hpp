@@ -54,10 +54,10 @@ struct alignas(64) PacketRow {
     static constexpr int kNormalFields = 11;                                            ///< those above
     static constexpr int kTangentMass = 11, kInvTangentMass = 13, kTangentImpulse = 15; ///< of both tangents
     static constexpr int kTangentPrevious = 17, kCoupling = 19;                         ///< likewise; W_n1, W_n2, W_12
-    static constexpr int kFriction = 22, kTangent1 = 23;                                ///< mu; a vector
-    Lanes field[26] = {};
+    static constexpr int kFriction = 22, kTangent1 = 23, kSlip = 26; ///< mu; a vector; of both tangents
+    Lanes field[28] = {};
 };
-static_assert(sizeof(PacketRow) == 832);
+static_assert(sizeof(PacketRow) == 896);
 
 /// What is left of it where no contact has friction.
 struct alignas(64) NormalRow {

@@ -56,7 +56,7 @@ void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s
             const ContactRow& row = s.rows[at(r)];
             Vec3 free =
                 to_contact(row, relative_velocity(row, s.start_velocity[at(block.a)], s.start_velocity[at(block.b)]));
-            free.x -= row.local.target;
+            free -= row.local.target;
             e.contacts.push_back({number(block.a), number(block.b), row.normal, row.tangent_1, row.tangent_2, row.arm_a,
                                   row.arm_b, row.local.friction, free});
             e.impulses.push_back(row.local.impulse);
@@ -95,7 +95,7 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
         for (std::int32_t r = block.first; r < block.end; ++r, ++c) {
             const ContactRow& row = s.rows[at(r)];
             Vec3 u = to_contact(row, relative_velocity(row, s.velocity[at(block.a)], s.velocity[at(block.b)]));
-            u.x -= row.local.target;
+            u -= row.local.target;
             sum += 0.5 * dot(row.local.impulse, u + e.contacts[c].free_velocity);
         }
     return sum;

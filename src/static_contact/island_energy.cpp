@@ -71,6 +71,10 @@ double work_of_targets(const ContactScratch::Island& island, Team* team, Contact
                 const Lanes* field = s.packed.frictionless ? s.packed.normal_rows[r].field : s.packed.rows[r].field;
                 for (std::size_t lane = 0; lane < kPacketLanes; ++lane)
                     sum += field[PacketRow::kNormalImpulse][lane] * field[PacketRow::kTarget][lane];
+                if (s.packed.frictionless) continue;
+                for (const int t : {0, 1})
+                    for (std::size_t lane = 0; lane < kPacketLanes; ++lane)
+                        sum += field[PacketRow::kTangentImpulse + t][lane] * field[PacketRow::kSlip + t][lane];
             }
         };
         add_rows(packet.first, packet.end);
@@ -120,7 +124,7 @@ void take_back_gain(const ContactScratch::Island& island, Team* team, ContactScr
             };
             const Vec3 start = velocity(s.start_velocity), &l = row.local.impulse;
             gain.given += dot(l, velocity(s.velocity) - start);
-            gain.from_start += dot(l, start) - l.x * row.local.target;
+            gain.from_start += dot(l, start) - dot(l, row.local.target);
         }
         s.gain[k] = gain;
     };

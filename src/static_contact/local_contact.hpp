@@ -23,8 +23,8 @@ namespace {
 /// A LocalContact per lane.
 template <class P>
 struct LocalPack {
-    PackVec<P> mass_diagonal, inv_mass_diagonal, coupling, impulse;
-    P target, friction;
+    PackVec<P> mass_diagonal, inv_mass_diagonal, coupling, impulse, target;
+    P friction;
 };
 
 /// The violation is |change of impulse| W_ii in m/s: |u_n - target| where the contact holds, the approach where it does
@@ -57,7 +57,7 @@ inline P friction_bound(const LocalPack<P>& c, P normal_impulse) {
 /// The change of the normal impulse that eq. 17 asks for at normal velocity u_n.
 template <class P>
 inline P normal_change(const LocalPack<P>& c, P u_n) {
-    return max(c.impulse.x - (u_n - c.target) * c.inv_mass_diagonal.x, P::all(0)) - c.impulse.x;
+    return max(c.impulse.x - (u_n - c.target.x) * c.inv_mass_diagonal.x, P::all(0)) - c.impulse.x;
 }
 
 /// `l` where it lies in the disc, else the nearest point of it.
@@ -95,8 +95,8 @@ template <Cone kCone, class P>
         return r;
     }
     const P bound = friction_bound<kCone>(c, c.impulse.x + r.change.x);
-    const P u1 = u.y + c.coupling.x * r.change.x;
-    const P u2 = u.z + c.coupling.y * r.change.x;
+    const P u1 = (u.y - c.target.y) + c.coupling.x * r.change.x;
+    const P u2 = (u.z - c.target.z) + c.coupling.y * r.change.x;
     if constexpr (kCone == Cone::disc) {
         const PackVec2<P> l = disc_impulse(c, {u1, u2}, bound);
         r.change.y = l.x - c.impulse.y;
@@ -118,14 +118,15 @@ template <Cone kCone, class P>
     const P normal = abs(normal_change(c, u.x)) * c.mass_diagonal.x;
     if constexpr (kCone == Cone::none) return normal;
     const P bound = friction_bound<kCone>(c, c.impulse.x);
+    const P u1 = u.y - c.target.y, u2 = u.z - c.target.z;
     PackVec2<P> l, scale{c.mass_diagonal.y, c.mass_diagonal.z};
     if constexpr (kCone == Cone::disc) {
         scale.x = scale.y = max(c.mass_diagonal.y, c.mass_diagonal.z);
         const P step = min(c.inv_mass_diagonal.y, c.inv_mass_diagonal.z);
-        l = project_on_disc({c.impulse.y - u.y * step, c.impulse.z - u.z * step}, bound);
+        l = project_on_disc({c.impulse.y - u1 * step, c.impulse.z - u2 * step}, bound);
     } else {
-        l = {clamp(c.impulse.y - u.y * c.inv_mass_diagonal.y, bound),
-             clamp(c.impulse.z - u.z * c.inv_mass_diagonal.z, bound)};
+        l = {clamp(c.impulse.y - u1 * c.inv_mass_diagonal.y, bound),
+             clamp(c.impulse.z - u2 * c.inv_mass_diagonal.z, bound)};
     }
     return max(max(normal, abs(l.x - c.impulse.y) * scale.x), abs(l.y - c.impulse.z) * scale.y);
 }

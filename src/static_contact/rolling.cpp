@@ -90,10 +90,42 @@ void stand_on(ArcContact& arc, double seconds, double time_step) {
     arc.closer = (arc.rate > 0 ? arc.rate - rises : -rises) * time_step;
 }
 
+/// What a contact asks of a point that stands, if it is to be at its place again by the end of the step. Points that
+/// arcs bring down and up again do not stand, nor do those that slid by more in the last step than they are asked for:
+/// what slides comes to another place.
+class Standing {
+  public:
+    Standing(const VelocityArrays& bodies, const TurningBodies& turning) : bodies_(bodies), turning_(turning) {}
+
+    void on(const Contact& c, ArcContact& arc) const {
+        if (arc.closer != 0 || arc.shift != Vec3{} || c.friction == 0) return;
+        if (is_seen_ahead(c.a) || is_seen_ahead(c.b)) return;
+        const Vec3 stands = mean_less_now(c, c.a) - mean_less_now(c, c.b);
+        if (stands == Vec3{}) return;
+        const double along = length(stands - dot(c.normal, stands) * c.normal);
+        if (sticks(c, along, bodies_, turning_.last)) arc.stands = stands;
+    }
+    void on_all(std::span<const Contact> pair, std::span<ArcContact> arcs) const {
+        for (std::size_t i = 0; i < pair.size(); ++i) on(pair[i], arcs[i]);
+    }
+
+  private:
+    [[nodiscard]] Vec3 mean_less_now(const Contact& c, std::int32_t body) const {
+        return turning_.expected.mean_less_now(body, c.point - bodies_.position[at(body)]);
+    }
+    /// On its way in the step (seen_ahead() in assemble.cpp).
+    [[nodiscard]] bool is_seen_ahead(std::int32_t body) const {
+        return !(bodies_.inverse_mass[at(body)] > 0) && bodies_.angular_velocity[at(body)] != Vec3{};
+    }
+
+    const VelocityArrays& bodies_;
+    const TurningBodies& turning_;
+};
+
 /// Where one side of a pair lands in the step, moves its contacts to where they are when it does, and shares the load
 /// of the step between them and those that carry now. `lowest`: the nearest contact; `arcs`: by contact, changed.
 void share_load(std::span<const Contact> contacts, std::size_t lowest, const RollingMotion& motion,
-                std::span<ArcContact> arcs) {
+                const Standing& standing, std::span<ArcContact> arcs) {
     const RollingPair pair(contacts, lowest, motion);
     const std::size_t carrier = pair.carrier(lowest);
     const RollingPair::Landing landing = pair.next(carrier);
@@ -109,10 +141,13 @@ void share_load(std::span<const Contact> contacts, std::size_t lowest, const Rol
     const double side = landing.contact != carrier ? pair.place(carrier) - pair.place(landing.contact) : way;
     if (lands && motion.speed * time + side < way) return; // over several sides in the step, as if it were round
     // What gravity adds to the turn on the arm of a side: bodies that rest on their corners, or spin, do not roll.
-    if (!(motion.gravity * side * dt < motion.arm * motion.arm * pair.tilt())) return;
+    if (!(motion.gravity * side * dt < motion.arm * motion.arm * pair.tilt())) return standing.on_all(contacts, arcs);
     const double near = 0.5 * side;
     for (std::size_t i = 0; i < contacts.size(); ++i)
-        if (pair.same_corner(i, carrier, near)) stand_on(arcs[i], lands ? time : dt, dt);
+        if (pair.same_corner(i, carrier, near)) {
+            if (!lands) standing.on(contacts[i], arcs[i]);
+            if (lands || (arcs[i].stands == Vec3{} && !motion.bands.at_end)) stand_on(arcs[i], lands ? time : dt, dt);
+        }
     if (!lands) return;
     const double before = pair.place(carrier) + 0.5 * motion.speed * time,
                  after = pair.place(landing.contact) + 0.5 * motion.speed * (dt + time);
@@ -139,7 +174,7 @@ void share_load(std::span<const Contact> contacts, std::size_t lowest, const Rol
 /// would make bodies slide in the step; slower ones have the first half in the middle of the way, which stands then, or
 /// boats that rock on their neighbours slide down from them.
 void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest, const RollingMotion& motion,
-                           std::span<ArcContact> arcs) {
+                           const Standing& standing, std::span<ArcContact> arcs) {
     const RollingPair pair(contacts, lowest, motion);
     const std::size_t carrier = pair.carrier(lowest);
     std::size_t last = carrier;
@@ -147,7 +182,7 @@ void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
     for (auto landing = pair.next(last); landing.contact != last && landing.time < motion.time_step;
          landing = pair.next(last), ++sides)
         last = landing.contact;
-    if (sides < 2) return;
+    if (sides < 2) return standing.on_all(contacts, arcs);
     const double side = (pair.place(carrier) - pair.place(last)) / sides, dt = motion.time_step;
     if (!(motion.gravity * side * dt < motion.arm * motion.arm * pair.tilt())) return;
     const Vec3 whole_way = contacts[carrier].point - contacts[last].point;
@@ -171,14 +206,6 @@ void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
 /// well; without this rule 36. A heap of bars creeps at 1.2e-4 sizes a second with a whole, 6e-6 with a quarter.
 constexpr double kStraight = 0.25;
 
-/// `still` (m): what static contact leaves undone.
-bool turn_little(const Model& model, std::int32_t a, std::int32_t b, const VelocityArrays& bodies, double still) {
-    const auto fastest = [&](std::int32_t body) {
-        return length(bodies.angular_velocity[at(body)]) * model.shape_of(at(body)).radius;
-    };
-    return (fastest(a) + fastest(b)) * model.settings.time_step <= kStraight * still;
-}
-
 /// m, of a body about an axis through its centre of mass. Where the axis passes a contact within half of that, the body
 /// tips about it, as Euler's disk does. Else it rolls, however far along the axis the contact is: a cylinder of 512
 /// sides three times as wide as high, which tipped by the length of its arm, lost 17 % of 0.5 m/s in a second at 1/24
@@ -191,8 +218,15 @@ double gyration(const VelocityArrays& bodies, std::int32_t body, const Vec3& axi
 
 } // namespace
 
+bool turn_little(const Model& model, std::int32_t a, std::int32_t b, const VelocityArrays& bodies, double still) {
+    const auto fastest = [&](std::int32_t body) {
+        return length(bodies.angular_velocity[at(body)]) * model.shape_of(at(body)).radius;
+    };
+    return (fastest(a) + fastest(b)) * model.settings.time_step <= kStraight * still;
+}
+
 bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const RollingBands& bands,
-                  const VelocityArrays& bodies, std::span<ArcContact> arcs) {
+                  const VelocityArrays& bodies, const TurningBodies& turning, std::span<ArcContact> arcs) {
     const double dt = model.settings.time_step;
     const Contact& c = pair.front();
     if (turn_little(model, c.a, c.b, bodies, bands.still)) {
@@ -219,16 +253,20 @@ bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const Rolli
                          .time_step = dt,
                          .fastest = length(bodies.velocity[at(c.b)] - bodies.velocity[at(c.a)]),
                          .bands = bands};
+    const Standing standing(bodies, turning);
     const Vec3 tip = cross(n, motion.turn); // points opposite to that come down
     if (2 * motion.speed < gyration(bodies, of_b ? c.b : c.a, cross(tip, n), motion.arm) * length(tip)) {
         motion.along = tip / length(tip);
-        share_load_of_tipping(pair, lowest, motion, arcs);
+        share_load_of_tipping(pair, lowest, motion, standing, arcs);
         return false;
     }
     // What moves less than static contact leaves undone does not roll.
-    if (!(arcs[lowest].apart > 0 && motion.speed * dt > bands.still)) return false;
+    if (!(arcs[lowest].apart > 0 && motion.speed * dt > bands.still)) {
+        standing.on_all(pair, arcs);
+        return false;
+    }
     motion.along = along / motion.speed;
-    share_load(pair, lowest, motion, arcs);
+    share_load(pair, lowest, motion, standing, arcs);
     return true;
 }
 

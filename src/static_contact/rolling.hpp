@@ -25,6 +25,8 @@
 
 #include "response/arc.hpp"
 #include "state/contact.hpp"
+#include "static_contact/expected_turns.hpp"
+#include "static_contact/sticking.hpp"
 #include "static_contact/velocity_arrays.hpp"
 
 namespace flotilla {
@@ -37,9 +39,19 @@ struct RollingBands {
     bool at_end = false;   ///< of the step: stage 7
 };
 
+/// What is known of bodies that turn, beside their velocities.
+struct TurningBodies {
+    ExpectedTurns expected;
+    LastVelocities last;
+};
+
 /// Sets the arcs of the contacts of one pair, and where one of its bodies rolls over the other moves those that land in
 /// the step to the place of the mean load. Whether it rolls.
 bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const RollingBands& bands,
-                  const VelocityArrays& bodies, std::span<ArcContact> arcs);
+                  const VelocityArrays& bodies, const TurningBodies& turning, std::span<ArcContact> arcs);
+
+/// Whether two bodies turn so little that their contacts have no arcs. `still` (m): what static contact leaves undone.
+[[nodiscard]] bool turn_little(const Model& model, std::int32_t a, std::int32_t b, const VelocityArrays& bodies,
+                               double still);
 
 } // namespace flotilla

@@ -129,7 +129,7 @@ template <Cone kCone, class P, class At>
     c.mass_diagonal = load_local_vec<kCone, P>(at, PacketRow::kNormalMass, PacketRow::kTangentMass);
     c.inv_mass_diagonal = load_local_vec<kCone, P>(at, PacketRow::kInvNormalMass, PacketRow::kInvTangentMass);
     c.impulse = load_impulse<kCone, P>(at);
-    c.target = at.load(PacketRow::kTarget);
+    c.target = load_local_vec<kCone, P>(at, PacketRow::kTarget, PacketRow::kSlip);
     if constexpr (kCone != Cone::none) {
         c.coupling = load_vec<P>(at, PacketRow::kCoupling);
         c.friction = at.load(PacketRow::kFriction);

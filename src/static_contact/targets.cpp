@@ -83,6 +83,15 @@ class PairTargets {
           angle_cos_(sin_cos(model.settings.proximity_angle * std::numbers::pi / 180).cos),
           most_slip_(input.tuning.most_slip * length(model.gravity) * dt_) {}
 
+    /// Marks the bodies of the pair whose contacts begin with `first` if they turn.
+    void mark_turning(std::size_t first) const {
+        const Contact& c = set_.contacts[first];
+        const double still = dt_ * rest_band(set_.rest[first], dt_, tolerance(first), input_.tuning);
+        if (turn_little(model_, c.a, c.b, bodies_, still)) return;
+        out_.turning.expected.mark(c.a);
+        out_.turning.expected.mark(c.b);
+    }
+
     /// Of the pair whose contacts are those from `first` to `end`.
     void set_pair(std::size_t first, std::size_t end) const {
         for (std::size_t i = first; i < end; ++i) {
@@ -94,7 +103,7 @@ class PairTargets {
         const std::span<const Contact> pair = std::span(out_.contacts).subspan(first, end - first);
         const bool rolls =
             arcs_of_pair(model_, pair, {dt_ * band(first, 1), dt_ * band(first, share), angle_cos_, input_.final_stage},
-                         bodies_, std::span(out_.arcs).subspan(first, end - first));
+                         bodies_, out_.turning, std::span(out_.arcs).subspan(first, end - first));
         const Contact& c = set_.contacts[first];
         const double due = due_distance(input_.squeezed, c.a, c.b, set_.rest[first]);
         for (std::size_t i = first; i < end; ++i) set(i, due, band(i, rolls ? share : 1));
@@ -149,7 +158,8 @@ class PairTargets {
         const double full = equation_16(std::clamp(distance, due, set_.rest[i]) - distance, dt_, band) + arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
         // there.
-        const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
+        const bool stands = arcs.stands != Vec3{};
+        const double together = stands ? 0 : std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
         const double missing = late(c);
         c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full + together;
         if (!input_.all_level) c.target += missing;
@@ -157,14 +167,15 @@ class PairTargets {
             std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed); // whoever comes first
         else if (input_.all_level)
             c.target = std::min(0.0, full + together);
-        c.target += arcs.rises;
+        c.target += arcs.rises + dot(c.normal, arcs.stands);
         out_.carries[i] = arcs.carries != 0 ? 1 : 0;
         c.friction *= arcs.friction;
-        if (input_.keep_approach && set_.processed[i] == 0)
+        if ((input_.keep_approach || with_sleeper(c)) && set_.processed[i] == 0)
             c.target = std::min(c.target, -kept_approach(model_, c, input_.start, input_.poses, bodies_));
+        c.slip = arcs.stands - dot(c.normal, arcs.stands) * c.normal;
         c.point += arcs.shift;
         c.sticks = model_.settings.tangents == Tangents::random &&
-                   sticks(c, std::min(most_slip_, set_.rest[i] / dt_), bodies_, out_.last);
+                   sticks(c, std::min(most_slip_, set_.rest[i] / dt_), bodies_, out_.turning.last);
     }
 
     /// m/s, of the separation that the velocities of the contact have and their way in this step has not.
@@ -178,6 +189,10 @@ class PairTargets {
         return dot(c.normal, velocity(c.b) - velocity(c.a));
     }
 
+    /// In stage 7. What comes near a sleeper wakes it in the next step, and is not to stop at it before.
+    [[nodiscard]] bool with_sleeper(const Contact& c) const {
+        return input_.final_stage && (model_.bodies[at(c.a)].asleep || model_.bodies[at(c.b)].asleep);
+    }
     [[nodiscard]] bool stays_level(const Contact& c) const { return input_.all_level || is_level(c); }
     [[nodiscard]] bool is_level(const Contact& c) const {
         return !input_.level.empty() && (input_.level[at(c.a)] != 0 || input_.level[at(c.b)] != 0);
@@ -198,14 +213,23 @@ class PairTargets {
 void set_targets(Team* team, const Model& model, const ContactSet& set, const VelocityArrays& bodies,
                  const TargetInput& input, ContactTargets& out) {
     constexpr std::size_t kContactGrain = 256; // contacts of a task
-    if (model.settings.tangents == Tangents::random) out.last.load(team, model, bodies, input.last_motion);
     out.contacts.resize(set.size());
     out.arcs.resize(set.size());
     out.carries.resize(set.size());
     out.would_raise = false;
     const PairTargets targets(model, set, bodies, input, out);
+    const auto begins_pair = [&](std::size_t i) { return i == 0 || !(set.pair(i - 1) == set.pair(i)); };
+    out.turning.expected.clear(model.size());
+    if (!input.final_stage) {
+        for_each(team, "turning bodies", set.size(), kContactGrain, [&](std::size_t i) {
+            if (begins_pair(i)) targets.mark_turning(i);
+        });
+        out.turning.expected.find(team, model, bodies, set.contacts, input.impulses);
+    }
+    if (model.settings.tangents == Tangents::random || out.turning.expected.any())
+        out.turning.last.load(team, model, bodies, input.last_motion);
     for_each(team, "select contacts", set.size(), kContactGrain, [&](std::size_t i) {
-        if (i > 0 && set.pair(i - 1) == set.pair(i)) return;
+        if (!begins_pair(i)) return;
         std::size_t end = i + 1;
         while (end < set.size() && set.pair(end) == set.pair(i)) ++end;
         targets.set_pair(i, end);

@@ -16,8 +16,8 @@
 #include "proximity/contact_set.hpp"
 #include "response/arc.hpp"
 #include "static_contact/contact_tuning.hpp"
+#include "static_contact/rolling.hpp"
 #include "static_contact/squeezed_pairs.hpp"
-#include "static_contact/sticking.hpp"
 #include "static_contact/velocity_arrays.hpp"
 
 namespace flotilla {
@@ -38,7 +38,8 @@ struct TargetInput {
     /// By body: what of the velocities does not move it in this step (Cluster::late, but for the mean of free islands);
     /// empty: nothing.
     std::span<const Motion> late;
-    double accelerated = 0; ///< s, for which loads have acted on the velocities, without contacts
+    std::span<const Vec3> impulses; ///< N s, on b, by contact: which the solve begins with
+    double accelerated = 0;         ///< s, for which loads have acted on the velocities, without contacts
     ContactTuning tuning{};
 };
 
@@ -48,7 +49,7 @@ struct ContactTargets {
     std::vector<ArcContact> arcs;      ///< by contact
     std::vector<std::uint8_t> carries; ///< by contact: arcs.carries is not zero
     bool would_raise = false;          ///< whether all_level made a difference that counts
-    LastVelocities last;
+    TurningBodies turning;
 };
 
 /// Fills `out` with the contacts of the set. `bodies`: at input.poses.

@@ -177,13 +177,13 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     // would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
     const double accelerated = final_stage && model_.settings.velocity_update == VelocityUpdate::end ? 1 : 0.5;
+    load_warm(&workers_.team, contacts.contacts, known_impulses(stage), impulses);
     set_targets(&workers_.team, model_, contacts, velocities,
                 {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, stage == ContactStage::kept,
                  state_.squeezed,
                  final_stage || !any_late_ ? std::span<const Motion>() : std::span<const Motion>(buffers_.late),
-                 accelerated * model_.settings.time_step, options_.tuning},
+                 impulses, accelerated * model_.settings.time_step, options_.tuning},
                 targets);
-    load_warm(&workers_.team, targets.contacts, known_impulses(stage), impulses);
     give_landing_loads(model_, targets, accelerated * model_.settings.time_step, impulses, velocities, landing);
     ContactSolveOptions options = solve_options(model_, options_);
     options.team = &workers_.team;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tops, Euler's disk, and a ring that swings on a knife edge.
+// Tops, a block that tips over, Euler's disk, and a ring that swings on a knife edge.
 #include "physics/physics.hpp"
 #include "physics/problems/tops.hpp"
 
@@ -33,6 +33,34 @@ void symmetric_top_moves(const Run& run) {
     EXPECT_LT(off, step * step * angle);
 }
 
+// A top that stands on its tip: second order in the turn of a step, which is 0.6 rad at 1/24 s. It begins a rounding
+// above the ground, and its tip moves by a fifth of a millimetre until it stands, whatever the step.
+void heavy_top_precesses(const Run& run) {
+    Motion motion(heavy_top(run.settings()));
+    const History history = motion.record(kHeavyTopTime);
+    const double off = heavy_top_off(history), tip = tip_off(history);
+    const double kept = motion.outcome().end / motion.outcome().start;
+    motion.print("axis off by %.3g rad, tip by %.3g m, keeps %.5f of its energy", off, tip, kept);
+    const double coarse = 24.0 / run.rate;
+    EXPECT_LT(off, 0.2 * coarse * coarse + 5e-4);
+    EXPECT_LT(tip, 0.05 * coarse * coarse + 5e-4);
+    EXPECT_NEAR(kept, 1, 1e-3);
+    EXPECT_EQ(motion.outcome().held, 0);
+    expect_no_rise(motion);
+}
+
+void block_tips_over_its_edge(const Run& run) {
+    Motion motion(tipping_block(run.settings()));
+    const Tipping found = tipping(motion.record(kTippingTime));
+    motion.print("centre off by %.3g m, speed by %.3g, edge by %.3g m", found.off, found.speed, found.edge);
+    const double coarse = 24.0 / run.rate;
+    EXPECT_LT(found.off, 2e-3 * coarse * coarse + 1e-5);
+    EXPECT_NEAR(found.speed, 0, 0.02 * coarse * coarse + 1e-4);
+    EXPECT_LT(found.edge, 1e-3 * coarse * coarse + 1e-5);
+    EXPECT_EQ(motion.outcome().held, 0);
+    expect_no_rise(motion);
+}
+
 void eulers_disk_moves(const Run& run) {
     Motion motion(eulers_disk(run.settings()));
     const double start = motion.outcome().start_total, worst = disk(motion.record(0.5)).worst;
@@ -59,6 +87,8 @@ void ring_on_a_knife_edge(const Run& run) {
 [[maybe_unused]] const bool registered = [] {
     add_runs("Tops", "AsymmetricTopFlipsInTime", runs(), true, asymmetric_top_moves);
     add_runs("Tops", "SymmetricTopPrecesses", runs(), true, symmetric_top_moves);
+    add_runs("Tops", "HeavyTopPrecesses", runs(), true, heavy_top_precesses);
+    add_runs("Tops", "BlockTipsOverItsEdge", runs(), true, block_tips_over_its_edge);
     add_runs("Tops", "EulersDisk", runs({120, 24, 480}), true, eulers_disk_moves); // 1/24 s is asked little
     add_runs("Tops", "RingSwingsOnAKnifeEdge", runs(), true, ring_on_a_knife_edge);
     return true;

@@ -36,6 +36,10 @@ std::vector<Change> changes() {
         {"turned normal", [](ContactWorld& w) { some_contact(w).normal = -some_contact(w).normal; }},
         {"friction", [](ContactWorld& w) { some_contact(w).friction += 0.1; }},
         {"target", [](ContactWorld& w) { some_contact(w).target += 0.1; }},
+        {"slip",
+         [](ContactWorld& w) {
+             some_contact(w).slip = 0.1 * cross(some_contact(w).normal, Vec3{1, 2, 3});
+         }},
         {"wider gap", [](ContactWorld& w) { some_contact(w).target = -1000; }},
         {"tolerance", [](ContactWorld& w) { some_contact(w).tolerance = 1e-9; }},
         {"position", [](ContactWorld& w) { w.position[some_body(w)].z += 0.01; }},

@@ -44,7 +44,7 @@ class RandomRows {
         r.tangent_2 = t.t2;
         r.arm_a = plain ? Vec3{0, 0, 1} : vec();
         r.arm_b = plain ? Vec3{0, 0, -1} : vec();
-        r.local.target = uniform(-1, 1);
+        r.local.target = vec();
         r.local.friction = uniform(0, 1);
         return r;
     }

@@ -21,12 +21,9 @@ namespace flotilla {
 
 inline PackVec<ScalarPack> to_pack(const Vec3& v) { return {{v.x}, {v.y}, {v.z}}; }
 inline LocalPack<ScalarPack> to_pack(const LocalContact& c) {
-    return {to_pack(c.mass_diagonal),
-            to_pack(c.inv_mass_diagonal),
-            to_pack(c.coupling),
-            to_pack(c.impulse),
-            {c.target},
-            {c.friction}};
+    return {to_pack(c.mass_diagonal), to_pack(c.inv_mass_diagonal),
+            to_pack(c.coupling),      to_pack(c.impulse),
+            to_pack(c.target),        {c.friction}};
 }
 
 struct FrictionProblem {

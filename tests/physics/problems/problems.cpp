@@ -135,6 +135,11 @@ void add_rolling(List& list) {
 }
 
 void add_swinging(List& list) {
+    list.push_back({"heavy-top", "a top on its tip precesses steadily for 8 s, 15 rad/s", "direction of its axis, rad",
+                    0.05, kHeavyTopTime, false, heavy_top, heavy_top_off});
+    list.push_back({"tipping-block", "a block tips over its edge, 0.4 s", "place of its centre, arms", 0.01,
+                    kTippingTime, true, tipping_block,
+                    [](const History& h) { return tipping(h).off / std::hypot(0.1, 0.3); }});
     list.push_back({"eulers-disk", "a disk rolls around its own middle, 0.5 s",
                     "the larger of those of W^2 sin(alpha) and of sin(alpha), relative", 0.1, 0.5, false, eulers_disk,
                     [](const History& h) {

@@ -37,6 +37,107 @@ double axis_off(const History& history) {
     return length(rotate(history.last(0).rotation, {0, 0, 1}) - rotate(rotation_from_vector(turn), {0, 0, 1}));
 }
 
+namespace {
+
+constexpr double kConeRadius = 1.5, kTopTilt = 0.3, kTopSpin = 15; // m, rad, rad/s about its axis
+constexpr double kTopInertia = 0.5 * kConeRadius * kConeRadius;    // kg m^2 of 1 kg, of a disc 1 m above the tip
+
+/// rad/s, of the steady precession.
+double due_precession() {
+    const double about_tip = (0.5 * kTopInertia + 1) * std::cos(kTopTilt), spin = kTopInertia * kTopSpin;
+    return (spin - std::sqrt(spin * spin - 4 * about_tip * kGravity)) / (2 * about_tip);
+}
+
+/// An open cone, 1 m high, its tip at the origin.
+TriangleMesh make_cone(double radius, int segments) {
+    TriangleMesh mesh;
+    mesh.vertices.push_back({});
+    for (int i = 0; i < segments; ++i) {
+        const double angle = 2 * kPi * i / segments;
+        mesh.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), 1});
+        mesh.triangles.push_back({0, 1 + i, 1 + (i + 1) % segments});
+    }
+    return mesh;
+}
+
+constexpr double kBlockWidth = 0.2, kBlockHeight = 0.6, kBlockTilt = 0.3; // m, rad
+const double kBlockArm = 0.5 * std::hypot(kBlockWidth, kBlockHeight);     // m, from its edge to its centre
+
+/// Of the centre of the block about its edge: half of the square of its angular velocity at an angle from the vertical.
+double block_turn_energy(double angle) {
+    const double inertia = (kBlockWidth * kBlockWidth + kBlockHeight * kBlockHeight) / 12 + kBlockArm * kBlockArm;
+    return kGravity * kBlockArm * (std::cos(kBlockTilt) - std::cos(angle)) / inertia;
+}
+
+/// rad, from the vertical after a time, by the midpoint rule.
+double due_block_angle(double time) {
+    constexpr int kSteps = 10000;
+    const double h = time / kSteps;
+    const auto turning = [](double angle) {
+        return kGravity * kBlockArm * std::sin(angle) /
+               ((kBlockWidth * kBlockWidth + kBlockHeight * kBlockHeight) / 12 + kBlockArm * kBlockArm);
+    };
+    double angle = kBlockTilt, rate = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const double middle = angle + 0.5 * h * rate, rate_then = rate + 0.5 * h * turning(angle);
+        angle += h * rate_then;
+        rate += h * turning(middle);
+    }
+    return angle;
+}
+
+} // namespace
+
+SceneDescription heavy_top(const Start& start) {
+    SceneDescription scene = make_scene_with(start.settings);
+    const TriangleMesh mesh = make_cone(kConeRadius, 24);
+    const auto top = add_shape(scene, mesh, 1);
+    scene.shapes.back().inertia = Mat3{{0.5 * kTopInertia, 0, 0, 0, 0.5 * kTopInertia, 0, 0, 0, kTopInertia}};
+    scene.shapes.back().center_of_mass = Vec3{0, 0, 1};
+    auto& body = add_body(scene, top, BodyType::dynamic, {0, 0, start.gap(mesh)}, 1, 0);
+    body.rotation = rotation_from_vector({0, kTopTilt, 0});
+    const Vec3 axis = rotate(body.rotation, {0, 0, 1}), up{0, 0, 1};
+    body.angular_velocity = (kTopSpin - due_precession() * std::cos(kTopTilt)) * axis + due_precession() * up;
+    body.velocity = cross(body.angular_velocity, axis);
+    add_ground(scene, 20, 1, 0);
+    return scene;
+}
+
+double heavy_top_off(const History& history) {
+    const double angle = due_precession() * history.end();
+    const Vec3 due{std::sin(kTopTilt) * std::cos(angle), std::sin(kTopTilt) * std::sin(angle), std::cos(kTopTilt)};
+    return length(rotate(history.last(0).rotation, {0, 0, 1}) - due);
+}
+
+double tip_off(const History& history) {
+    const Vec3 way = history.last(0).position - history.first(0).position;
+    return std::hypot(way.x, way.y);
+}
+
+SceneDescription tipping_block(const Start& start) {
+    SceneDescription scene = make_scene_with(start.settings);
+    const TriangleMesh mesh = make_box(kBlockWidth, kBlockWidth, kBlockHeight);
+    const auto block = add_solid(scene, mesh, 1000);
+    const Vec3 center = kBlockArm * Vec3{std::sin(kBlockTilt), 0, std::cos(kBlockTilt)};
+    add_body(scene, block, BodyType::dynamic, center + Vec3{0, 0, start.gap(mesh)}, 2, 0).rotation =
+        rotation_from_vector({0, kBlockTilt + std::atan2(kBlockWidth, kBlockHeight), 0});
+    add_ground(scene, 10, 2, 0);
+    return scene;
+}
+
+Tipping tipping(const History& history) {
+    const BodyState &first = history.first(0), &last = history.last(0);
+    const Vec3 stood = first.center_of_mass - kBlockArm * Vec3{std::sin(kBlockTilt), 0, std::cos(kBlockTilt)};
+    const double due = due_block_angle(history.end());
+    const Vec3 edge = last.center_of_mass + rotate(last.rotation, {0.5 * kBlockWidth, 0, -0.5 * kBlockHeight}) - stood;
+    const double angle = std::acos((last.center_of_mass.z - stood.z) / kBlockArm);
+    Tipping out;
+    out.off = length(last.center_of_mass - stood - kBlockArm * Vec3{std::sin(due), 0, std::cos(due)});
+    out.speed = length(last.velocity) / (kBlockArm * std::sqrt(2 * block_turn_energy(angle))) - 1;
+    out.edge = std::hypot(edge.x, edge.y);
+    return out;
+}
+
 SceneDescription eulers_disk(const Start& start) {
     SceneDescription scene = make_scene_with(start.settings);
     const TriangleMesh mesh = make_disc(kDiskRadius, 512);

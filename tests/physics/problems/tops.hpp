@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tops, Euler's disk, a ring that swings on a knife edge, and a hanging chain.
+// Tops, a block that tips over, Euler's disk, a ring that swings on a knife edge, and a hanging chain.
 #pragma once
 
 #include "physics/problems/history.hpp"
@@ -19,6 +19,26 @@ inline const Vec3 kFlipMomentum{0.01, 2, 0.03};
 inline const Vec3 kTopMomentum{0.3, 0, 1.5};
 /// Its axis's distance at the end from where it is due.
 [[nodiscard]] double axis_off(const History& history);
+
+/// A top of a flat cone's shape that stands on its tip, which does not slide, tilted by alpha, and precesses steadily:
+/// about the vertical at the slower W of I1' W^2 cos(alpha) - I3 w3 W + m g l = 0, I1' about the tip.
+[[nodiscard]] SceneDescription heavy_top(const Start& start);
+inline constexpr double kHeavyTopTime = 8; ///< s, of more than half a turn
+/// rad, of its axis from where it is due.
+[[nodiscard]] double heavy_top_off(const History& history);
+/// m, how far its tip is from where it stood.
+[[nodiscard]] double tip_off(const History& history);
+
+/// A block of 0.2 x 0.2 x 0.6 m let go on its edge, 0.3 rad past its balance: a physical pendulum about that edge, which
+/// friction holds.
+[[nodiscard]] SceneDescription tipping_block(const Start& start);
+inline constexpr double kTippingTime = 0.4; ///< s, by when it has tipped by half a radian more
+struct Tipping {
+    double off = 0;   ///< m, of its centre from where it is due
+    double speed = 0; ///< m/s, of its centre off what the energy gives it at its height, relative
+    double edge = 0;  ///< m, how far along the ground the edge is from where it stood
+};
+[[nodiscard]] Tipping tipping(const History& history);
 
 /// A disk that rolls at rest in the middle: tilted by alpha to the ground it precesses at W^2 sin(alpha) = 4 g / a with
 /// the energy

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "static_contact/expected_turns.hpp"
+
+#include <algorithm>
+#include <atomic>
+
+#include "base/index.hpp"
+#include "state/locked_rotation.hpp"
+#include "state/rotation_step.hpp"
+
+namespace flotilla {
+namespace {
+
+constexpr std::size_t kBodyGrain = 64, kContactGrain = 256; // of a task
+
+bool begins_pair(std::span<const Contact> contacts, std::size_t i) {
+    return i == 0 || contacts[i - 1].a != contacts[i].a || contacts[i - 1].b != contacts[i].b;
+}
+
+} // namespace
+
+void ExpectedTurns::clear(std::size_t bodies) {
+    turns_.assign(bodies, 0);
+    any_ = false;
+}
+
+void ExpectedTurns::mark(std::int32_t body) {
+    std::atomic_ref(turns_[at(body)]).store(1, std::memory_order_relaxed); // whoever comes first
+    std::atomic_ref(any_).store(true, std::memory_order_relaxed);
+}
+
+void ExpectedTurns::find(Team* team, const Model& model, const VelocityArrays& bodies,
+                         std::span<const Contact> contacts, std::span<const Vec3> impulses) {
+    if (!any_) return;
+    const double dt = time_step_ = model.settings.time_step;
+    add_impulses(team, bodies, contacts, impulses);
+    turn_.resize(model.size());
+    for_each(team, "expected turns", model.active.size(), kBodyGrain, [&](std::size_t k) {
+        const std::int32_t body = model.active[k];
+        const std::size_t i = at(body);
+        if (turns_[i] == 0) return;
+        const Body& b = model.bodies[i];
+        const Vec3& now = bodies.angular_velocity[i];
+        const Vec3 more = bodies.inverse_inertia[i] * torque_[i];
+        const Vec3 omega = length_sq(more) < length_sq(now) ? now + more : now;
+        if (!b.movable() || !(length_sq(omega) * dt * dt <= 1)) {
+            turns_[i] = 0;
+            return;
+        }
+        const Vec3 momentum = bodies.inertia[i] * omega;
+        const WorldInertia inertia = world_inertia(model.shape_of(i), b.locked.rotation, bodies.turned[i].rotation);
+        turn_[i] = {omega, rotate_free(inertia, b.locked.rotation, momentum, dt).rotation};
+    });
+}
+
+void ExpectedTurns::add_impulses(Team* team, const VelocityArrays& bodies, std::span<const Contact> contacts,
+                                 std::span<const Vec3> impulses) {
+    torque_.assign(turns_.size(), {});
+    pair_torque_.resize(contacts.size());
+    const auto acts = [&](const Contact& c) { return (turns_[at(c.a)] | turns_[at(c.b)]) != 0; };
+    for_each(team, "torques of pairs", contacts.size(), kContactGrain, [&](std::size_t i) {
+        if (!begins_pair(contacts, i) || !acts(contacts[i])) return;
+        Torque sum;
+        for (std::size_t k = i; k == i || (k < contacts.size() && !begins_pair(contacts, k)); ++k) {
+            const Contact& c = contacts[k];
+            sum.a -= cross(c.point - bodies.position[at(c.a)], impulses[k]);
+            sum.b += cross(c.point - bodies.position[at(c.b)], impulses[k]);
+        }
+        pair_torque_[i] = sum;
+    });
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const Contact& c = contacts[i];
+        if (!begins_pair(contacts, i) || !acts(c)) continue;
+        torque_[at(c.a)] += pair_torque_[i].a;
+        torque_[at(c.b)] += pair_torque_[i].b;
+    }
+}
+
+Vec3 ExpectedTurns::mean_less_now(std::int32_t body, const Vec3& arm) const {
+    if (turns_[at(body)] == 0) return {};
+    const Turn& turn = turn_[at(body)];
+    return (1 / time_step_) * (rotate(turn.rotation, arm) - arm) - cross(turn.angular_velocity, arm);
+}
+
+} // namespace flotilla
