@@ -55,9 +55,9 @@ struct ArcContact {
     double apart = 0;    ///< m/s^2, acceleration of the points away from each other
     double rises = 0;    ///< m/s, along the normal, how much faster the place of the shift moves than the point
     double friction = 1; ///< of that of the pair
-    double carries = 0;  ///< share of the load of the step until another one lands; negative where this one does
+    double carries = 0;  ///< share of the stage's load until another one lands; negative where this one does
     /// m/s, for a point that stands on the other body: of the two bodies' points against each other now, so that they
-    /// come together again by the end of the step (static_contact/expected_turns.hpp).
+    /// come together again by the end of the step (static_contact/standing.hpp).
     Vec3 stands;
     Vec3 carries_at; ///< m, from the contact to where it then is in the mean
 };

@@ -46,16 +46,26 @@ Quat turn_about(const Vec3& s, double y, double x) {
     return {cos_half, sin_half * s.x, sin_half * s.y, sin_half * s.z};
 }
 
-/// The momentum of a body that was turned by q less that before, both in its own axes: to the rounding of the
-/// difference, for a unit quaternion.
-Vec3 change_by_turn(const Quat& q, const Vec3& momentum) {
-    const Vec3 v{q.x, q.y, q.z}, across = cross(v, momentum);
-    return 2 * (cross(v, across) - q.w * across);
+/// The momentum of a body that was turned by q less that before, both in its own axes, for a unit quaternion; and the
+/// rounding of its components.
+struct Change {
+    Vec3 value, rounding;
+};
+Change change_by_turn(const Quat& q, const Vec3& momentum) {
+    constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon(); // of products
+    const Vec3 v{q.x, q.y, q.z}, across = cross(v, momentum), x = abs(v), y = abs(momentum);
+    const Vec3 terms{x.y * y.z + x.z * y.y, x.z * y.x + x.x * y.z, x.x * y.y + x.y * y.x};
+    return {2 * (cross(v, across) - q.w * across), (2 * kRounding) * terms};
 }
 
-/// E(L + change) - E(L).
-double energy_gained(const Vec3& inverse, const Vec3& momentum, const Vec3& change) {
-    return dot(change, scaled(inverse, momentum + 0.5 * change));
+/// E(L + change) - E(L), and the rounding of that: a body of equal moments gains nothing, whatever the turn. What would
+/// correct the rounding there is a turn of any size.
+struct EnergyGained {
+    double value, rounding;
+};
+EnergyGained energy_gained(const Vec3& inverse, const Vec3& momentum, const Change& change) {
+    const Vec3 rate = scaled(inverse, momentum + 0.5 * change.value);
+    return {dot(change.value, rate), dot(change.rounding, abs(rate))};
 }
 
 /// One correcting turn that takes off (k > 0) or adds (k < 0) the energy error k, or as much of it as one turn can.
@@ -147,13 +157,13 @@ RotationStep rotate_for(const PrincipalInertia& inertia, const Vec3& momentum, d
     Quat q = first, best = first;
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < kMaxCorrections; ++i) {
-        const Vec3 change = change_by_turn(q, start);
-        const double gained = energy_gained(inertia.inverse, start, change);
+        const Change change = change_by_turn(q, start);
+        const auto [gained, rounding] = energy_gained(inertia.inverse, start, change);
         if (!(std::abs(gained) < least)) break; // rounding
         least = std::abs(gained);
         best = q;
-        if (least <= kEnergyTolerance * e0) break;
-        const Quat turn = correcting_turn(inertia.inverse, start + change, e0 + gained, gained);
+        if (least <= std::max(kEnergyTolerance * e0, rounding)) break;
+        const Quat turn = correcting_turn(inertia.inverse, start + change.value, e0 + gained, gained);
         if (turn == Quat{}) break;
         q = normalized(q * turn);
     }

@@ -35,7 +35,7 @@ constexpr std::size_t kContactGrain = 512, kBodyGrain = 64; // of a task
 void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
                     ContactScratch& s) {
     Team* team = options.team;
-    enum : std::uint8_t { kMoves = 1, kInOrder = 2, kRubs = 4 };
+    enum : std::uint8_t { kMoves = 1, kInOrder = 2, kRubs = 4, kSlips = 8 };
     const auto less = [&](std::size_t i, std::size_t j) {
         const Contact &x = contacts[i], &y = contacts[j];
         return std::tie(x.a, x.b, x.feature_key, i) < std::tie(y.a, y.b, y.feature_key, j);
@@ -46,7 +46,8 @@ void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodi
         FLOTILLA_ASSERT(0 <= c.a && c.a < c.b && at(c.b) < bodies.velocity.size());
         const bool moves = can_move(at(c.a), c, bodies) || can_move(at(c.b), c, bodies);
         s.look[k] = static_cast<std::uint8_t>((moves ? kMoves : 0) | (k == 0 || less(k - 1, k) ? kInOrder : 0) |
-                                              (moves && c.friction != 0 ? kRubs : 0));
+                                              (moves && c.friction != 0 ? kRubs : 0) |
+                                              (moves && c.slip != Vec3{} ? kSlips : 0));
     });
     const ListLoop loop{team, "order contacts", kContactGrain, s.places};
     const auto moves = [&](std::size_t k) { return (s.look[k] & kMoves) != 0; };
@@ -54,6 +55,7 @@ void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodi
     compact_if(loop, contacts.size(), moves, s.order, 0, count_of);
     s.packed.frictionless =
         options.normal_rows && std::ranges::none_of(s.look, [](std::uint8_t look) { return (look & kRubs) != 0; });
+    s.any_slips = std::ranges::any_of(s.look, [](std::uint8_t look) { return (look & kSlips) != 0; });
     const auto in_order = [](std::uint8_t look) { return (look & kInOrder) != 0; };
     if (!std::ranges::all_of(s.look, in_order))
         std::ranges::sort(s.order, [&](std::int32_t i, std::int32_t j) { return less(at(i), at(j)); });
@@ -527,6 +529,7 @@ void assemble(std::span<const Contact> contacts, const ContactBodies& bodies, co
         lay_out_blocks(s);
         lay_out_packets(s);
     }
+    resize_slips(s.any_slips, s.packed);
     set_tolerances(options.tolerance, s);
     make_rows(contacts, options, impulses, same_places, s);
     fill_packets(options.team, s);

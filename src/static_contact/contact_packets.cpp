@@ -69,7 +69,6 @@ void set_lane(Row& out, std::size_t lane, const ContactRow& row) {
         set_lane(out, lane, PacketRow::kCoupling, c.coupling);
         out.field[PacketRow::kFriction][lane] = c.friction;
         set_lane(out, lane, PacketRow::kTangent1, row.tangent_1);
-        set_tangential(out, lane, PacketRow::kSlip, c.target);
     }
 }
 
@@ -106,6 +105,16 @@ void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, bool parked,
             set_idle(out, lane);
         else
             set_lane(out, lane, rows[at(source[lane])]);
+    }
+}
+
+// Of a packed row, from those that it was packed from.
+void set_slip(std::span<const ContactRow> rows, std::size_t row, PackedContacts& packed) {
+    for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
+        const std::int32_t source = packed.source[row * kPacketLanes + lane];
+        const Vec3 target = source < 0 ? Vec3{} : rows[at(source)].local.target;
+        packed.slips[row].field[0][lane] = target.y;
+        packed.slips[row].field[1][lane] = target.z;
     }
 }
 
@@ -158,6 +167,11 @@ void resize_rows(PackedContacts& packed) {
     packed.source.resize(rows * kPacketLanes);
 }
 
+void resize_slips(bool any, PackedContacts& packed) {
+    packed.any_slips = any && !packed.frictionless;
+    packed.slips.resize(packed.any_slips ? packed.rows.size() : 0);
+}
+
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t p,
                  PackedContacts& packed) {
     ContactPacket& packet = packed.packets[p];
@@ -172,6 +186,7 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
                 fill_row(members, k, parked, rows, packed.normal_rows[row], source);
             else
                 fill_row(members, k, parked, rows, packed.rows[row], source);
+            if (packed.any_slips) set_slip(rows, row, packed);
         }
     };
     fill(packet.first, packet.end, false);
@@ -193,12 +208,9 @@ void refill_packet(std::span<const ContactRow> rows, std::size_t p, PackedContac
                 const std::int32_t source = packed.source[row * kPacketLanes + lane];
                 const LocalContact c = source < 0 ? LocalContact{} : rows[at(source)].local;
                 field[PacketRow::kTarget][lane] = c.target.x;
-                if (!packed.frictionless) {
-                    field[PacketRow::kSlip][lane] = c.target.y;
-                    field[PacketRow::kSlip + 1][lane] = c.target.z;
-                }
                 set_impulse(field, lane, c.impulse, packed.frictionless);
             }
+            if (packed.any_slips) set_slip(rows, row, packed);
         }
     };
     refill(packet.first, packet.end);

@@ -54,10 +54,10 @@ struct alignas(64) PacketRow {
     static constexpr int kNormalFields = 11;                                            ///< those above
     static constexpr int kTangentMass = 11, kInvTangentMass = 13, kTangentImpulse = 15; ///< of both tangents
     static constexpr int kTangentPrevious = 17, kCoupling = 19;                         ///< likewise; W_n1, W_n2, W_12
-    static constexpr int kFriction = 22, kTangent1 = 23, kSlip = 26; ///< mu; a vector; of both tangents
-    Lanes field[28] = {};
+    static constexpr int kFriction = 22, kTangent1 = 23;                                ///< mu; a vector
+    Lanes field[26] = {};
 };
-static_assert(sizeof(PacketRow) == 896);
+static_assert(sizeof(PacketRow) == 832);
 
 /// What is left of it where no contact has friction.
 struct alignas(64) NormalRow {
@@ -65,11 +65,18 @@ struct alignas(64) NormalRow {
 };
 static_assert(sizeof(NormalRow) == 384);
 
+/// Targets of both tangents of a packed row. Most solves have none.
+struct alignas(64) PacketSlip {
+    Lanes field[2] = {};
+};
+
 struct PackedContacts {
     LargeVector<ContactPacket> packets;
     bool frictionless = false;             ///< rows are normal_rows
     LargeVector<PacketRow> rows;           ///< active ones of all packets, then parked ones
     LargeVector<NormalRow> normal_rows;    ///< likewise, where there is no friction
+    bool any_slips = false;                ///< no row slips: there are none of these
+    LargeVector<PacketSlip> slips;         ///< by row
     LargeVector<std::int32_t> source;      ///< row of each lane of a packed row it was packed from; -1: idle
     std::vector<std::int32_t> first_block; ///< by packet
     std::vector<double> parked_reach;      ///< m, by packet: the longest arm of its parked rows
@@ -78,6 +85,7 @@ struct PackedContacts {
         packets.clear();
         first_block.clear();
     }
+    [[nodiscard]] const PacketSlip* slips_if_any() const { return any_slips ? slips.data() : nullptr; }
     [[nodiscard]] std::size_t num_rows() const { return frictionless ? normal_rows.size() : rows.size(); }
 };
 
@@ -95,6 +103,8 @@ void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first, s
 void group_packets(std::span<const ContactPacket> packets, std::int32_t first, std::vector<PacketGroup>& groups);
 /// Room for the rows of all packets laid out; gives the parked ones their places behind the others.
 void resize_rows(PackedContacts& packed);
+/// Room for their slips, or none; before they are filled or refilled.
+void resize_slips(bool any, PackedContacts& packed);
 /// Copies the contents of a packet that was laid out; different packets may be filled side by side.
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t packet,
                  PackedContacts& packed);
@@ -113,7 +123,8 @@ struct SweepView {
     const ContactPacket* packets = nullptr;
     std::int64_t num_packets = 0;
     PacketRow* rows = nullptr;
-    NormalRow* normal_rows = nullptr; ///< those in use with Cone::none
+    NormalRow* normal_rows = nullptr;  ///< those in use with Cone::none
+    const PacketSlip* slips = nullptr; ///< by row; none: all are zero
     BodyVelocity* bodies = nullptr;
     double momentum = 0; ///< a sweep visits every row with its impulse + momentum * (impulse - the one before)
 };

@@ -76,6 +76,10 @@ void ExpectedTurns::add_impulses(Team* team, const VelocityArrays& bodies, std::
     }
 }
 
+Vec3 ExpectedTurns::angular_velocity(const VelocityArrays& bodies, std::int32_t body) const {
+    return turns(body) ? turn_[at(body)].angular_velocity : bodies.angular_velocity[at(body)];
+}
+
 Vec3 ExpectedTurns::mean_less_now(std::int32_t body, const Vec3& arm) const {
     if (turns_[at(body)] == 0) return {};
     const Turn& turn = turn_[at(body)];

@@ -13,6 +13,12 @@
 // mean, and the landing with it, each of them took half to all of what it should. Where more than one side passes in a
 // step the load is right below the axle, as the arcs have it.
 //
+// A side of eight steps and more needs no mean: its corner stands (standing.hpp) until the step in which the next one
+// lands. Stage 7 of the step before leaves that to come, and what it brings is taken where it lands. As its load then
+// acts half at either end of the step, the corner that is left has twice its share of the first half. A prism of 32
+// sides loses 0.97 of what plastic impacts take at 1/480 s and 0.89 at 1/120 s; turned by arcs alone it gained energy
+// on the way up.
+//
 // A disk that rolls around its own middle turns about the line to its contact: no arc takes the points ahead up again,
 // what does is the load itself, which goes round. Stages 3 and 7 both had it on the point where the *next* step ends,
 // ahead of the mean by more than half of the step's way: a brake of first order. Where a body tips over several sides
@@ -25,8 +31,7 @@
 
 #include "response/arc.hpp"
 #include "state/contact.hpp"
-#include "static_contact/expected_turns.hpp"
-#include "static_contact/sticking.hpp"
+#include "static_contact/standing.hpp"
 #include "static_contact/velocity_arrays.hpp"
 
 namespace flotilla {
@@ -37,12 +42,6 @@ struct RollingBands {
     double carries = 0;    ///< m: contacts that are at most so much higher than the lowest one carry now
     double angle_cos = -1; ///< of the normals of contacts at the same place
     bool at_end = false;   ///< of the step: stage 7
-};
-
-/// What is known of bodies that turn, beside their velocities.
-struct TurningBodies {
-    ExpectedTurns expected;
-    LastVelocities last;
 };
 
 /// Sets the arcs of the contacts of one pair, and where one of its bodies rolls over the other moves those that land in

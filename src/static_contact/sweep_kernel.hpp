@@ -30,10 +30,13 @@ template <class P>
 struct RowAt {
     const ContactPacket* packet;
     Lanes* field_of_row;
-    int lane; ///< the first of P::kWidth
+    const PacketSlip* slips; ///< of the row; none: zero
+    int lane;                ///< the first of P::kWidth
 
     [[nodiscard]] P pair(int field) const { return P::load(packet->field[field] + lane); }
     [[nodiscard]] P load(int field) const { return P::load(field_of_row[field] + lane); }
+    [[nodiscard]] bool any_slip() const { return slips != nullptr; }
+    [[nodiscard]] P slip(int tangent) const { return P::load(slips->field[tangent] + lane); }
     void store(int field, P value) const { value.store(field_of_row[field] + lane); }
 };
 
@@ -55,6 +58,8 @@ struct RowsAt {
 
     [[nodiscard]] P pair(int field) const { return P::join(low.pair(field), high.pair(field)); }
     [[nodiscard]] P load(int field) const { return P::join(low.load(field), high.load(field)); }
+    [[nodiscard]] bool any_slip() const { return low.any_slip(); }
+    [[nodiscard]] P slip(int tangent) const { return P::join(low.slip(tangent), high.slip(tangent)); }
     void store(int field, P value) const {
         low.store(field, value.low());
         high.store(field, value.high());
@@ -129,8 +134,12 @@ template <Cone kCone, class P, class At>
     c.mass_diagonal = load_local_vec<kCone, P>(at, PacketRow::kNormalMass, PacketRow::kTangentMass);
     c.inv_mass_diagonal = load_local_vec<kCone, P>(at, PacketRow::kInvNormalMass, PacketRow::kInvTangentMass);
     c.impulse = load_impulse<kCone, P>(at);
-    c.target = load_local_vec<kCone, P>(at, PacketRow::kTarget, PacketRow::kSlip);
+    c.target = {at.load(PacketRow::kTarget), P::all(0), P::all(0)};
     if constexpr (kCone != Cone::none) {
+        if (at.any_slip()) {
+            c.target.y = at.slip(0);
+            c.target.z = at.slip(1);
+        }
         c.coupling = load_vec<P>(at, PacketRow::kCoupling);
         c.friction = at.load(PacketRow::kFriction);
     }
@@ -227,28 +236,36 @@ struct OpenPacket {
     using Row = std::remove_pointer_t<decltype(rows_of<kCone>(SweepView{}))>;
     static constexpr std::size_t kGroups = kPacketLanes / P::kWidth;
     const ContactPacket* packet;
-    Row* rows;
+    Row *first, *rows;          ///< of all packets, of this one
+    const PacketSlip* slips;    ///< of all packets; none
     const BodyVelocity* bodies; ///< as they were before the packet, until it is closed
     PackBody<P> a[kGroups], b[kGroups];
 
     OpenPacket(const SweepView& view, std::int64_t p)
-        : packet(view.packets + p), rows(rows_of<kCone>(view) + view.packets[p].first), bodies(view.bodies) {
+        : packet(view.packets + p),
+          first(rows_of<kCone>(view)),
+          rows(first + packet->first),
+          slips(view.slips),
+          bodies(view.bodies) {
         for (std::size_t g = 0; g < kGroups; ++g) {
             a[g] = load_bodies<P>(view.bodies, packet->a + g * P::kWidth);
             b[g] = load_bodies<P>(view.bodies, packet->b + g * P::kWidth);
         }
     }
     [[nodiscard]] std::int32_t num_rows() const { return packet->end - packet->first; }
+    [[nodiscard]] RowAt<P> row_at(Row* row, int lane) const {
+        return {packet, row->field, slips == nullptr ? nullptr : slips + (row - first), lane};
+    }
     /// Groups that have a pair.
     [[nodiscard]] std::size_t num_groups() const {
         return kGroups == 1 ? 1 : static_cast<std::size_t>((packet->num_pairs + P::kWidth - 1) / P::kWidth);
     }
-    /// Calls at_row for the rows [from, to) of those that begin at `first`.
+    /// Calls at_row for the rows [from, to) of those that begin at `begin`.
     template <class AtRow>
-    void do_rows(Row* first, std::int32_t from, std::int32_t to, AtRow&& at_row) {
+    void do_rows(Row* begin, std::int32_t from, std::int32_t to, AtRow&& at_row) {
         for (std::int32_t k = from; k < to; ++k)
             for (std::size_t g = 0; g < num_groups(); ++g) {
-                at_row(RowAt<P>{packet, first[k].field, static_cast<int>(g) * P::kWidth}, a[g], b[g]);
+                at_row(row_at(begin + k, static_cast<int>(g) * P::kWidth), a[g], b[g]);
                 if (packet->any_locked) keep_locked_of(g);
             }
     }
@@ -265,7 +282,7 @@ struct OpenPacket {
     }
     template <class AtRow>
     void do_parked(const SweepView& view, AtRow&& at_row) {
-        do_rows(rows_of<kCone>(view) + packet->first_parked, 0, packet->end_parked - packet->first_parked, at_row);
+        do_rows(first + packet->first_parked, 0, packet->end_parked - packet->first_parked, at_row);
     }
     void close(BodyVelocity* to) const {
         for (std::size_t g = 0; g < num_groups(); ++g) {
@@ -309,7 +326,7 @@ inline std::int32_t do_common_rows(OpenPacket<typename P::Half, kCone>& low, Ope
     for (std::int32_t k = 0; k < rows; ++k) {
         fetch_row(low.rows + k + both);
         fetch_row(high.rows + k + both);
-        at_row(RowsAt<P>{{low.packet, low.rows[k].field, 0}, {high.packet, high.rows[k].field, 0}}, a, b);
+        at_row(RowsAt<P>{low.row_at(low.rows + k, 0), high.row_at(high.rows + k, 0)}, a, b);
     }
     low.a[0] = {low_of(a.linear), low_of(a.angular)};
     low.b[0] = {low_of(b.linear), low_of(b.angular)};

@@ -83,13 +83,18 @@ class PairTargets {
           angle_cos_(sin_cos(model.settings.proximity_angle * std::numbers::pi / 180).cos),
           most_slip_(input.tuning.most_slip * length(model.gravity) * dt_) {}
 
-    /// Marks the bodies of the pair whose contacts begin with `first` if they turn.
-    void mark_turning(std::size_t first) const {
+    /// Notes where the pair whose contacts are those from `first` to `end` carries, and whether its bodies turn.
+    void look_at_pair(std::size_t first, std::size_t end) const {
         const Contact& c = set_.contacts[first];
+        Pivot pivot;
+        pivot.arm = arm_of(c, bodies_);
+        for (std::size_t i = first; i < end; ++i)
+            if (input_.carried[i] != Vec3{}) pivot.add(set_.contacts[i].point);
+        out_.turning.pair_pivots[first] = pivot;
         const double still = dt_ * rest_band(set_.rest[first], dt_, tolerance(first), input_.tuning);
         if (turn_little(model_, c.a, c.b, bodies_, still)) return;
-        out_.turning.expected.mark(c.a);
-        out_.turning.expected.mark(c.b);
+        for (const std::int32_t body : {c.a, c.b})
+            if (bodies_.inverse_mass[at(body)] > 0) out_.turning.expected.mark(body);
     }
 
     /// Of the pair whose contacts are those from `first` to `end`.
@@ -158,8 +163,7 @@ class PairTargets {
         const double full = equation_16(std::clamp(distance, due, set_.rest[i]) - distance, dt_, band) + arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
         // there.
-        const bool stands = arcs.stands != Vec3{};
-        const double together = stands ? 0 : std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
+        const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
         const double missing = late(c);
         c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full + together;
         if (!input_.all_level) c.target += missing;
@@ -219,20 +223,23 @@ void set_targets(Team* team, const Model& model, const ContactSet& set, const Ve
     out.would_raise = false;
     const PairTargets targets(model, set, bodies, input, out);
     const auto begins_pair = [&](std::size_t i) { return i == 0 || !(set.pair(i - 1) == set.pair(i)); };
-    out.turning.expected.clear(model.size());
-    if (!input.final_stage) {
-        for_each(team, "turning bodies", set.size(), kContactGrain, [&](std::size_t i) {
-            if (begins_pair(i)) targets.mark_turning(i);
-        });
-        out.turning.expected.find(team, model, bodies, set.contacts, input.impulses);
+    const auto end_of_pair = [&](std::size_t i) {
+        std::size_t end = i + 1;
+        while (end < set.size() && !begins_pair(end)) ++end;
+        return end;
+    };
+    out.turning.clear(model.size(), set.size());
+    for_each(team, "look at pairs", set.size(), kContactGrain, [&](std::size_t i) {
+        if (begins_pair(i)) targets.look_at_pair(i, end_of_pair(i));
+    });
+    if (out.turning.expected.any()) {
+        out.turning.join(set.contacts);
+        if (!input.final_stage) out.turning.expected.find(team, model, bodies, set.contacts, input.impulses);
     }
     if (model.settings.tangents == Tangents::random || out.turning.expected.any())
         out.turning.last.load(team, model, bodies, input.last_motion);
     for_each(team, "select contacts", set.size(), kContactGrain, [&](std::size_t i) {
-        if (!begins_pair(i)) return;
-        std::size_t end = i + 1;
-        while (end < set.size() && set.pair(end) == set.pair(i)) ++end;
-        targets.set_pair(i, end);
+        if (begins_pair(i)) targets.set_pair(i, end_of_pair(i));
     });
 }
 

@@ -39,6 +39,7 @@ struct TargetInput {
     /// empty: nothing.
     std::span<const Motion> late;
     std::span<const Vec3> impulses; ///< N s, on b, by contact: which the solve begins with
+    std::span<const Vec3> carried;  ///< N s, likewise: which the last solve of another stage found at these contacts
     double accelerated = 0;         ///< s, for which loads have acted on the velocities, without contacts
     ContactTuning tuning{};
 };

@@ -169,7 +169,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                                              std::span<const Pose> poses, ContactStage stage,
                                              const StepReport& report) {
     const bool final_stage = stage == ContactStage::final;
-    auto& [velocities, targets, impulses, stored, landing, solver] = static_;
+    auto& [velocities, targets, impulses, carried, stored, landing, solver] = static_;
     velocities.load(&workers_.team, model_, pairs_.lists.still_version, poses, motion);
     velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1
@@ -178,11 +178,14 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
     const double accelerated = final_stage && model_.settings.velocity_update == VelocityUpdate::end ? 1 : 0.5;
     load_warm(&workers_.team, contacts.contacts, known_impulses(stage), impulses);
+    const bool kept = model_.settings.velocity_update == VelocityUpdate::trapezoidal;
+    const ContactStage before = !final_stage ? ContactStage::final : kept ? ContactStage::kept : ContactStage::half;
+    load_warm(&workers_.team, contacts.contacts, {state_.warm[before], {}, 0}, carried);
     set_targets(&workers_.team, model_, contacts, velocities,
                 {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, stage == ContactStage::kept,
                  state_.squeezed,
                  final_stage || !any_late_ ? std::span<const Motion>() : std::span<const Motion>(buffers_.late),
-                 impulses, accelerated * model_.settings.time_step, options_.tuning},
+                 impulses, carried, accelerated * model_.settings.time_step, options_.tuning},
                 targets);
     give_landing_loads(model_, targets, accelerated * model_.settings.time_step, impulses, velocities, landing);
     ContactSolveOptions options = solve_options(model_, options_);

@@ -277,6 +277,7 @@ class Stepper {
         VelocityArrays velocities;
         ContactTargets targets;
         std::vector<Vec3> impulses;       ///< N s, on b, by contact of `targets`
+        std::vector<Vec3> carried;        ///< likewise, of the stage before
         std::vector<std::int32_t> stored; ///< of `targets`, those whose impulses are kept
         LandingLoads landing;
         ContactScratch solver;

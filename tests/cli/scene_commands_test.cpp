@@ -249,7 +249,7 @@ TEST(PlanCommand, SaysWhatTheSceneDoesNotNeed) {
           "2 solves of contacts", "no scripts"})
         EXPECT_NE(boats.find(text), std::string::npos) << text << '\n' << boats;
     EXPECT_EQ(boats.find("no friction"), std::string::npos) << boats;
-    EXPECT_NE(saved("stack", " --set friction=0").find("1 row in place of 3, 96 bytes in place of 224"),
+    EXPECT_NE(saved("stack", " --set friction=0").find("1 row in place of 3, 96 bytes in place of 208"),
               std::string::npos);
     const std::string walls = saved("closing-walls", " --set sleeping=false --set trajectory=rigid");
     for (const char* text : {"no scripts", "straight paths", "islands of up to"})
