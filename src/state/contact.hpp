@@ -2,8 +2,10 @@
 // Contact points between two bodies: what proximity detection hands to the contact solver (paper, section 4.3).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include <flotilla/types.hpp>
 
@@ -22,5 +24,10 @@ struct Contact {
     bool sticks = false; ///< hardly slid in the last step: random tangents stay what they were
     Vec3 slip;           ///< m/s, tangential: (v_b - v_a) that friction leads to; world
 };
+
+/// Whether contact i of a list, which comes pair by pair, is the first one of its pair.
+[[nodiscard]] inline bool begins_pair(std::span<const Contact> contacts, std::size_t i) {
+    return i == 0 || contacts[i - 1].a != contacts[i].a || contacts[i - 1].b != contacts[i].b;
+}
 
 } // namespace flotilla

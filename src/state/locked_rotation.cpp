@@ -50,7 +50,6 @@ class PlaneTurn {
 Vec3 keep_energy(const PlaneTurn& body, double energy, Vec3 w) {
     Vec3 best = w;
     double least = std::numeric_limits<double>::infinity();
-    const double angle = length(w), most = std::min(kMostCorrection, angle * angle * angle); // the error of equation 4
     for (int i = 0; i < kMaxCorrections; ++i) {
         const PlaneTurn::Energy e = body.at(w);
         const double error = e.value - energy, slope_sq = length_sq(e.slope);
@@ -61,7 +60,7 @@ Vec3 keep_energy(const PlaneTurn& body, double energy, Vec3 w) {
         if (!(least > kEnergyTolerance * energy) || !(slope_sq > 0)) break;
         const Vec3 step = (-error / slope_sq) * e.slope;
         const double size = length(step);
-        w += size > most ? (most / size) * step : step;
+        w += size > kMostCorrection ? (kMostCorrection / size) * step : step;
     }
     return best;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "static_contact/expected_turns.hpp"
 
-#include <algorithm>
 #include <atomic>
 
 #include "base/index.hpp"
@@ -12,10 +11,6 @@ namespace flotilla {
 namespace {
 
 constexpr std::size_t kBodyGrain = 64, kContactGrain = 256; // of a task
-
-bool begins_pair(std::span<const Contact> contacts, std::size_t i) {
-    return i == 0 || contacts[i - 1].a != contacts[i].a || contacts[i - 1].b != contacts[i].b;
-}
 
 } // namespace
 

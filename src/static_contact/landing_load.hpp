@@ -8,6 +8,9 @@
 // sides loses a half to all of what it should. So both corners are given their shares of the load beforehand, where
 // they are while they carry, and the solve finds the landing alone, where it happens.
 //
+// Where the corner that is left stands (rolling.hpp) it alone has its share, and the solve finds the rest where the
+// next one lands.
+//
 // The load is the body's own weight, at most what it rested on carried in the step before, shared as that was.
 #pragma once
 

@@ -64,14 +64,13 @@ void Pivot::add(const Pivot& other) {
 void TurningBodies::clear(std::size_t bodies, std::size_t contacts) {
     expected.clear(bodies);
     pair_pivots.resize(contacts);
-    pivots.assign(bodies, {});
 }
 
-void TurningBodies::join(std::span<const Contact> contacts) {
+void TurningBodies::join(std::size_t bodies, std::span<const Contact> contacts) {
+    pivots.assign(bodies, {});
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         const Contact& c = contacts[i];
-        const bool begins = i == 0 || contacts[i - 1].a != c.a || contacts[i - 1].b != c.b;
-        if (!begins || pair_pivots[i].kind == Pivot::Kind::none) continue;
+        if (!begins_pair(contacts, i) || pair_pivots[i].kind == Pivot::Kind::none) continue;
         for (const std::int32_t body : {c.a, c.b}) pivots[at(body)].add(pair_pivots[i]);
     }
 }

@@ -53,7 +53,7 @@ struct TurningBodies {
 
     void clear(std::size_t bodies, std::size_t contacts);
     /// Of all pairs, in order.
-    void join(std::span<const Contact> contacts);
+    void join(std::size_t bodies, std::span<const Contact> contacts);
 };
 
 /// m, the shorter one, from the centres of mass of bodies that can move.

@@ -221,25 +221,26 @@ void set_targets(Team* team, const Model& model, const ContactSet& set, const Ve
     out.arcs.resize(set.size());
     out.carries.resize(set.size());
     out.would_raise = false;
+    if (set.contacts.empty()) return; // what sleeps costs nothing
     const PairTargets targets(model, set, bodies, input, out);
-    const auto begins_pair = [&](std::size_t i) { return i == 0 || !(set.pair(i - 1) == set.pair(i)); };
+    const std::span<const Contact> contacts = set.contacts;
     const auto end_of_pair = [&](std::size_t i) {
         std::size_t end = i + 1;
-        while (end < set.size() && !begins_pair(end)) ++end;
+        while (end < set.size() && !begins_pair(contacts, end)) ++end;
         return end;
     };
     out.turning.clear(model.size(), set.size());
     for_each(team, "look at pairs", set.size(), kContactGrain, [&](std::size_t i) {
-        if (begins_pair(i)) targets.look_at_pair(i, end_of_pair(i));
+        if (begins_pair(contacts, i)) targets.look_at_pair(i, end_of_pair(i));
     });
     if (out.turning.expected.any()) {
-        out.turning.join(set.contacts);
+        out.turning.join(model.size(), set.contacts);
         if (!input.final_stage) out.turning.expected.find(team, model, bodies, set.contacts, input.impulses);
     }
     if (model.settings.tangents == Tangents::random || out.turning.expected.any())
         out.turning.last.load(team, model, bodies, input.last_motion);
     for_each(team, "select contacts", set.size(), kContactGrain, [&](std::size_t i) {
-        if (begins_pair(i)) targets.set_pair(i, end_of_pair(i));
+        if (begins_pair(contacts, i)) targets.set_pair(i, end_of_pair(i));
     });
 }
 
