@@ -240,7 +240,7 @@ class Planner {
                                script_policy(model_.settings.unsatisfiable_script));
     }
     void rest() {
-        add("rest", model_.settings.sleeping ? std::string("islands that rest for twelve ") +
+        add("rest", model_.settings.sleeping ? std::string("islands that rest for at least twelve ") +
                                                    (model_.settings.substeps > 1 ? "inner " : "") +
                                                    "steps sleep until something moves near them"
                                              : "no body sleeps: every contact is solved in every step");

@@ -2,6 +2,7 @@
 #include "islands/sleeping.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/index.hpp"
 #include "state/loads.hpp"
@@ -10,35 +11,50 @@ namespace flotilla {
 namespace {
 
 constexpr std::int32_t kQuietSteps = 12;
-constexpr double kQuietShare = 1.0 / 50; // of |gravity| time_step
+/// Of the tolerance of static contact: what solves leave of bodies at rest, and a boat that rocks on that. With the
+/// most alone, frictionless bodies that slid by 8 mm/s at 1/24 s stopped, and what tips over slowly stood for ever.
+constexpr double kQuietTolerances = 16;
+/// Of what gravity adds in a step, whatever the tolerance; by default that is 1/4096 (static_contact/targets.cpp).
+constexpr double kLeastQuiet = kQuietTolerances / 4096, kMostQuiet = 1.0 / 50;
 
-/// m/s: |gravity| is what moves a body that is not at rest, or what else does if that is less.
-double quiet_speed(const Model& model, const SleepRule& rule, std::size_t i) {
-    if (!model.bodies[i].driven() && !model.bodies[i].locked.any()) return rule.speed;
-    return std::min(rule.speed, kQuietShare * least_acceleration(model, i) * model.settings.time_step);
+/// m/s^2: |gravity| is what moves a body that is not at rest, or what else does if that is less.
+double pull_on(const Model& model, std::size_t i) {
+    const double gravity = length(model.gravity);
+    if (!model.bodies[i].driven() && !model.bodies[i].locked.any()) return gravity;
+    return std::min(gravity, least_acceleration(model, i));
+}
+
+/// m/s.
+double quiet_speed(const Model& model, std::size_t i) {
+    const Settings& s = model.settings;
+    const double least = kLeastQuiet * length(model.gravity) * s.time_step;
+    const double quiet = s.static_tolerance >= 0 ? kQuietTolerances * s.static_tolerance : s.tolerance_share * least;
+    return std::min(std::max(quiet, least), kMostQuiet * pull_on(model, i) * s.time_step);
 }
 
 } // namespace
 
-SleepRule sleep_rule(const Model& model) {
-    const double dt = model.settings.time_step;
-    return {kQuietShare * length(model.gravity) * dt, kQuietSteps};
+std::int32_t steps_to_rest(const Model& model, std::size_t body) {
+    constexpr double kMost = 1 << 30;
+    const double pull = pull_on(model, body);
+    if (!(pull > 0)) return static_cast<std::int32_t>(kMost);
+    const double steps = std::ceil(std::sqrt(2 * model.shape_of(body).radius / pull) / model.settings.time_step);
+    return std::max(kQuietSteps, static_cast<std::int32_t>(std::min(kMost, steps)));
 }
 
-void count_quiet_steps(const Model& model, const SleepRule& rule, std::span<const std::uint8_t> disturbed,
-                       State& state) {
+void count_quiet_steps(const Model& model, std::span<const std::uint8_t> disturbed, State& state) {
     for (const std::int32_t body : model.active) {
         const std::size_t i = at(body);
         if (!model.bodies[i].movable()) continue;
         const Vec3 omega = angular_velocity(model, i, state.pose[i].rotation, state.motion[i].momentum);
         const double speed = length(state.motion[i].velocity) + length(omega) * model.shape_of(i).radius;
         std::int32_t& steps = state.sleep[i].quiet_steps;
-        steps = speed < quiet_speed(model, rule, i) && disturbed[i] == 0 ? std::min(steps + 1, rule.steps) : 0;
+        const bool quiet = speed < quiet_speed(model, i) && disturbed[i] == 0;
+        steps = quiet ? std::min(steps + 1, steps_to_rest(model, i)) : 0;
     }
 }
 
-bool fall_asleep(const Model& model, const SleepRule& rule, std::span<const BodyPair> pairs, SleepScratch& s,
-                 State& state) {
+bool fall_asleep(const Model& model, std::span<const BodyPair> pairs, SleepScratch& s, State& state) {
     if (pairs.empty()) return false;
     s.movable.assign(model.size(), 0);
     for (const std::int32_t i : model.active) s.movable[at(i)] = model.bodies[at(i)].movable() ? 1 : 0;
@@ -52,7 +68,7 @@ bool fall_asleep(const Model& model, const SleepRule& rule, std::span<const Body
             if (model.bodies[at(body)].scripted()) s.restless[island] = 1;
             if (s.movable[at(body)] == 0) continue;
             s.lowest[island] = std::min(s.lowest[island], body);
-            if (state.sleep[at(body)].quiet_steps < rule.steps) s.restless[island] = 1;
+            if (state.sleep[at(body)].quiet_steps < steps_to_rest(model, at(body))) s.restless[island] = 1;
         }
     bool any = false;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -68,12 +84,20 @@ bool fall_asleep(const Model& model, const SleepRule& rule, std::span<const Body
     return any;
 }
 
-void wake_island(std::size_t body, std::int32_t quiet_steps, State& state) {
+void wake_island(std::size_t body, State& state) {
     const std::int32_t island = state.sleep[body].island;
-    Sleep awake;
-    awake.quiet_steps = quiet_steps;
     for (Sleep& s : state.sleep)
-        if (s.island == island) s = awake;
+        if (s.island == island) s = {};
+}
+
+void wake_island(const Model& model, std::size_t body, std::size_t waker, State& state) {
+    const std::int32_t island = state.sleep[body].island,
+                       missing = std::max(0, steps_to_rest(model, waker) - state.sleep[waker].quiet_steps);
+    for (std::size_t i = 0; i < state.sleep.size(); ++i) {
+        if (state.sleep[i].island != island) continue;
+        state.sleep[i] = {};
+        state.sleep[i].quiet_steps = std::max(0, steps_to_rest(model, i) - missing);
+    }
 }
 
 } // namespace flotilla

@@ -10,17 +10,14 @@
 
 namespace flotilla {
 
-struct SleepRule {
-    double speed =
-        0; ///< m/s: a body is quiet while |v| + |omega| radius stays below (less where less pulls on it than gravity)
-    std::int32_t steps = 0; ///< a body may fall asleep after so many quiet steps
-};
-/// Twelve steps below a fiftieth of what gravity adds in one: whatever is not at rest gathers more in that time.
-[[nodiscard]] SleepRule sleep_rule(const Model& model);
+/// Counts the quiet steps of the bodies after a step; `disturbed` bodies begin anew. A body is quiet while
+/// |v| + |omega| radius is less than 1/256 of what gravity adds in a step, sixteen times what static contact may leave
+/// undone of that; more where its tolerance is greater.
+void count_quiet_steps(const Model& model, std::span<const std::uint8_t> disturbed, State& state);
 
-/// Counts the quiet steps of the bodies after a step; `disturbed` bodies begin anew.
-void count_quiet_steps(const Model& model, const SleepRule& rule, std::span<const std::uint8_t> disturbed,
-                       State& state);
+/// Steps that the body must be quiet for before it may fall asleep: twelve, and as many as it takes to fall by its
+/// radius. What is not at rest gathers more speed in that time, however short a step is.
+[[nodiscard]] std::int32_t steps_to_rest(const Model& model, std::size_t body);
 
 struct SleepScratch {
     ContactGraphScratch graph;
@@ -30,12 +27,13 @@ struct SleepScratch {
 
 /// Puts islands to rest: all bodies quiet long enough, none touching a scripted one. `pairs`: touching bodies, sorted;
 /// one of each at least is movable. Velocities of bodies that fall asleep become zero. Returns whether any did.
-bool fall_asleep(const Model& model, const SleepRule& rule, std::span<const BodyPair> pairs, SleepScratch& scratch,
-                 State& state);
+bool fall_asleep(const Model& model, std::span<const BodyPair> pairs, SleepScratch& scratch, State& state);
 
-/// Wakes everyone who fell asleep with `body`. `quiet_steps`: of who wakes them, so that those who are quiet already
+/// Wakes everyone who fell asleep with `body`.
+void wake_island(std::size_t body, State& state);
+/// The same for what comes near it. They may fall asleep again when that may, not before: those who are quiet already
 /// fall asleep together, and do not wake each other for ever.
-void wake_island(std::size_t body, std::int32_t quiet_steps, State& state);
+void wake_island(const Model& model, std::size_t body, std::size_t waker, State& state);
 
 [[nodiscard]] inline bool asleep(const State& state, std::size_t body) { return state.sleep[body].island >= 0; }
 

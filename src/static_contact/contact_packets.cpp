@@ -72,7 +72,7 @@ void set_lane(Row& out, std::size_t lane, const ContactRow& row) {
     }
 }
 
-// Also as that before the last visit.
+// Also as that before the last sweep.
 void set_impulse(Lanes* field, std::size_t lane, const Vec3& impulse, bool frictionless) {
     field[PacketRow::kNormalImpulse][lane] = field[PacketRow::kNormalPrevious][lane] = impulse.x;
     if (frictionless) return;

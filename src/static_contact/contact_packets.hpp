@@ -43,7 +43,7 @@ struct alignas(64) ContactPacket {
 };
 static_assert(sizeof(ContactPacket) == 640);
 
-/// One contact of each pair: fields of ContactRow and the impulse before the last visit, 26 doubles per contact, read
+/// One contact of each pair: fields of ContactRow and the impulse before the last sweep, 26 doubles per contact, read
 /// in order once per visit; only the impulses are written. A big pile is bound by this stream, so the second tangent
 /// (normal x first) and the arm from b (the pair's offset + the arm from a) are computed. A pair with fewer contacts
 /// than others of its packet has idle rows below: no direction, no arm, no impulse, W = 1. What the normal's row needs
@@ -114,7 +114,7 @@ void refill_packet(std::span<const ContactRow> rows, std::size_t packet, PackedC
 /// by side.
 void unpack_impulses(const PackedContacts& packed, std::size_t row, std::span<ContactRow> rows);
 
-/// The other way: the impulses of `rows`, also as those before the last visit.
+/// The other way: the impulses of `rows`, also as those before the last sweep.
 void repack_impulses(std::span<const ContactRow> rows, std::size_t row, PackedContacts& packed);
 
 /// What a sweep works on: some packets, the rows of all, the velocities of all bodies in contact. Bare pointers,
@@ -127,9 +127,12 @@ struct SweepView {
     const PacketSlip* slips = nullptr; ///< by row; none: all are zero
     BodyVelocity* bodies = nullptr;
     double momentum = 0; ///< a sweep visits every row with its impulse + momentum * (impulse - the one before)
+    /// A packet that meets more than this (m/s) is visited again at once, without momentum, up to so many times in all.
+    double repeat_above = 0;
+    int most_visits = 1;
 };
 
-/// One sweep in packet order. Returns the largest violation met, m/s.
+/// One sweep in packet order. Returns the largest violation met in first visits, m/s.
 double sweep(Cone cone, const SweepView& view, Isa isa);
 
 /// The largest violation at the present velocities of rows that are swept, and of parked ones that are not; m/s;

@@ -114,8 +114,8 @@ struct LevelLeft {
 };
 
 // Sweeps the level that was packed. `together`: on the whole team.
-LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions& options, double tolerance,
-                      bool together, ContactScratch& s) {
+LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions& options, bool together,
+                      ContactScratch& s) {
     const std::span<const ContactPacket> packets = s.shock_packed.packets;
     const auto end = static_cast<std::int32_t>(packets.size());
     const auto width = [&](int most) { return sweep_width_of(s.shock_groups, end, most); };
@@ -132,7 +132,7 @@ LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions&
     double before = std::numeric_limits<double>::infinity();
     const int sweeps = engine.run(options.shock_iterations, [&](int done, double worst) {
         left.last_sweep = worst;
-        if (worst <= tolerance) return AfterSweep::done;
+        if (worst <= options.tolerance) return AfterSweep::done;
         if (done % options.tuning.level_patience != 0) return AfterSweep::go_on;
         if (worst > options.tuning.least_fall * before) return AfterSweep::done;
         before = worst;
@@ -167,7 +167,8 @@ LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions&
 bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& options, double& residual,
                   ContactScratch& s) {
     // Bodies move with what is left in the levels below them: the sum may reach the tolerance, not each term.
-    const double tolerance = options.tolerance / order_by_level(island, s);
+    ContactSolveOptions of_level = options;
+    of_level.tolerance /= order_by_level(island, s);
     const bool together = options.team != nullptr && is_large(island, s);
     const auto n = static_cast<std::int32_t>(s.level_order.size());
     const auto level_of = [&](std::int32_t i) { return s.level_of_block[at(s.level_order[at(i)])]; };
@@ -175,7 +176,7 @@ bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& opt
         while (end < n && level_of(end) == level_of(first)) ++end;
         copy_level(first, end, options, s);
         pack_level(options, s);
-        const LevelLeft left = sweep_level(island, options, tolerance, together, s);
+        const LevelLeft left = sweep_level(island, of_level, together, s);
         if (island.rests && left.last_sweep > options.tolerance) return false;
         residual = std::max(residual, left.residual);
     }

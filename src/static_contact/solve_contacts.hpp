@@ -19,8 +19,10 @@ namespace flotilla {
 struct ContactSolveStats {
     int islands = 0;
     int colors = 0;
-    int iterations = 0;      ///< most sweeps of an island, those of parts counted as what they cost
-    std::int64_t visits = 0; ///< contact updates, shock passes included; of activated contacts as if from the start
+    int iterations = 0; ///< most sweeps of an island, those of parts counted as what they cost
+    /// Contact updates, shock passes included; of activated contacts as if from the start, without those of packets
+    /// that a sweep visits again.
+    std::int64_t visits = 0;
     double residual = 0; ///< m/s, violation of all of eqs 17-20 by the final state, a shock pass included (shock.hpp)
     int unsolved_islands = 0; ///< whose sweeps, or whose exact solve, ended above their tolerance
     int shocked_islands = 0;  ///< islands whose velocities come from a shock pass

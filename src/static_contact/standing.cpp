@@ -114,7 +114,9 @@ void Standing::turn_about_edge() {
 
 bool Standing::on(std::size_t i, ArcContact& arc) const {
     if (!stands(i)) return false;
-    arc = {.rate = arc.rate, .apart = 0};
+    const double rate = arc.rate;
+    arc = {};
+    arc.rate = rate;
     if (at_end_) return true;
     const Contact& c = pair_[i];
     const Vec3 back = mean_less_now(c, false) - mean_less_now(c, true);

@@ -60,6 +60,8 @@ SweepView SweepEngine::view(std::span<const ContactPacket> packets, double momen
     view.packets = packets.data();
     view.num_packets = static_cast<std::int64_t>(packets.size());
     view.momentum = momentum;
+    view.repeat_above = repeat_above_;
+    view.most_visits = options_.tuning.most_visits;
     return view;
 }
 

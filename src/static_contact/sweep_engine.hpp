@@ -10,6 +10,9 @@
 // starts anew at 0 (theta = 1) where the path turns back: (y - x) . (x - x_before) > 0 in the metric of kinetic energy
 // (O'Donoghue and Candes 2015), or the residual rises. Sums run over the bodies in one order.
 //
+// A packet that meets far more than others is visited several times in a row (ContactTuning::most_visits), without
+// momentum: the sweep is still one map, of which the state before and after count.
+//
 // A sweep is no descent along a symmetric metric: contacts that are not independent, such as those of a disc that
 // stands on a floor with 32 corners, answer a change by its opposite, less a part. Momentum lets such modes grow, those
 // of eigenvalues below -1 / (1 + 2 m), and the sum above does not see it. So where an evaluation finds that the
@@ -131,6 +134,7 @@ class SweepEngine {
         int sweeps = 0;
         for (bool done = false; !done && sweeps < limit;) {
             const double worst = sweep(m);
+            repeat_above_ = std::max(options_.tolerance, options_.tuning.repeat_share * worst);
             const AfterSweep next = after(++sweeps, worst);
             done = next == AfterSweep::done;
             if (set_.momentum) m = momentum.next(next == AfterSweep::restart || !carries_on_ || added_up().back > 0);
@@ -217,6 +221,7 @@ class SweepEngine {
     ContactScratch& s_;
     SweepShares shares_;
     bool carries_on_ = true;
+    double repeat_above_ = std::numeric_limits<double>::infinity(); ///< m/s (SweepView)
     std::unique_ptr<DividedSweeps> divided_;
 };
 

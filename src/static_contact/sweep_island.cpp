@@ -66,9 +66,9 @@ class FallOfResidual {
     [[nodiscard]] bool jams() const { return jams_ && looks_standing_ >= tuning_.looks_at_jam; }
     /// Once for each evaluation that found the residual far above its lowest value since the last such one.
     bool rose() { return std::exchange(rose_, false); }
-    /// Whether it did not fall in so many times the patience.
-    [[nodiscard]] bool stalls(int sweeps, int times) const {
-        return lost_ || (patience_ > 0 && sweeps - mark_sweeps_ >= times * patience_);
+    /// Whether it did not fall in the sweeps of the patience.
+    [[nodiscard]] bool stalls(int sweeps) const {
+        return lost_ || (patience_ > 0 && sweeps - mark_sweeps_ >= patience_);
     }
 
   private:
@@ -98,7 +98,7 @@ struct Course {
     /// Sweeps in which the residual should have fallen. A part in motion holds the worst of it, and each of its sweeps
     /// is a try: what does not converge there costs little, and is given up as early as in the whole.
     [[nodiscard]] int tries() const { return packed > 0 ? whole + packed : sweeps(); }
-    [[nodiscard]] bool stalls(int times) const { return fall.stalls(tries(), times); }
+    [[nodiscard]] bool stalls() const { return fall.stalls(tries()); }
     void saw(const Left& found) {
         saw_after_part(found);
         fall.count_standing(found);
@@ -169,7 +169,6 @@ class IslandSweeps {
             const double before = course_.left.residual;
             evaluate();
             course_.saw(seen_left());
-            driven_ = seems_vain() && is_driven();
             // Plain sweeps bring such contacts together all the same: momentum ends for this solve.
             if (!(course_.left.residual < before) && engine_.overshoots()) engine_.end_momentum();
             used_parts = (may_use_parts_ || packs_parts_) && course_.whole >= course_.parts_from && solve_parts();
@@ -181,20 +180,7 @@ class IslandSweeps {
         return course_.fall.rose() || used_parts ? AfterSweep::restart : AfterSweep::go_on;
     }
 
-    [[nodiscard]] bool seems_vain() const { return course_.stalls(1) || course_.fall.jams(); }
-    [[nodiscard]] bool gives_up() const { return driven_ ? course_.stalls(tuning().driven_patience) : seems_vain(); }
-    /// Whether what moves in the island is no more than what its solve leaves undone beyond the tolerance.
-    [[nodiscard]] bool is_driven() const {
-        if (course_.left.residual <= island_.tolerance) return false;
-        double twice_energy = 0, mass = 0;
-        for (const std::int32_t body : bodies_) {
-            const BodyVelocity& v = s_.velocity[at(body)];
-            const ContactScratch::Weight& w = s_.weight[at(body)];
-            twice_energy += w.linear * length_sq(v.linear) + w.angular * length_sq(v.angular);
-            mass += w.linear;
-        }
-        return course_.left.residual > tuning().most_of_motion * std::sqrt(twice_energy / mass);
-    }
+    [[nodiscard]] bool gives_up() const { return course_.stalls() || course_.fall.jams(); }
 
     /// Evaluates the residual, and activates violated parked contacts.
     void evaluate() {
@@ -432,7 +418,6 @@ class IslandSweeps {
     Course course_;
     double chosen_above_ = options_.tolerance; ///< m/s: violations that evaluations mark
     bool known_ = false;                       ///< course_.left is that of the last sweep
-    bool driven_ = false;                      ///< what was seen last seems vain, but is_driven()
     int part_rounds_ = 0;
     std::int64_t looks_ = 0;                                          ///< phases over all packets, beside the sweeps
     std::int64_t part_tasks_ = 0, part_visits_ = 0, part_sweeps_ = 0; ///< of packets, of groups, of all

@@ -278,10 +278,10 @@ struct OpenPacket {
     template <class AtRow>
     void do_rest(const SweepView& view, std::int32_t done, AtRow&& at_row) {
         do_rows(rows, done, num_rows(), at_row);
-        if (packet->woken != 0) do_parked(view, at_row);
+        if (packet->woken != 0) do_parked(at_row);
     }
     template <class AtRow>
-    void do_parked(const SweepView& view, AtRow&& at_row) {
+    void do_parked(AtRow&& at_row) {
         do_rows(first + packet->first_parked, 0, packet->end_parked - packet->first_parked, at_row);
     }
     void close(BodyVelocity* to) const {
@@ -335,10 +335,11 @@ inline std::int32_t do_common_rows(OpenPacket<typename P::Half, kCone>& low, Ope
     return rows;
 }
 
-/// Calls at_row(rows, a, b) for every row that is swept, packet by packet, with the bodies' velocities kept between the
-/// rows of a packet; writes them back if kWrite.
-template <class P, Cone kCone, bool kWrite, class AtRow>
-inline void for_each_row(const SweepView& view, AtRow at_row) {
+/// Calls at_row(rows, a, b) for the rows that two packets have side by side, and finish(packet, rows that are done,
+/// first) for every packet that is swept, which does its others; `first`: of two, then after the second, or the only
+/// one. Writes the bodies' velocities back if kWrite.
+template <class P, Cone kCone, bool kWrite, class AtRow, class Finish>
+inline void for_each_packet(const SweepView& view, AtRow at_row, Finish finish) {
     using One = typename OnePacket<P>::Pack;
     for (std::int64_t p = 0; p < view.num_packets; ++p) {
         if (!view.packets[p].swept()) continue;
@@ -352,14 +353,22 @@ inline void for_each_row(const SweepView& view, AtRow at_row) {
                 fetch_bodies<kWrite>(view, p + 1);
                 fetch_bodies<kWrite>(view, p + 2);
                 done = do_common_rows<P, kCone>(open, second, at_row);
-                second.do_rest(view, done, at_row);
+                finish(second, done, false);
                 if constexpr (kWrite) second.close(view.bodies);
             }
         }
         fetch_bodies<kWrite>(view, p + 1);
-        open.do_rest(view, done, at_row);
+        finish(open, done, true);
         if constexpr (kWrite) open.close(view.bodies);
     }
+}
+
+/// Calls at_row(rows, a, b) for every row that is swept, packet by packet, with the bodies' velocities kept between the
+/// rows of a packet; writes them back if kWrite.
+template <class P, Cone kCone, bool kWrite, class AtRow>
+inline void for_each_row(const SweepView& view, AtRow at_row) {
+    for_each_packet<P, kCone, kWrite>(
+        view, at_row, [&](auto& packet, std::int32_t done, bool) { packet.do_rest(view, done, at_row); });
 }
 
 /// In every lane the larger one of `worst` and of what a row of one packet, or of two, found.
@@ -380,22 +389,54 @@ template <Cone kCone, class P>
         impulse = impulse + momentum * (impulse - before);
 }
 
+/// Visits a row with its impulse, in a first visit moved on. Returns the violations met.
+template <Cone kCone, bool kFirst, class P, class At>
+[[gnu::always_inline]] inline P visit_row(const SweepView& view, const At& at, PackBody<P>& a, PackBody<P>& b) {
+    constexpr int kNormalPrevious = PacketRow::kNormalPrevious, kTangentPrevious = PacketRow::kTangentPrevious;
+    LocalPack<P> local = load_local<kCone, P>(at);
+    if constexpr (kFirst) {
+        const PackVec<P> before = load_local_vec<kCone, P>(at, kNormalPrevious, kTangentPrevious);
+        store_local_vec<kCone>(at, kNormalPrevious, kTangentPrevious, local.impulse);
+        move_on<kCone>(local.impulse, before, P::all(view.momentum));
+    }
+    const PackFrame<P> frame = load_frame<kCone, P>(at);
+    const LocalUpdate<P> update = visit<kCone>(local, contact_velocity<kCone>(frame, a, b));
+    store_local_vec<kCone>(at, PacketRow::kNormalImpulse, PacketRow::kTangentImpulse, local.impulse + update.change);
+    apply<kCone>(at, frame, update.change, a, b);
+    return update.violation;
+}
+
+/// The rows of a packet again and again, while they meet more than they may. `met`: in the visit before, by lane.
+template <Cone kCone, class P, class Packet>
+inline void repeat_packet(const SweepView& view, Packet& packet, P met) {
+    for (int visits = 1; visits < view.most_visits && largest_lane(met) > view.repeat_above; ++visits) {
+        met = P::all(0);
+        packet.do_rest(view, 0, [&](const RowAt<P>& at, PackBody<P>& a, PackBody<P>& b) {
+            met = max(met, visit_row<kCone, false>(view, at, a, b));
+        });
+    }
+}
+
 template <class P, Cone kCone>
 inline double sweep_packets(const SweepView& view) {
-    typename OnePacket<P>::Pack worst = OnePacket<P>::Pack::all(0);
-    for_each_row<P, kCone, true>(
-        view, [&]<class At, class Q>(const At& at, PackBody<Q>& a, PackBody<Q>& b) __attribute__((always_inline)) {
-            constexpr int kNormalPrevious = PacketRow::kNormalPrevious, kTangentPrevious = PacketRow::kTangentPrevious;
-            LocalPack<Q> local = load_local<kCone, Q>(at);
-            const PackVec<Q> before = load_local_vec<kCone, Q>(at, kNormalPrevious, kTangentPrevious);
-            store_local_vec<kCone>(at, kNormalPrevious, kTangentPrevious, local.impulse);
-            move_on<kCone>(local.impulse, before, Q::all(view.momentum));
-            const PackFrame<Q> frame = load_frame<kCone, Q>(at);
-            const LocalUpdate<Q> update = visit<kCone>(local, contact_velocity<kCone>(frame, a, b));
-            store_local_vec<kCone>(at, PacketRow::kNormalImpulse, PacketRow::kTangentImpulse,
-                                   local.impulse + update.change);
-            apply<kCone>(at, frame, update.change, a, b);
-            keep_largest(worst, update.violation);
+    using One = typename OnePacket<P>::Pack;
+    One worst = One::all(0);
+    P common = P::all(0); // of two packets side by side
+    for_each_packet<P, kCone, true>(
+        view,
+        [&](const auto& at, PackBody<P>& a, PackBody<P>& b)
+            __attribute__((always_inline)) { common = max(common, visit_row<kCone, true>(view, at, a, b)); },
+        [&](OpenPacket<One, kCone> & packet, std::int32_t done, bool first) __attribute__((always_inline)) {
+            One met = One::all(0);
+            if constexpr (P::kWidth > One::kWidth) met = first ? common.low() : common.high();
+            if (first) common = P::all(0);
+            packet.do_rest(
+                view,
+                done, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) __attribute__((always_inline)) {
+                    met = max(met, visit_row<kCone, true>(view, at, a, b));
+                });
+            worst = max(worst, met);
+            repeat_packet<kCone>(view, packet, met);
         });
     return largest_lane(worst);
 }
@@ -444,7 +485,7 @@ inline double largest_parked_violation_of(const SweepView& view) {
     for (std::int64_t p = 0; p < view.num_packets; ++p) {
         const ContactPacket& packet = view.packets[p];
         if (packet.woken != 0 || packet.first_parked == packet.end_parked) continue;
-        OpenPacket<One, kCone>(view, p).do_parked(view, [&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
+        OpenPacket<One, kCone>(view, p).do_parked([&](const RowAt<One>& at, PackBody<One>& a, PackBody<One>& b) {
             worst = max(worst, violation_at<kCone, One>(at, a, b));
         });
     }

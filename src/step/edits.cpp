@@ -170,7 +170,7 @@ void Stepper::set_filter(const FilteredBodies& filtered) {
 void Stepper::wake(std::int32_t body) {
     state_.sleep[at(body)].quiet_steps = 0;
     if (!asleep(state_, at(body))) return;
-    wake_island(at(body), 0, state_);
+    wake_island(at(body), state_);
     woken_ = true;
 }
 

@@ -73,7 +73,7 @@ void Stepper::wake_disturbed() {
         if (sleeps(p.a) == sleeps(p.b)) continue;
         const std::int32_t sleeper = sleeps(p.a) ? p.a : p.b, other = sleeps(p.a) ? p.b : p.a;
         if (trajectories_.still(at(other))) continue;
-        wake_island(at(sleeper), state_.sleep[at(other)].quiet_steps, state_);
+        wake_island(model_, at(sleeper), at(other), state_);
         woken = true;
     }
     pairs_.lists.forget_motions(); // sleeping bodies are in no other list
@@ -150,7 +150,7 @@ void Stepper::wake_along(std::span<const std::int32_t> hit, double way) {
         }
     }
     for (const std::int32_t body : reached)
-        if (asleep(state_, at(body))) wake_island(at(body), 0, state_);
+        if (asleep(state_, at(body))) wake_island(at(body), state_);
 }
 
 /// After islands woke: the step begins with them awake.
@@ -164,15 +164,14 @@ void Stepper::rejoin_woken() {
 /// Lets islands fall asleep at the end of a step.
 void Stepper::put_to_sleep() {
     if (!model_.settings.sleeping) return;
-    const SleepRule rule = sleep_rule(model_);
     // Where forces do not carry the weight yet, velocities say nothing.
     for (const std::int32_t i : model_.active)
         disturbed_[at(i)] = failsafe_bodies_[at(i)] != 0 || static_.solver.unsolved[at(i)] != 0 ? 1 : 0;
-    count_quiet_steps(model_, rule, disturbed_, state_);
+    count_quiet_steps(model_, disturbed_, state_);
     touching_.clear();
     for (const Contact& c : contacts_.contacts)
         if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
-    if (!fall_asleep(model_, rule, touching_, sleep_, state_)) return;
+    if (!fall_asleep(model_, touching_, sleep_, state_)) return;
     mark_asleep();
     free_memory_of_sleepers();
     // Contacts of bodies that sleep now are no longer searched for: those at hand would make the next step depend on

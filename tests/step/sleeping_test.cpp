@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Resting islands sleep, stand still to the bit, and wake when something comes.
+#include <cmath>
 #include <numbers>
 
+#include "base/rotation.hpp"
 #include "step/scenario.hpp"
 
 namespace flotilla::scenario {
@@ -78,6 +80,39 @@ TEST(Sleeping, ChangesRestByLessThanAMillimetre) {
         EXPECT_LT(length(with.body(i).position - without.body(i).position), 1e-3);
 }
 
+TEST(Sleeping, WhatSlidesWithoutFrictionGoesOn) {
+    constexpr double kSpeed = 4e-3; // m/s: less than a hundredth of what gravity adds in a step
+    SceneDescription scene = tower(1);
+    for (BodyDescription& body : scene.bodies) body.friction = 0;
+    scene.bodies.back().velocity = {kSpeed, 0, 0};
+    World world(scene);
+    const double start = world.body(1).position.x;
+    for (int n = 0; n < 48; ++n) world.step();
+    EXPECT_NEAR(world.body(1).position.x - start, kSpeed * world.time(), 1e-6);
+}
+
+// At first it gains 1/5,000 of what gravity adds.
+TEST(Sleeping, WhatTipsOverSlowlyFalls) {
+    constexpr double kPast = 3e-4, kDue = 3.18; // rad past its balance; s, until its middle is at 0.7 m
+    for (const int rate : {24, 120}) {
+        SceneDescription scene = empty_scene();
+        scene.settings.sleeping = true;
+        scene.settings.time_step = 1.0 / rate;
+        scene.settings.rest_distance = 6e-4;
+        const auto block = add_shape(scene, make_box(0.2, 1, 2), 100);
+        scene.shapes.back().mass_kind = MassKind::density;
+        const auto ground = add_shape(scene, make_plate(20, 20));
+        add_body(scene, ground, BodyType::fixed, {0, 0, 0}, 1);
+        const double tilt = std::atan(0.1) + kPast;
+        add_body(scene, block, BodyType::dynamic,
+                 {0, 0, std::cos(tilt) + 0.1 * std::sin(tilt) + scene.settings.rest_distance}, 1)
+            .rotation = rotation_from_vector({0, tilt, 0});
+        World world(scene);
+        while (world.time() < 5 && world.body(1).position.z > 0.7) world.step();
+        EXPECT_NEAR(world.time(), kDue, 0.02 + 1.0 / rate) << rate;
+    }
+}
+
 TEST(Sleeping, ABodyThatFallsOnATowerWakesIt) {
     SceneDescription scene = tower(3);
     const auto ball = add_shape(scene, make_sphere(0.3, 2), 50);
@@ -111,6 +146,28 @@ TEST(Sleeping, NeighboursThatRestDoNotKeepEachOtherAwake) {
     add_body(scene, bar, BodyType::dynamic, {0.45, -0.45, 0.35}, 0.5).rotation = turned;
     World world(scene);
     ASSERT_NE(steps_until_asleep(world, 2, 120), -1);
+    for (int n = 0; n < 40; ++n) EXPECT_EQ(world.step().sleeping, 2);
+}
+
+// A large body has to be quiet for longer: what is near it waits for it.
+TEST(Sleeping, SmallNeighboursFallAsleepWithALargeBody) {
+    SceneDescription scene = empty_scene();
+    scene.settings.sleeping = true;
+    add_body(scene, add_shape(scene, make_plate(60, 60)), BodyType::fixed, {0, 0, 0}, 0.5);
+    const double gap = 0.01;
+    add_body(scene, add_shape(scene, make_box(0.2, 0.2, 0.2), 60), BodyType::dynamic, {0, 0, 0.1 + gap}, 0.5);
+    // Turned, with a box around it that the small one is in.
+    add_body(scene, add_shape(scene, make_box(20, 0.4, 0.4), 60), BodyType::dynamic, {1.5, -1.5, 0.2 + gap}, 0.5)
+        .rotation = normalized(Quat{1, 0, 0, std::tan(0.125 * std::numbers::pi)});
+    World world(scene);
+    int first = -1, all = -1;
+    for (int n = 1; n <= 240 && all < 0; ++n) {
+        const int sleeping = world.step().sleeping;
+        if (sleeping > 0 && first < 0) first = n;
+        if (sleeping == 2) all = n;
+    }
+    ASSERT_NE(all, -1);
+    EXPECT_GE(all * scene.settings.time_step, std::sqrt(20 / kGravity));
     for (int n = 0; n < 40; ++n) EXPECT_EQ(world.step().sleeping, 2);
 }
 
