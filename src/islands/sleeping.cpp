@@ -50,7 +50,7 @@ void count_quiet_steps(const Model& model, std::span<const std::uint8_t> disturb
         const double speed = length(state.motion[i].velocity) + length(omega) * model.shape_of(i).radius;
         std::int32_t& steps = state.sleep[i].quiet_steps;
         const bool quiet = speed < quiet_speed(model, i) && disturbed[i] == 0;
-        steps = quiet ? std::min(steps + 1, steps_to_rest(model, i)) : 0;
+        steps = quiet ? std::min(steps, steps_to_rest(model, i) - 1) + 1 : 0;
     }
 }
 

@@ -91,7 +91,7 @@ TEST(Sleeping, WhatSlidesWithoutFrictionGoesOn) {
     EXPECT_NEAR(world.body(1).position.x - start, kSpeed * world.time(), 1e-6);
 }
 
-// At first it gains 1/5,000 of what gravity adds.
+// At first |v| + |omega| radius gains 1/2,100 of what gravity adds.
 TEST(Sleeping, WhatTipsOverSlowlyFalls) {
     constexpr double kPast = 3e-4, kDue = 3.18; // rad past its balance; s, until its middle is at 0.7 m
     for (const int rate : {24, 120}) {
@@ -162,7 +162,7 @@ TEST(Sleeping, SmallNeighboursFallAsleepWithALargeBody) {
     World world(scene);
     int first = -1, all = -1;
     for (int n = 1; n <= 240 && all < 0; ++n) {
-        const int sleeping = world.step().sleeping;
+        const std::int64_t sleeping = world.step().sleeping;
         if (sleeping > 0 && first < 0) first = n;
         if (sleeping == 2) all = n;
     }
