@@ -197,6 +197,30 @@ void closing_walls(const Run& run, bool all) {
     EXPECT_GT(fallen, 0.5);
 }
 
+// A wedge of 30 degrees under a lid that comes down. Both its faces would have to slide for it to go aside, and their
+// friction of 0.7 (35 degrees each) allows none of it: the lid waits. Without friction the wedge goes 0.25 m.
+void lid_waits_for_a_wedge(const Run& run) {
+    constexpr double kSpeed = 0.2, kFriction = 0.7, kAbove = 0.02;
+    const double high = std::tan(kPi / 6);
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh wedge{{{0, -0.5, 0}, {1, -0.5, 0}, {0, -0.5, high}, {0, 0.5, 0}, {1, 0.5, 0}, {0, 0.5, high}},
+                             {{0, 1, 2}, {3, 5, 4}, {0, 3, 4}, {0, 4, 1}, {1, 4, 5}, {1, 5, 2}, {2, 5, 3}, {2, 3, 0}}};
+    const TriangleMesh slope{{{-2, -3, 2 * high}, {3, -3, -3 * high}, {3, 3, -3 * high}, {-2, 3, 2 * high}},
+                             {{0, 1, 2}, {0, 2, 3}}};
+    add_body(scene, add_solid(scene, wedge, 20), BodyType::dynamic, {0, 0, rest_gap(wedge)}, kFriction, 0);
+    const Vec3 up{0, 0, high + kAbove}, down{0, 0, up.z - 2 * kSpeed};
+    add_body(scene, add_shape(scene, slope), BodyType::kinematic, up, kFriction, 0).keyframes = {{0, up, {}},
+                                                                                                 {2, down, {}}};
+    add_ground(scene, 20, kFriction, 0);
+    Motion motion(scene);
+    const double from = motion.body(0).center_of_mass.x;
+    motion.run(0.8);
+    const double aside = motion.body(0).center_of_mass.x - from, came = up.z - motion.body(1).position.z;
+    motion.print("wedge %.3g m aside, lid came down by %.3g of %.3g m", aside, came, kSpeed * motion.world().time());
+    EXPECT_LT(std::abs(aside), 0.01);
+    EXPECT_LT(came, kAbove + 0.01);
+}
+
 [[maybe_unused]] const bool registered = [] {
     add_runs("Scripts", "BoxOnAConveyor", runs(), true, conveyor);
     add_runs("Scripts", "LiftCarriesWhatItAccelerates", {{"balanced", 120}, {"preview", 60}, {"balanced", 480}}, true,
@@ -206,6 +230,7 @@ void closing_walls(const Run& run, bool all) {
     add_runs("Scripts", "BoxSlidesOffATurntable", runs(), true, [](const Run& r) { turntable(r, 1.1); });
     add_runs("Scripts", "PressGoesBack", runs({24, 120}), true, press_goes_back);
     add_runs("Scripts", "PressMeetsAStack", runs({24, 120}), true, press_meets_a_stack);
+    add_runs("Scripts", "LidWaitsForAWedge", runs({24, 60}), true, lid_waits_for_a_wedge);
     add_runs("Scripts", "ClosingWalls", runs({24, 120}), false, [](const Run& r) { closing_walls(r, false); });
     add_runs("Scripts", "ClosingBox", runs({24, 120}), false, [](const Run& r) { closing_walls(r, true); });
     return true;
