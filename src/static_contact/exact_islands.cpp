@@ -130,7 +130,7 @@ void solve(Island& island, const ContactBodies& bodies, bool newton_alone, Conta
                             .rests = island.rests},
                            e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
-    if (!stats.solved && !(stats.residual < island.residual)) return;
+    if (!stats.solved && !stats.let_off && !(stats.residual < island.residual)) return;
     if (balance_each_other(e)) return;
     scatter(island, bodies, s, e);
     if (!stats.solved && objective(island, s, e) > 0) {

@@ -17,6 +17,12 @@
 //  3. Rounds of projected Gauss-Seidel and method 1, for what the interior point does not reach: the sweeps choose
 //     between sticking and opening contact by contact.
 // The best impulses of all are kept throughout.
+//
+// Jaws that press a body nearer than its rest distance, closing walls, a wedge that locks itself: there normal impulses
+// contradict each other, nothing meets the law, and the largest violation, theirs, says nothing of friction. What the
+// methods left of it was by chance: boxes slid out of jaws by a third of gravity, and fell where no impulse at all was
+// as good as any. So of impulses with the same violation the larger are kept; what contacts cannot get with them they
+// are let off; and that problem, which has a solution, is solved by sweeps.
 #include "static_contact/interior_point.hpp"
 
 #include <algorithm>
@@ -34,6 +40,7 @@ struct ConeScratch::Storage {
     std::vector<ConeDiagonal> w;
     std::vector<ConeMotion> motion;
     std::vector<Vec3> best;               ///< N s: impulses with the smallest residual so far
+    std::vector<double> let_off;          ///< m/s, of approach
     std::vector<Vec3> r, u, c, du;        ///< present impulses and velocities, and the step dr = c - B du
     std::vector<Mat3> b;                  ///< B of body_system.hpp
     std::vector<Vec3> x, y, infeasible;   ///< iterate of the interior point; y(u) - y
@@ -44,6 +51,7 @@ struct ConeScratch::Storage {
         for (auto* const v : {&r, &u, &c, &du, &x, &y, &infeasible, &dx, &dy, &dx_0, &dy_0}) v->assign(n, {});
         b.assign(n, {});
         scaling.assign(n, {});
+        let_off.assign(n, 0);
     }
 };
 
@@ -91,6 +99,9 @@ constexpr int kRounds = 10, kSweepsPerRound = 400;
 // Between closing walls no impulses meet the law: a residual above this share of the largest velocity, of which a round
 // leaves more than that other, is not worth another one.
 constexpr double kHopeless = 0.1, kRoundGains = 0.8;
+// Residuals of contradictions that are the same; and how many times over their impulses may stop the largest velocity:
+// friction needs no more, and more is rounding.
+constexpr double kSame = 1 + 0x1p-20, kMostLoad = 0x1p10;
 
 Vec3 cut_to_cone(const Vec3& r, double friction) {
     if (!(r.x > 0)) return {};
@@ -124,6 +135,8 @@ class Solver {
     bool finite_input() const;
     double largest_velocity() const;
     double consider(double as_good = 0);
+    bool hopeless(double residual) const { return residual > kHopeless * speed_; }
+    bool is_better(double residual, double load, double as_good) const;
     double not_worth_more() const;
     bool factorise();
 
@@ -147,7 +160,8 @@ class Solver {
     Vec3 impulse(std::size_t i, const Vec3& x) const;
     Mat3 velocity_map(std::size_t i) const;
 
-    void sweep(int count);
+    void sweep(int count, double enough = 0);
+    void let_off();
 
     std::span<const ConeBody> bodies_;
     std::span<const ConeContact> contacts_;
@@ -158,9 +172,10 @@ class Solver {
 
     double at_start_ = 0; // m/s: residual of the estimate
     double rounding_ = 0; // m/s: what rounding may do to the velocities of the present impulses
+    double speed_ = 0;    // m/s: largest |q|
+    double load_ = 0;     // m/s: largest W |r| of the best impulses
 
     // of method 2
-    double speed_ = 0;         // m/s: largest |q|
     double product_ = 0;       // J: sum of x . y
     double first_product_ = 0; // J: at the start
     double target_ = 0;        // J: the central path's for each contact
@@ -205,12 +220,19 @@ double Solver::consider(double as_good) {
         load = std::max(load, std::max(s_.w[i].normal, s_.w[i].tangential) * length(s_.r[i]));
     }
     rounding_ = 4 * std::numeric_limits<double>::epsilon() * load;
-    if (residual < stats_.residual || residual <= std::min(as_good, stats_.rounding)) {
+    if (is_better(residual, load, as_good)) {
         stats_.residual = residual;
         stats_.rounding = rounding_;
+        load_ = load;
         s_.best = s_.r;
     }
     return residual;
+}
+
+bool Solver::is_better(double residual, double load, double as_good) const {
+    const auto [low, high] = std::minmax(residual, stats_.residual);
+    if (hopeless(low) && high <= kSame * low) return load > load_ && load <= kMostLoad * speed_;
+    return residual < stats_.residual || residual <= std::min(as_good, stats_.rounding);
 }
 
 // m/s: a residual that methods 2 and 3 are not begun for.
@@ -495,15 +517,19 @@ double Solver::scaled_dot(const std::vector<Vec3>& dx, const std::vector<Vec3>& 
     return sum;
 }
 
-// Method 3: visits as in local_contact.hpp, from r.
-void Solver::sweep(int count) {
+// Method 3: visits as in local_contact.hpp, from r, with what contacts are let off. Up to `count` sweeps, until one
+// changes velocities by no more than `enough`.
+void Solver::sweep(int count, double enough) {
     s_.system.gather(s_.r);
     for (std::size_t i = 0; i < size(); ++i) s_.b[i] = s_.system.own_block(i);
-    for (int k = 0; k < count; ++k)
+    double most = kInfinity;
+    for (int k = 0; k < count && most > enough; ++k) {
+        most = 0;
         for (std::size_t i = 0; i < size(); ++i) {
             if (!movable(i)) continue;
             const ConeDiagonal& w = s_.w[i];
-            const Vec3 before = s_.r[i], u_before = p_.contacts[i].q + s_.system.spread(i);
+            const Vec3 q = p_.contacts[i].q + Vec3{s_.let_off[i], 0, 0};
+            const Vec3 before = s_.r[i], u_before = q + s_.system.spread(i);
             Vec3 r = before, u = u_before;
             for (int visit = 0; visit < 3; ++visit) {
                 r.x = std::max(r.x - u.x / w.normal, 0.0);
@@ -514,7 +540,23 @@ void Solver::sweep(int count) {
             }
             s_.r[i] = r;
             s_.system.add(i, r - before);
+            most = std::max(most, std::max(w.normal, w.tangential) * length(r - before));
         }
+    }
+}
+
+// Solves what is left to solve where no impulses meet the law. The residual stays that of the whole, of which
+// contradictions are the most; one above that of the estimate is not taken.
+void Solver::let_off() {
+    s_.r = s_.best;
+    consider();
+    for (std::size_t i = 0; i < size(); ++i) s_.let_off[i] = std::max(0.0, -s_.u[i].x);
+    sweep(kSweepsPerRound, limit());
+    const double residual = consider();
+    if (!(residual <= kSame * at_start_)) return;
+    s_.best = s_.r;
+    stats_.residual = residual;
+    stats_.let_off = true;
 }
 
 ConeSolveStats Solver::run(std::span<Vec3> impulses) {
@@ -523,13 +565,13 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
     stats_.residual = kInfinity;
     if (finite_input()) {
         s_.system.analyse(p_);
+        speed_ = largest_velocity();
         consider();
         std::copy(impulses.begin(), impulses.end(), s_.r.begin());
         consider();
         at_start_ = stats_.residual;
         s_.r = s_.best;
         newton(kFirstNewtonSteps, options_.polish);
-        speed_ = largest_velocity();
         const double near = not_worth_more();
         const auto far = [&] { return options_.polish == 0 && !done() && stats_.residual > near; };
         if (far()) {
@@ -546,6 +588,7 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
             newton(kNewtonSteps, 0);
             if (stats_.residual > std::max(kHopeless * speed_, kRoundGains * before)) break;
         }
+        if (far() && hopeless(stats_.residual)) let_off();
     }
     stats_.solved = stats_.residual <= limit();
     std::copy(s_.best.begin(), s_.best.end(), impulses.begin());

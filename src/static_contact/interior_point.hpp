@@ -29,9 +29,10 @@ struct ConeSolveStats {
     int iterations = 0; ///< factorisations
     double residual =
         0; ///< m/s: largest cone_violation(); infinite where the problem holds something that is not finite
-    double rounding = 0; ///< m/s: residual that rounding alone may leave, 4 eps max W |r|. It matters for a light
-                         ///< body under a heavy one: a load of 1e9 weights is not known to 1e-7 weights
-    bool solved = false; ///< the residual is no larger than the tolerance, or than the rounding
+    double rounding = 0;  ///< m/s: residual that rounding alone may leave, 4 eps max W |r|. It matters for a light
+                          ///< body under a heavy one: a load of 1e9 weights is not known to 1e-7 weights
+    bool solved = false;  ///< the residual is no larger than the tolerance, or than the rounding
+    bool let_off = false; ///< solved but for approach that no impulses prevent
 };
 
 /// Working memory, to be kept from solve to solve.
@@ -53,10 +54,11 @@ class ConeScratch {
 /// Solves for the impulses (N s, contact frame). Their input values are an estimate to start from, zero where there is
 /// none.
 ///
-/// Guarantees, solved or not: r_n >= 0, and |r_t| <= mu r_n to rounding; a residual no larger than that of the estimate
-/// cut to the cones, nor than that of r = 0; at most options.max_iterations factorisations; the same bits for the same
-/// input; and the same result in other units, exactly where lengths and times are scaled by powers of two and masses by
-/// powers of four. A problem without solution, which large friction can make, ends unsolved with the best r met.
+/// Guarantees, solved or not: r_n >= 0, and |r_t| <= mu r_n to rounding; a residual no larger, to 1e-6 of it, than that
+/// of the estimate cut to the cones, nor than that of r = 0; at most options.max_iterations factorisations; the same
+/// bits for the same input; and the same result in other units, exactly where lengths and times are scaled by powers of
+/// two and masses by powers of four. A problem without solution, which large friction and prescribed motions can make,
+/// ends unsolved: with friction that goes with what normal impulses there are (`let_off`), or the best r met.
 ConeSolveStats solve_cone_program(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts,
                                   const ConeSolveOptions& options, std::span<Vec3> impulses, ConeScratch& scratch);
 ConeSolveStats solve_cone_program(const ConeProgram& program, const ConeSolveOptions& options, std::span<Vec3> impulses,

@@ -221,6 +221,29 @@ void lid_waits_for_a_wedge(const Run& run) {
     EXPECT_LT(came, kAbove + 0.01);
 }
 
+// Jaws that close on a box to less than its rest distance, which no impulses give back, lift it by half a metre.
+void jaws_lift_a_box(const Run& run) {
+    constexpr double kEdge = 0.4, kThick = 0.2, kNearer = 4e-4, kFriction = 0.5, kStart = 0.3, kLift = 0.5;
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh box = make_box(kEdge, kEdge, kEdge);
+    const double rest = kEdge / 2 + rest_gap(box);
+    add_body(scene, add_solid(scene, box, 50), BodyType::dynamic, {0, 0, rest}, kFriction, 0);
+    const auto jaw = add_shape(scene, make_box(kThick, 0.5, 0.5));
+    for (const double side : {-1.0, 1.0}) {
+        const double open = side * (kEdge / 2 + kThick / 2 + 0.05), closed = side * (kEdge / 2 + kThick / 2 + kNearer);
+        const Vec3 away{open, 0, kStart}, at_box{closed, 0, kStart}, up{closed, 0, kStart + kLift};
+        add_body(scene, jaw, BodyType::kinematic, away, kFriction, 0).keyframes = {
+            {0, away, {}}, {0.5, at_box, {}}, {1.5, up, {}}, {2.5, up, {}}};
+    }
+    add_ground(scene, 20, kFriction, 0);
+    Motion motion(scene);
+    motion.run(2.4);
+    const double lifted = motion.body(0).center_of_mass.z - rest, jaws = motion.body(1).position.z - kStart;
+    motion.print("lifted by %.5f m, jaws by %.5f m", lifted, jaws);
+    EXPECT_NEAR(jaws, kLift, 1e-9);
+    EXPECT_NEAR(lifted, kLift, 2e-3);
+}
+
 [[maybe_unused]] const bool registered = [] {
     add_runs("Scripts", "BoxOnAConveyor", runs(), true, conveyor);
     add_runs("Scripts", "LiftCarriesWhatItAccelerates", {{"balanced", 120}, {"preview", 60}, {"balanced", 480}}, true,
@@ -231,6 +254,9 @@ void lid_waits_for_a_wedge(const Run& run) {
     add_runs("Scripts", "PressGoesBack", runs({24, 120}), true, press_goes_back);
     add_runs("Scripts", "PressMeetsAStack", runs({24, 120}), true, press_meets_a_stack);
     add_runs("Scripts", "LidWaitsForAWedge", runs({24, 60}), true, lid_waits_for_a_wedge);
+    add_runs("Scripts", "LidWaitsForAWedge", {{"preview", 24}, {"preview", 60}, {"balanced", 240}}, true,
+             lid_waits_for_a_wedge);
+    add_runs("Scripts", "JawsLiftABox", runs(), true, jaws_lift_a_box);
     add_runs("Scripts", "ClosingWalls", runs({24, 120}), false, [](const Run& r) { closing_walls(r, false); });
     add_runs("Scripts", "ClosingBox", runs({24, 120}), false, [](const Run& r) { closing_walls(r, true); });
     return true;

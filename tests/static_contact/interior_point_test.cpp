@@ -388,6 +388,44 @@ TEST(InteriorPoint, EndsNoWorseThanItBeganWhereThereMayBeNoSolution) {
     EXPECT_GT(solved, 10);
 }
 
+// A box that falls between two walls, each of which asks for more room: no impulses meet that, and the friction that
+// holds it is found all the same. Where it began says how large the impulses are.
+TEST(InteriorPoint, HoldsByFrictionWhatIsPressedFromBothSides) {
+    Random random{9};
+    for (const double start : {0.0, 1e-3, 1.0}) {
+        const Frame frame = random_frame(random);
+        Island island;
+        const double mass = 3;
+        island.bodies.push_back({1 / mass, frame.turn(inverse_box_inertia(mass, {0.2, 0.2, 0.2}))});
+        for (int k = 0; k < 8; ++k) {
+            const double side = k < 4 ? 1 : -1;
+            ConeContact c;
+            c.a = -1;
+            c.b = 0;
+            c.normal = -side * frame.x;
+            c.tangent_1 = frame.y;
+            c.tangent_2 = cross(c.normal, c.tangent_1);
+            c.friction = 0.5;
+            c.arm_b = frame({0.2 * side, (k & 1) != 0 ? 0.2 : -0.2, (k & 2) != 0 ? 0.2 : -0.1});
+            set_free_velocity(c, -kFall * frame.z);
+            c.free_velocity.x -= 0.1; // the approach to be taken back
+            island.add(c);
+            island.impulses.push_back({start, 0, 0});
+        }
+        const ConeSolveStats stats = island.solve(1e-9);
+        EXPECT_FALSE(stats.solved);
+        EXPECT_NEAR(island.residual(), 0.1, 1e-6);
+        island.expect_in_cones();
+        Vec3 sum;
+        for (std::size_t k = 0; k < 8; ++k) {
+            const ConeContact& c = island.contacts[k];
+            sum += island.impulses[k].x * c.normal + island.impulses[k].y * c.tangent_1 +
+                   island.impulses[k].z * c.tangent_2;
+        }
+        EXPECT_LT(length(sum - mass * kFall * frame.z), 1e-8) << start;
+    }
+}
+
 TEST(InteriorPoint, RefusesWhatIsNotFinite) {
     Random random{8};
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
