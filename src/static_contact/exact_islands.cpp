@@ -87,8 +87,8 @@ void scatter(const Island& island, const ContactBodies& bodies, ContactScratch& 
 }
 
 // 1/2 r W r + r (u - target), J, which a solution has below zero, and which is zero without impulses. What it is above
-// is energy from nowhere.
-double objective(const Island& island, const ContactScratch& s, const Exact& e) {
+// is energy from nowhere. `let_off`: with targets less by the approach that is left.
+double objective(const Island& island, const ContactScratch& s, const Exact& e, bool let_off) {
     double sum = 0;
     std::size_t c = 0;
     for (const ContactBlock& block : blocks_of(island, s))
@@ -97,6 +97,7 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e) 
             Vec3 u = to_contact(row, relative_velocity(row, s.velocity[at(block.a)], s.velocity[at(block.b)]));
             u -= row.local.target;
             sum += 0.5 * dot(row.local.impulse, u + e.contacts[c].free_velocity);
+            if (let_off) sum += row.local.impulse.x * std::max(0.0, -u.x);
         }
     return sum;
 }
@@ -133,7 +134,7 @@ void solve(Island& island, const ContactBodies& bodies, bool newton_alone, Conta
     if (!stats.solved && !stats.let_off && !(stats.residual < island.residual)) return;
     if (balance_each_other(e)) return;
     scatter(island, bodies, s, e);
-    if (!stats.solved && objective(island, s, e) > 0) {
+    if (!stats.solved && objective(island, s, e, stats.let_off) > 0) {
         e.impulses = e.swept;
         return scatter(island, bodies, s, e);
     }

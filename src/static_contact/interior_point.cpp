@@ -21,8 +21,9 @@
 // Jaws that press a body nearer than its rest distance, closing walls, a wedge that locks itself: there normal impulses
 // contradict each other, nothing meets the law, and the largest violation, theirs, says nothing of friction. What the
 // methods left of it was by chance: boxes slid out of jaws by a third of gravity, and fell where no impulse at all was
-// as good as any. So of impulses with the same violation the larger are kept; what contacts cannot get with them they
-// are let off; and that problem, which has a solution, is solved by sweeps.
+// as good as any. So where method 1 failed and the residual is a tenth of the largest velocity or more, of impulses with
+// the same one the larger are kept; in the end approach that they do not prevent is allowed; and sweeps solve what is
+// left, which normally has a solution.
 #include "static_contact/interior_point.hpp"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ struct ConeScratch::Storage {
     std::vector<ConeDiagonal> w;
     std::vector<ConeMotion> motion;
     std::vector<Vec3> best;               ///< N s: impulses with the smallest residual so far
-    std::vector<double> let_off;          ///< m/s, of approach
+    std::vector<double> allowed;          ///< m/s, of approach
     std::vector<Vec3> r, u, c, du;        ///< present impulses and velocities, and the step dr = c - B du
     std::vector<Mat3> b;                  ///< B of body_system.hpp
     std::vector<Vec3> x, y, infeasible;   ///< iterate of the interior point; y(u) - y
@@ -51,7 +52,7 @@ struct ConeScratch::Storage {
         for (auto* const v : {&r, &u, &c, &du, &x, &y, &infeasible, &dx, &dy, &dx_0, &dy_0}) v->assign(n, {});
         b.assign(n, {});
         scaling.assign(n, {});
-        let_off.assign(n, 0);
+        allowed.assign(n, 0);
     }
 };
 
@@ -63,6 +64,7 @@ ConeScratch& ConeScratch::operator=(ConeScratch&&) noexcept = default;
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon(); // of velocities, as a share of W |r|
 
 // In x and y a friction mu stretches the normal direction by 1/mu. Below this the contact is solved without friction,
 // and what it lacks, mu r_n, is left to the Newton steps, for which any mu is the same.
@@ -99,16 +101,15 @@ constexpr int kRounds = 10, kSweepsPerRound = 400;
 // Between closing walls no impulses meet the law: a residual above this share of the largest velocity, of which a round
 // leaves more than that other, is not worth another one.
 constexpr double kHopeless = 0.1, kRoundGains = 0.8;
-// Residuals of contradictions that are the same; and how many times over their impulses may stop the largest velocity:
-// friction needs no more, and more is rounding.
+// Residuals of contradictions that count as the same; and how many times over their impulses may stop the largest
+// velocity: as much as friction asks for whose coefficient is a thousandth, beyond it there is more rounding than use.
 constexpr double kSame = 1 + 0x1p-20, kMostLoad = 0x1p10;
 
 Vec3 cut_to_cone(const Vec3& r, double friction) {
     if (!(r.x > 0)) return {};
     const double bound = friction * r.x, size = tangential_length(r);
     // What was cut before stays as it is.
-    constexpr double kRounding = 1 + 4 * std::numeric_limits<double>::epsilon();
-    return size > kRounding * bound ? Vec3{r.x, bound / size * r.y, bound / size * r.z} : r;
+    return size > (1 + kRounding) * bound ? Vec3{r.x, bound / size * r.y, bound / size * r.z} : r;
 }
 
 class Solver {
@@ -136,7 +137,8 @@ class Solver {
     double largest_velocity() const;
     double consider(double as_good = 0);
     bool hopeless(double residual) const { return residual > kHopeless * speed_; }
-    bool is_better(double residual, double load, double as_good) const;
+    bool presses_more(double residual, double load) const;
+    void keep(double residual, double load);
     double not_worth_more() const;
     bool factorise();
 
@@ -170,10 +172,12 @@ class Solver {
     ConeScratch::Storage& s_;
     ConeSolveStats stats_;
 
-    double at_start_ = 0; // m/s: residual of the estimate
-    double rounding_ = 0; // m/s: what rounding may do to the velocities of the present impulses
-    double speed_ = 0;    // m/s: largest |q|
-    double load_ = 0;     // m/s: largest W |r| of the best impulses
+    double at_start_ = 0;      // m/s: residual of the estimate
+    double rounding_ = 0;      // m/s: what rounding may do to the velocities of the present impulses
+    double speed_ = 0;         // m/s: largest |q|
+    double load_ = 0;          // m/s: largest W |r| of the best impulses
+    double least_ = kInfinity; // m/s: smallest residual so far
+    bool presses_ = false;     // whether of impulses that contradict each other the larger are better
 
     // of method 2
     double product_ = 0;       // J: sum of x . y
@@ -201,7 +205,7 @@ double Solver::largest_velocity() const {
     return largest;
 }
 
-// Cuts r to the cones, sets u and returns the residual; keeps r where it is the best, or the last that is no worse than
+// Cuts r to the cones, sets u and returns the residual; keeps r where it is better, or the last that is no worse than
 // `as_good` and than the rounding of the best.
 double Solver::consider(double as_good) {
     for (std::size_t i = 0; i < size(); ++i)
@@ -219,20 +223,25 @@ double Solver::consider(double as_good) {
         residual = std::max(residual, violation);
         load = std::max(load, std::max(s_.w[i].normal, s_.w[i].tangential) * length(s_.r[i]));
     }
-    rounding_ = 4 * std::numeric_limits<double>::epsilon() * load;
-    if (is_better(residual, load, as_good)) {
-        stats_.residual = residual;
-        stats_.rounding = rounding_;
-        load_ = load;
-        s_.best = s_.r;
-    }
+    rounding_ = kRounding * load;
+    const bool as_last = residual <= std::min(as_good, stats_.rounding);
+    if (presses_ && hopeless(least_) ? presses_more(residual, load) : residual < stats_.residual || as_last)
+        keep(residual, load);
+    least_ = std::min(least_, residual);
     return residual;
 }
 
-bool Solver::is_better(double residual, double load, double as_good) const {
-    const auto [low, high] = std::minmax(residual, stats_.residual);
-    if (hopeless(low) && high <= kSame * low) return load > load_ && load <= kMostLoad * speed_;
-    return residual < stats_.residual || residual <= std::min(as_good, stats_.rounding);
+// Whether impulses are better where they contradict each other: those of a smaller violation, or larger ones of the same.
+bool Solver::presses_more(double residual, double load) const {
+    const bool same = residual <= kSame * least_ && stats_.residual <= kSame * least_;
+    return same ? load > load_ && load <= kMostLoad * speed_ : residual < stats_.residual;
+}
+
+void Solver::keep(double residual, double load) {
+    stats_.residual = residual;
+    stats_.rounding = kRounding * load;
+    load_ = load;
+    s_.best = s_.r;
 }
 
 // m/s: a residual that methods 2 and 3 are not begun for.
@@ -517,7 +526,7 @@ double Solver::scaled_dot(const std::vector<Vec3>& dx, const std::vector<Vec3>& 
     return sum;
 }
 
-// Method 3: visits as in local_contact.hpp, from r, with what contacts are let off. Up to `count` sweeps, until one
+// Method 3: visits as in local_contact.hpp, from r, with the approach that is allowed. Up to `count` sweeps, until one
 // changes velocities by no more than `enough`.
 void Solver::sweep(int count, double enough) {
     s_.system.gather(s_.r);
@@ -528,7 +537,7 @@ void Solver::sweep(int count, double enough) {
         for (std::size_t i = 0; i < size(); ++i) {
             if (!movable(i)) continue;
             const ConeDiagonal& w = s_.w[i];
-            const Vec3 q = p_.contacts[i].q + Vec3{s_.let_off[i], 0, 0};
+            const Vec3 q = p_.contacts[i].q + Vec3{s_.allowed[i], 0, 0};
             const Vec3 before = s_.r[i], u_before = q + s_.system.spread(i);
             Vec3 r = before, u = u_before;
             for (int visit = 0; visit < 3; ++visit) {
@@ -550,12 +559,14 @@ void Solver::sweep(int count, double enough) {
 void Solver::let_off() {
     s_.r = s_.best;
     consider();
-    for (std::size_t i = 0; i < size(); ++i) s_.let_off[i] = std::max(0.0, -s_.u[i].x);
-    sweep(kSweepsPerRound, limit());
+    for (std::size_t i = 0; i < size(); ++i) s_.allowed[i] = std::max(0.0, -s_.u[i].x);
+    const double most = kMostLoad * speed_;
+    if (load_ > most) // sweeps put back what these push
+        for (Vec3& r : s_.r) r = (most / load_) * r;
+    sweep(kSweepsPerRound, std::max(options_.tolerance, kRounding * std::min(load_, most)));
     const double residual = consider();
     if (!(residual <= kSame * at_start_)) return;
-    s_.best = s_.r;
-    stats_.residual = residual;
+    keep(residual, rounding_ / kRounding);
     stats_.let_off = true;
 }
 
@@ -574,6 +585,7 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
         newton(kFirstNewtonSteps, options_.polish);
         const double near = not_worth_more();
         const auto far = [&] { return options_.polish == 0 && !done() && stats_.residual > near; };
+        presses_ = true;
         if (far()) {
             interior();
             s_.r = s_.best;
@@ -588,7 +600,7 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
             newton(kNewtonSteps, 0);
             if (stats_.residual > std::max(kHopeless * speed_, kRoundGains * before)) break;
         }
-        if (far() && hopeless(stats_.residual)) let_off();
+        if (options_.polish == 0 && stats_.residual > std::max(limit(), options_.enough) && hopeless(least_)) let_off();
     }
     stats_.solved = stats_.residual <= limit();
     std::copy(s_.best.begin(), s_.best.end(), impulses.begin());

@@ -32,7 +32,7 @@ struct ConeSolveStats {
     double rounding = 0;  ///< m/s: residual that rounding alone may leave, 4 eps max W |r|. It matters for a light
                           ///< body under a heavy one: a load of 1e9 weights is not known to 1e-7 weights
     bool solved = false;  ///< the residual is no larger than the tolerance, or than the rounding
-    bool let_off = false; ///< solved but for approach that no impulses prevent
+    bool let_off = false; ///< not solved: approach that impulses did not prevent was allowed, the rest swept
 };
 
 /// Working memory, to be kept from solve to solve.
