@@ -162,7 +162,7 @@ class Solver {
     Vec3 impulse(std::size_t i, const Vec3& x) const;
     Mat3 velocity_map(std::size_t i) const;
 
-    void sweep(int count, double enough = 0);
+    double sweep(int count, double enough = 0);
     void let_off();
 
     std::span<const ConeBody> bodies_;
@@ -172,6 +172,7 @@ class Solver {
     ConeScratch::Storage& s_;
     ConeSolveStats stats_;
 
+    double at_zero_ = 0;       // m/s: residual without impulses
     double at_start_ = 0;      // m/s: residual of the estimate
     double rounding_ = 0;      // m/s: what rounding may do to the velocities of the present impulses
     double speed_ = 0;         // m/s: largest |q|
@@ -231,7 +232,7 @@ double Solver::consider(double as_good) {
     return residual;
 }
 
-// Whether impulses are better where they contradict each other: those of a smaller violation, or larger ones of the same.
+// Whether impulses are better where they contradict each other: of a smaller violation, or larger ones of the same.
 bool Solver::presses_more(double residual, double load) const {
     const bool same = residual <= kSame * least_ && stats_.residual <= kSame * least_;
     return same ? load > load_ && load <= kMostLoad * speed_ : residual < stats_.residual;
@@ -527,8 +528,8 @@ double Solver::scaled_dot(const std::vector<Vec3>& dx, const std::vector<Vec3>& 
 }
 
 // Method 3: visits as in local_contact.hpp, from r, with the approach that is allowed. Up to `count` sweeps, until one
-// changes velocities by no more than `enough`.
-void Solver::sweep(int count, double enough) {
+// changes velocities by no more than `enough`. Returns by how much the last one did, m/s.
+double Solver::sweep(int count, double enough) {
     s_.system.gather(s_.r);
     for (std::size_t i = 0; i < size(); ++i) s_.b[i] = s_.system.own_block(i);
     double most = kInfinity;
@@ -552,20 +553,26 @@ void Solver::sweep(int count, double enough) {
             most = std::max(most, std::max(w.normal, w.tangential) * length(r - before));
         }
     }
+    return most;
 }
 
-// Solves what is left to solve where no impulses meet the law. The residual stays that of the whole, of which
-// contradictions are the most; one above that of the estimate is not taken.
+// Solves what is left to solve where no impulses meet the law. With the best of them bodies may slip that friction then
+// does not let, so more approach is allowed as sweeps meet it. The residual stays that of the whole, of which
+// contradictions are the most; one above that without impulses is not taken.
 void Solver::let_off() {
     s_.r = s_.best;
     consider();
-    for (std::size_t i = 0; i < size(); ++i) s_.allowed[i] = std::max(0.0, -s_.u[i].x);
-    const double most = kMostLoad * speed_;
+    const double most = kMostLoad * speed_, enough = std::max(options_.tolerance, kRounding * std::min(load_, most));
     if (load_ > most) // sweeps put back what these push
         for (Vec3& r : s_.r) r = (most / load_) * r;
-    sweep(kSweepsPerRound, std::max(options_.tolerance, kRounding * std::min(load_, most)));
-    const double residual = consider();
-    if (!(residual <= kSame * at_start_)) return;
+    double residual = kInfinity;
+    for (int round = 0; round < kRounds; ++round) {
+        for (std::size_t i = 0; i < size(); ++i) s_.allowed[i] = std::max(s_.allowed[i], -s_.u[i].x);
+        const double change = sweep(kSweepsPerRound / kRounds, enough);
+        residual = consider();
+        if (!(change > enough)) break;
+    }
+    if (!(residual <= kSame * at_zero_)) return;
     keep(residual, rounding_ / kRounding);
     stats_.let_off = true;
 }
@@ -577,7 +584,7 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
     if (finite_input()) {
         s_.system.analyse(p_);
         speed_ = largest_velocity();
-        consider();
+        at_zero_ = consider();
         std::copy(impulses.begin(), impulses.end(), s_.r.begin());
         consider();
         at_start_ = stats_.residual;

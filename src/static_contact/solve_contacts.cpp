@@ -234,8 +234,8 @@ void propagate_shocks(const ContactBodies& bodies, const ContactSolveOptions& op
     const auto unfinished = [&](const Island& i) {
         if (i.solved || !(i.residual > options.shock_above * i.tolerance)) return false;
         if (options.shock_in_motion) return true;
-        // What a script squeezes goes aside with the friction of the sweeps, however hard it is pressed: a wedge that
-        // locks itself left a lid as if there were none. Unsolved, it stops the script (failsafe).
+        // A pass keeps the friction of the sweeps however hard it presses: a wedge that its friction locks slid out
+        // from under a scripted lid as if it had none. What is left unsolved stops the script (failsafe).
         if (!prescribed_at_rest(i, s)) return false;
         return i.rests || i.residual > rest_speed_of(i, bodies, options.rest_speed, s);
     };
