@@ -21,9 +21,9 @@
 // Jaws that press a body nearer than its rest distance, closing walls, a wedge that locks itself: there normal impulses
 // contradict each other, nothing meets the law, and the largest violation, theirs, says nothing of friction. What the
 // methods left of it was by chance: boxes slid out of jaws by a third of gravity, and fell where no impulse at all was
-// as good as any. So where method 1 failed and the residual is a tenth of the largest velocity or more, of impulses with
-// the same one the larger are kept; in the end approach that they do not prevent is allowed; and sweeps solve what is
-// left, which normally has a solution.
+// as good as any. So where method 1 failed and the residual is a tenth of the largest velocity or more, of impulses
+// with the same one the larger are kept; in the end approach that they do not prevent is allowed; and sweeps solve what
+// is left, which normally has a solution.
 #include "static_contact/interior_point.hpp"
 
 #include <algorithm>
