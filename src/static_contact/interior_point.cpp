@@ -104,6 +104,9 @@ constexpr double kHopeless = 0.1, kRoundGains = 0.8;
 // Residuals of contradictions that count as the same; and how many times over their impulses may stop the largest
 // velocity: as much as friction asks for whose coefficient is a thousandth, beyond it there is more rounding than use.
 constexpr double kSame = 1 + 0x1p-20, kMostLoad = 0x1p10;
+// Sweeps give what two sides lack to the one that they visit last, the other has it twice: the residual that they may
+// leave, against that without impulses.
+constexpr double kOneSided = 2;
 
 Vec3 cut_to_cone(const Vec3& r, double friction) {
     if (!(r.x > 0)) return {};
@@ -558,7 +561,7 @@ double Solver::sweep(int count, double enough) {
 
 // Solves what is left to solve where no impulses meet the law. With the best of them bodies may slip that friction then
 // does not let, so more approach is allowed as sweeps meet it. The residual stays that of the whole, of which
-// contradictions are the most; one above that without impulses is not taken.
+// contradictions are the most; one above twice that without impulses is not taken.
 void Solver::let_off() {
     s_.r = s_.best;
     consider();
@@ -572,7 +575,7 @@ void Solver::let_off() {
         residual = consider();
         if (!(change > enough)) break;
     }
-    if (!(residual <= kSame * at_zero_)) return;
+    if (!(residual <= kOneSided * at_zero_)) return;
     keep(residual, rounding_ / kRounding);
     stats_.let_off = true;
 }

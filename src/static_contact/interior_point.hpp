@@ -55,11 +55,11 @@ class ConeScratch {
 /// none.
 ///
 /// Guarantees, solved or not: r_n >= 0, and |r_t| <= mu r_n to rounding; a residual no larger, to 1e-6 of it, than that
-/// of r = 0, nor, but where the law is let off, than that of the estimate cut to the cones; at most
-/// options.max_iterations factorisations; the same bits for the same input; and the same result in other units, exactly
-/// where lengths and times are scaled by powers of two and masses by powers of four. A problem without solution, which
-/// large friction and prescribed motions can make, ends unsolved: with friction that goes with what normal impulses
-/// there are (`let_off`, where a tenth of the largest velocity or more is left), or with the best r met.
+/// of the estimate cut to the cones, nor than that of r = 0, but twice the latter at most where the law is let off; at
+/// most options.max_iterations factorisations; the same bits for the same input; and the same result in other units,
+/// exactly where lengths and times are scaled by powers of two and masses by powers of four. A problem without a
+/// solution, which large friction and prescribed motions can make, ends unsolved: with friction that goes with what
+/// normal impulses there are (`let_off`, where a tenth of the largest velocity or more is left), or the best r met.
 ConeSolveStats solve_cone_program(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts,
                                   const ConeSolveOptions& options, std::span<Vec3> impulses, ConeScratch& scratch);
 ConeSolveStats solve_cone_program(const ConeProgram& program, const ConeSolveOptions& options, std::span<Vec3> impulses,
