@@ -40,7 +40,7 @@ struct ConeScratch::Storage {
     BodySystem system;
     std::vector<ConeDiagonal> w;
     std::vector<ConeMotion> motion;
-    std::vector<Vec3> best;               ///< N s: impulses with the smallest residual so far
+    std::vector<Vec3> best;               ///< N s: the best impulses so far
     std::vector<double> allowed;          ///< m/s, of approach
     std::vector<Vec3> r, u, c, du;        ///< present impulses and velocities, and the step dr = c - B du
     std::vector<Mat3> b;                  ///< B of body_system.hpp
