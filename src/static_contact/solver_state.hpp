@@ -52,11 +52,12 @@ struct ContactSolveOptions {
     /// at less than the tolerance (ContactTuning::aim_at_rest), over-constrained islands are given up early, and a
     /// shock pass stands only where it solves its levels. In motion nothing of this holds. 0: no island is at rest.
     double rest_speed = 0;
-    bool exact = false;          ///< small islands that PGS leaves unsolved are solved exactly (exact_islands.hpp)
-    bool exact_few = false;      ///< of them only those of few bodies, and columns at rest by Newton's steps alone
-    bool shock = true;           ///< propagate a shock where an island is still unsolved
-    bool shock_in_motion = true; ///< also where it does not rest and is left with less than its rest speed
-    double shock_above = 1;      ///< by more than so many tolerances
+    bool exact = false;     ///< small islands that PGS leaves unsolved are solved exactly (exact_islands.hpp)
+    bool exact_few = false; ///< of them only those of few bodies, and columns at rest by Newton's steps alone
+    bool shock = true;      ///< propagate a shock where an island is still unsolved
+    /// Also where it does not rest and is left with less than its rest speed, and where a prescribed body moves.
+    bool shock_in_motion = true;
+    double shock_above = 1; ///< by more than so many tolerances
     /// Sweeps per level of the shock pass, which stops at the tolerance divided by the number of levels: what one level
     /// leaves is carried on by all above. Every contact belongs to one level, so the pass costs at most as much as this
     /// many sweeps of the whole island; a level of bodies on frozen ones converges in a few.
