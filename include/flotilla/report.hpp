@@ -43,7 +43,7 @@ enum StepWarning : std::uint32_t {
     /// A contact solve ended above its tolerance (of fast bodies: and above the rounding of its normals): at
     /// static_iterations, or as more sweeps gained nothing.
     kStaticLimit = 1u << 2,
-    /// A scripted body was held for this step, as bodies were in its way (unsatisfiable_script).
+    /// A scripted body did not go all its way, as bodies are in it or were of late (unsatisfiable_script).
     kScriptDelayed = 1u << 3,
     /// A body that the failsafe held lost a rebound of stage 1 (dynamic_iterations).
     kReboundLost = 1u << 4,

@@ -107,7 +107,7 @@ State initial_state(const Scene& scene, const Model& model) {
         const RigidShape& shape = model.shape_of(i);
         state.pose.push_back(pose_at_origin(shape, body.position, body.rotation));
         state.motion.push_back(make_motion(model, i, body.rotation, body.velocity, body.angular_velocity));
-        state.script_delay.push_back(0);
+        state.script_clock.emplace_back();
         state.lift.push_back(0);
     }
     return state;

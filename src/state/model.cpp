@@ -84,7 +84,11 @@ void add(Hasher& h, const State& s, std::span<const std::int32_t> bodies) {
     each([&](std::size_t i) { h.add(s.pose[i].com), h.add(s.pose[i].rotation), h.add(s.pose[i].origin); });
     each([&](std::size_t i) { h.add(s.motion[i].velocity), h.add(s.motion[i].momentum); });
     each([&](std::size_t i) { h.add(word(s.sleep[i].quiet_steps, s.sleep[i].island)); });
-    each([&](std::size_t i) { h.add(s.script_delay[i]); });
+    each([&](std::size_t i) { h.add(s.script_clock[i].delay); });
+    each([&](std::size_t i) {
+        if (s.script_clock[i].stops != 0)
+            h.add(word(static_cast<std::int32_t>(i), static_cast<std::int32_t>(s.script_clock[i].stops)));
+    });
     each([&](std::size_t i) { h.add(s.lift[i]); });
     if (s.searched.empty()) return;
     each([&](std::size_t i) {

@@ -122,6 +122,14 @@ class WarmImpulses {
     std::array<std::vector<WarmImpulse>, 3> lists_;
 };
 
+/// Of a scripted body (step/scripts.hpp).
+struct ScriptClock {
+    static constexpr std::int64_t kMostStops = 5;
+
+    double delay = 0;       ///< s: it lags; where it follows, since the place that it made for last was due
+    std::int64_t stops = 0; ///< up by one in each step that something cut short, down by one in each other one
+};
+
 /// Everything that can change a later bit. A checkpoint holds exactly this, and the state hash covers it.
 struct State {
     std::int64_t step = 0; ///< inner ones, where a step is made of several (Settings::substeps)
@@ -129,8 +137,7 @@ struct State {
     std::vector<Pose> pose;
     std::vector<Motion> motion;
     std::vector<Sleep> sleep;
-    /// s, by body: by which its script's clock lags; where it follows, since the place that it made for last was due.
-    std::vector<double> script_delay;
+    std::vector<ScriptClock> script_clock;
     std::vector<double> lift;                 ///< J of each body's energy that are lift (step/energy_account.hpp)
     std::vector<RestDistance> rest_distances; ///< sorted by (a, b)
     std::vector<SqueezedPair> squeezed;       ///< sorted by (a, b)

@@ -24,7 +24,7 @@ static_assert(sizeof(SqueezedPair) == 24);
 static_assert(sizeof(Searched) == sizeof(Pose) + 8);
 
 constexpr std::uint64_t kMagic = 0x50414e534c464c46; // "FLFLSNAP"
-constexpr std::uint64_t kVersion = 5;
+constexpr std::uint64_t kVersion = 6;
 
 void add(Hasher& h, const Mat3& m) {
     for (const double x : m.m) h.add(x);
@@ -63,7 +63,7 @@ void add(Hasher& h, const Model& model) {
 template <typename S, typename Visit>
 void visit(S& state, Visit&& part) {
     part(state.step), part(state.time), part(state.pose), part(state.motion), part(state.sleep);
-    part(state.script_delay), part(state.lift), part(state.rest_distances), part(state.squeezed);
+    part(state.script_clock), part(state.lift), part(state.rest_distances), part(state.squeezed);
     for (auto& impulses : state.warm) part(impulses);
     for (auto& impulses : state.waiting) part(impulses);
     part(state.searched);
@@ -117,9 +117,13 @@ bool sound_sleep(const Sleep& sleep, const Body& body, std::size_t bodies) {
            (awake || (body.dynamic() && sleep.island >= 0 && static_cast<std::size_t>(sleep.island) < bodies));
 }
 
+bool sound(const ScriptClock& clock) {
+    return std::abs(clock.delay) <= kMost && clock.stops >= 0 && clock.stops <= ScriptClock::kMostStops;
+}
+
 /// What the hash itself relies on.
 bool has_every_body(const State& s, std::size_t n) {
-    return s.pose.size() == n && s.motion.size() == n && s.sleep.size() == n && s.script_delay.size() == n &&
+    return s.pose.size() == n && s.motion.size() == n && s.sleep.size() == n && s.script_clock.size() == n &&
            s.lift.size() == n && (s.searched.empty() || s.searched.size() == n);
 }
 
@@ -129,7 +133,7 @@ bool sound(const State& s, const Model& model) {
     for (std::size_t i = 0; i < n; ++i) {
         if (!sound(s.pose[i]) || !sound_motion(s, model, i) || !sound_sleep(s.sleep[i], model.bodies[i], n))
             return false;
-        if (!(std::abs(s.script_delay[i]) <= kMost) || !(std::abs(s.lift[i]) <= kMost)) return false;
+        if (!sound(s.script_clock[i]) || !(std::abs(s.lift[i]) <= kMost)) return false;
         if (!s.searched.empty() && !sound(s.searched[i].pose)) return false;
     }
     const auto all_sound = [&](const WarmImpulses& impulses) {

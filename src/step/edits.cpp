@@ -39,7 +39,7 @@ std::int32_t Stepper::add_body(const Body& body, const Pose& pose, const Motion&
         state_.pose.emplace_back();
         state_.motion.emplace_back();
         state_.sleep.emplace_back();
-        state_.script_delay.emplace_back();
+        state_.script_clock.emplace_back();
         state_.lift.emplace_back();
         if (!state_.searched.empty()) state_.searched.emplace_back();
         moved_.resize(model_.size());
@@ -65,7 +65,7 @@ void Stepper::remove_body(std::int32_t body) {
     model_.bodies[at(body)] = absent_body(model_, model_.bodies[at(body)].shape);
     state_.motion[at(body)] = {};
     state_.sleep[at(body)] = {};
-    state_.script_delay[at(body)] = 0;
+    state_.script_clock[at(body)] = {};
     state_.lift[at(body)] = 0;
 }
 
@@ -86,7 +86,7 @@ void Stepper::place_anew(std::int32_t body, const Pose& pose) {
     const std::size_t i = at(body);
     state_.pose[i] = pose;
     state_.sleep[i] = {};
-    state_.script_delay[i] = 0;
+    state_.script_clock[i] = {};
     state_.lift[i] = 0;
     if (!state_.searched.empty()) state_.searched[i] = {pose, state_.step};
     moved_[i] = 1;
@@ -118,7 +118,7 @@ void Stepper::change_body(std::int32_t body, const Body& changed) {
     }
     own = changed;
     mark_changed(body); // and as it is
-    state_.script_delay[at(body)] = 0;
+    state_.script_clock[at(body)] = {};
 }
 
 void Stepper::set_force(std::int32_t body, const Vec3& force, const Vec3& torque) {

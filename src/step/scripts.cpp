@@ -2,6 +2,7 @@
 #include "step/scripts.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/index.hpp"
 #include "state/keyframes.hpp"
@@ -20,6 +21,12 @@ double way(const RigidShape& shape, const Vec3& origin_a, const Quat& a, const V
 
 double speed_between(const RigidShape& shape, const Keyframe& a, const Keyframe& b) {
     return way(shape, a.position, a.rotation, b.position, b.rotation) / (b.time - a.time);
+}
+
+/// The share of a step that a clock goes on by which was stopped so often of late: it tries every 1, 2, 4 ... steps.
+double pace(std::int64_t stops, std::int64_t step) {
+    const std::int64_t every = std::int64_t{1} << std::max<std::int64_t>(0, stops - 1);
+    return step % every == 0 ? std::ldexp(1.0, static_cast<int>(-stops)) : 0.0;
 }
 
 } // namespace
@@ -65,18 +72,22 @@ Scripts::Scripts(const Model& model) : due_(model.size(), 0.0) {
 
 void Scripts::move(const Model& model, const State& state, Trajectories& trajectories, Clusters& clusters) {
     const double dt = model.settings.time_step, now = static_cast<double>(state.step + 1) * dt;
+    waiting_ = 0;
     for (const std::int32_t id : scripted_) {
         const std::size_t i = at(id);
         const Body& body = model.bodies[i];
         const RigidShape& shape = model.shape_of(i);
         const Pose& start = trajectories.start_pose(i);
-        const double delay = state.script_delay[i], last = static_cast<double>(state.step) * dt - delay;
+        const ScriptClock& clock = state.script_clock[i];
+        const double delay = clock.delay, last = static_cast<double>(state.step) * dt - delay;
         const bool follows = !speed_.empty();
         if (follows && (delay != 0 || start != scripted_pose(shape, body, last)))
             due_[i] = latest_within(shape, body, start, last, now, kCatchingUp * speed_[i] * dt);
         else // on time, or waited for
-            due_[i] = now - delay;
-        const Pose end = scripted_pose(shape, body, due_[i]);
+            due_[i] = clock.stops == 0 ? now - delay : last + pace(clock.stops, state.step) * dt;
+        if (clock.stops != 0) ++waiting_;
+        const bool stands = clock.stops != 0 && due_[i] == last;
+        const Pose end = stands ? start : scripted_pose(shape, body, due_[i]);
         const Vec3 turn =
             end.rotation == start.rotation ? Vec3{} : rotation_vector(end.rotation * conjugate(start.rotation));
         trajectories.set_end(i, end, turn);
@@ -87,10 +98,22 @@ void Scripts::move(const Model& model, const State& state, Trajectories& traject
 void Scripts::commit(const Model& model, const FailsafeStats& failsafe, State& state) const {
     const double dt = model.settings.time_step, now = static_cast<double>(state.step + 1) * dt;
     if (!speed_.empty()) {
-        for (const std::int32_t i : scripted_) state.script_delay[at(i)] = now - due_[at(i)];
+        for (const std::int32_t i : scripted_) state.script_clock[at(i)].delay = now - due_[at(i)];
         return;
     }
-    for (const DelayedScript& d : failsafe.delayed_scripts) state.script_delay[at(d.body)] += (1 - d.share) * dt;
+    // Of a clock that was never stopped not a bit changes.
+    for (const std::int32_t i : scripted_) {
+        ScriptClock& clock = state.script_clock[at(i)];
+        const double due = pace(clock.stops, state.step);
+        const auto stopped = std::find_if(failsafe.delayed_scripts.begin(), failsafe.delayed_scripts.end(),
+                                          [i](const DelayedScript& d) { return d.body == i; });
+        const bool cut_short = stopped != failsafe.delayed_scripts.end();
+        if (cut_short || due < 1) clock.delay += (1 - due * (cut_short ? stopped->share : 1)) * dt;
+        if (cut_short)
+            clock.stops = std::min(clock.stops + 1, ScriptClock::kMostStops);
+        else if (due > 0 && clock.stops > 0)
+            --clock.stops;
+    }
 }
 
 } // namespace flotilla

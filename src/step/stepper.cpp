@@ -369,7 +369,7 @@ DynamicContactStats Stepper::dynamic_contact(StepReport& report) {
 
 void Stepper::record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report) {
     if (dynamic.counters.limit) report.warnings |= kDynamicLimit;
-    if (!failsafe.delayed_scripts.empty()) report.warnings |= kScriptDelayed;
+    if (!failsafe.delayed_scripts.empty() || scripts_.waits()) report.warnings |= kScriptDelayed;
     report.merges = dynamic.merges + failsafe.merges;
     // What was slowed down lost momentum like what is held.
     report.rung_changes = failsafe.rung_changes + std::count(slowed_.begin(), slowed_.end(), 1);

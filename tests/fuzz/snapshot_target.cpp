@@ -48,7 +48,7 @@ void change(fuzz::Input& input, State& s) {
     case 2: change(input, s.pose); break;
     case 3: change(input, s.motion); break;
     case 4: change(input, s.sleep); break;
-    case 5: change(input, s.script_delay); break;
+    case 5: change(input, s.script_clock); break;
     case 6: change(input, s.lift); break;
     case 7: change(input, s.rest_distances, true); break;
     case 8: change(input, s.warm[ContactStage::kept], true); break;

@@ -49,8 +49,9 @@ SceneDescription press(UnsatisfiableScript policy) {
 }
 
 struct Course {
-    std::vector<Vec3> place, velocity; ///< of one body, after every step
-    std::int64_t delayed = 0;          ///< steps
+    std::vector<Vec3> place, velocity;  ///< of one body, after every step
+    std::int64_t delayed = 0, held = 0; ///< steps, and those with held bodies
+    std::int64_t last_delayed = 0;      ///< step
 };
 
 /// Runs the scene and checks what holds in every step: no intersections, and the velocity is that of the way made.
@@ -70,7 +71,10 @@ Course watch(const SceneDescription& scene, std::size_t body, int steps) {
         EXPECT_EQ(count_intersections(scene, world), 0) << "step " << r.step;
         out.place.push_back(after.position);
         out.velocity.push_back(after.velocity);
-        out.delayed += (r.warnings & kScriptDelayed) != 0 ? 1 : 0;
+        out.held += r.held > 0 ? 1 : 0;
+        if ((r.warnings & kScriptDelayed) == 0) continue;
+        ++out.delayed;
+        out.last_delayed = r.step;
     }
     return out;
 }
@@ -84,9 +88,17 @@ double fastest(const Course& course) {
 TEST(UnsatisfiableScript, JawsThatAreHeldStayShut) {
     const Course right = watch(jaws(UnsatisfiableScript::hold), kRight, 72);
     EXPECT_GT(right.delayed, 40);
-    EXPECT_EQ(right.place.back(), right.place[24]);
+    EXPECT_LE(right.place.back().x, right.place[24].x);
+    EXPECT_NEAR(right.place.back().x, right.place[24].x, 1e-4); // it tries gently, and gains what is left
     EXPECT_NEAR(right.place.back().x, 0.35, 0.01);
     EXPECT_EQ(right.velocity.back(), Vec3{});
+}
+
+// Pushed on in every step the cube would be held in every one, and could not come to rest on its own.
+TEST(UnsatisfiableScript, JawsThatAreHeldTryRarely) {
+    const Course right = watch(jaws(UnsatisfiableScript::hold), kRight, 144);
+    EXPECT_GT(right.delayed, 100);
+    EXPECT_LT(4 * right.held, right.delayed);
 }
 
 TEST(UnsatisfiableScript, JawsThatFollowOpenWithTheirScript) {
@@ -136,6 +148,14 @@ TEST(UnsatisfiableScript, ABodyThatFollowsCatchesUpAlongItsPath) {
     EXPECT_LE(fastest(held), 1 + 1e-12);
 }
 
+TEST(UnsatisfiableScript, ABodyThatWaitedIsSoonAsFastAsItsScript) {
+    const Course pusher = watch(gated(UnsatisfiableScript::hold), 3, 96);
+    EXPECT_GT(pusher.delayed, 10);
+    EXPECT_GT(pusher.last_delayed, 36);      // the gate begins to open at 1.5 s and is out of the way by 1.6 s
+    EXPECT_LE(pusher.last_delayed, 39 + 46); // a wait of sixteen steps, and then of 16, 8, 4, 2 and 1 and one
+    EXPECT_NEAR(length(pusher.velocity.back()), 1, 1e-12);
+}
+
 TEST(UnsatisfiableScript, AnErrorNamesTheBodiesAndLeavesTheWorldAsItWas) {
     const SceneDescription scene = jaws(UnsatisfiableScript::error);
     World held(jaws(UnsatisfiableScript::hold)), world(scene);
@@ -182,8 +202,8 @@ TEST(UnsatisfiableScript, AnErrorNamesTheBodiesAndLeavesTheWorldAsItWas) {
 }
 
 TEST(UnsatisfiableScript, ThreadsAndSnapshotsChangeNoBit) {
-    for (const auto make : {jaws, gated}) {
-        const SceneDescription scene = make(UnsatisfiableScript::follow);
+    const UnsatisfiableScript hold = UnsatisfiableScript::hold, follow = UnsatisfiableScript::follow;
+    for (const SceneDescription& scene : {jaws(hold), jaws(follow), gated(hold), gated(follow)}) {
         const auto expected = hashes_of_run(scene, 60, {1, Executor::serial});
         for (const int threads : {2, 3, 8}) EXPECT_EQ(hashes_of_run(scene, 60, {threads}), expected) << threads;
         World whole(scene);
