@@ -4,10 +4,10 @@
 // A body that something stops (failsafe.hpp) is behind its script. With `unsatisfiable_script: hold` the script's clock
 // waits for it, and does not push on with all its speed in every step: solves would ask for what nothing can give, and
 // the failsafe would hold all around. It tries again more and more rarely and slowly, by how often it was stopped of
-// late (ScriptClock), and stands still in between. With `follow` the clock goes on, and the body makes for the latest place on its path, between the one
-// it made for last and the one that is due, that is within a step's reach at twice the script's fastest speed: it
-// catches up along the path, and where the path comes back to where it stands (jaws that open again) it goes on from
-// there. With `error` no body ever is behind.
+// late (ScriptClock), and stands still in between. With `follow` the clock goes on, and the body makes for the latest
+// place on its path, between the one it made for last and the one that is due, that is within a step's reach at twice
+// the script's fastest speed: it catches up along the path, and where the path comes back to where it stands (jaws that
+// open again) it goes on from there. With `error` no body ever is behind.
 #pragma once
 
 #include <exception>
