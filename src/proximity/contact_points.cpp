@@ -2,6 +2,7 @@
 #include "proximity/contact_points.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "geometry/closest.hpp"
 #include "geometry/plane_test.hpp"
 #include "geometry/ray.hpp"
+#include "geometry/rounding.hpp"
 
 namespace flotilla {
 namespace {
@@ -156,10 +158,58 @@ struct AnyPair {
     [[nodiscard]] static bool meets(const Vec3&, const Vec3&, const Vec3&, double) { return true; }
 };
 
+/// m, how far a box reaches along d.
+double top_of(const CoarseBox& coarse, const Vec3& d) {
+    const Box box = to_box(coarse);
+    const Vec3 half = 0.5 * (box.upper - box.lower);
+    return dot(d, box.lower + half) + dot(abs(d), half);
+}
+
+/// m, how far a body reaches along d at t = 0. Opens what of its hierarchy may hold the farthest vertex.
+double top_of(const BodyMotion& body, const Vec3& d) {
+    const Bvh& bvh = body.shape->bvh;
+    std::array<std::int32_t, kMaxBvhDepth + 1> waiting{}; // the root, and a right child for every level
+    std::size_t count = 1;
+    double top = -std::numeric_limits<double>::infinity();
+    while (count > 0) {
+        const std::int32_t node = waiting[--count];
+        if (!(top_of(body.at0.nodes[at(node)], d) > top)) continue;
+        const BvhNode& n = bvh.nodes[at(node)];
+        if (n.count == 0) {
+            waiting[count++] = n.first;
+            waiting[count++] = node + 1;
+        } else {
+            for (const std::int32_t v : bvh.leaf_vertices(n)) top = std::max(top, dot(d, body.at0.x[at(v)]));
+        }
+    }
+    return top;
+}
+
+/// Between the levels that two bodies reach to along a direction, and so much beyond: what is near the other one.
+/// Boxes lie along the axes and tell nothing of a wheel on a tilted plane.
+class Band {
+  public:
+    Band(const BodyMotion& a, const BodyMotion& b, const Vec3& across, double distance) : across_(across) {
+        if (across == Vec3{}) return;
+        const double room = distance * (1 + kLengthRounding) + place_rounding(std::max(a.max_abs(), b.max_abs()));
+        top_ = top_of(a, across) + room, low_ = -top_of(b, -across) - room;
+    }
+    [[nodiscard]] bool holds(const CoarseBox& of_a, const CoarseBox& of_b) const {
+        return across_ == Vec3{} || (top_of(of_a, across_) >= low_ && -top_of(of_b, -across_) <= top_);
+    }
+
+  private:
+    Vec3 across_;
+    double top_ = 0, low_ = 0; ///< m
+};
+
 /// Of what comes nearer than the rest distance.
 struct PassingPair {
     const PassingBodies& passing;
-    [[nodiscard]] bool may_meet(const CoarseBox& a, const CoarseBox& b) const { return may_pass(passing, a, b); }
+    Band band;
+    [[nodiscard]] bool may_meet(const CoarseBox& a, const CoarseBox& b) const {
+        return band.holds(a, b) && may_pass(passing, a, b);
+    }
     [[nodiscard]] bool meets(const Vec3& p, const Vec3& q, const Vec3& normal, double distance) const {
         return distance + dot(normal, passing.b.at(q) - passing.a.at(p)) < passing.rest;
     }
@@ -470,7 +520,7 @@ bool renew_contact_points(const BodyMotion& a, const BodyMotion& b, double proxi
 
 void find_passing_points(const BodyMotion& a, const BodyMotion& b, const PassingBodies& passing, double proximity,
                          double angle_cos, ProximityScratch& scratch, std::vector<ProximityPoint>& out) {
-    Finder<PassingPair>(a, b, proximity, angle_cos, scratch, {passing}).all({});
+    Finder<PassingPair>(a, b, proximity, angle_cos, scratch, {passing, Band(a, b, passing.across, proximity)}).all({});
     for (const ProximityPoint& p : scratch.found)
         if (admissible(a, b, p, angle_cos, scratch)) out.push_back(contact_point(a, b, p, angle_cos));
 }

@@ -95,6 +95,7 @@ struct PointWays {
 struct PassingBodies {
     PointWays a, b;
     double rest = 0;
+    Vec3 across{}; ///< unit, from a to b: where they are known to touch; zero: nowhere. It changes no answer
 };
 
 /// As find_contact_points(), of the feature pairs alone that come nearer than the rest distance, which takes no time

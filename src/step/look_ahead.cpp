@@ -90,8 +90,13 @@ void look(const StepView& view, Worker& worker, const SolvedAt& solved, const Co
     const auto ways = [&](std::int32_t i) {
         return PointWays{v.position[at(i)], pair.time * v.velocity[at(i)], pair.time * v.angular_velocity[at(i)]};
     };
+    const auto nearest = std::ranges::min_element(known, {}, &Contact::distance);
     worker.points.clear();
-    find_passing_points(body(record.a), body(record.b), {ways(record.a), ways(record.b), (1 - kUndone) * rest},
+    find_passing_points(body(record.a), body(record.b),
+                        {.a = ways(record.a),
+                         .b = ways(record.b),
+                         .rest = (1 - kUndone) * rest,
+                         .across = nearest != known.end() ? nearest->normal : Vec3{}},
                         pair.distance, pair.angle_cos, worker.proximity, worker.points);
     out.clear();
     for (const ProximityPoint& p : worker.points) {
