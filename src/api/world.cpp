@@ -277,7 +277,7 @@ void World::Impl::say_warnings(const StepReport& report) {
         {{kCollisionLimit, "stage 1 ended before it was quiet"},
          {kDynamicLimit, "dynamic contact was given up: the failsafe had to finish"},
          {kStaticLimit, "a contact solve ended above its tolerance"},
-         {kScriptDelayed, "a scripted body waited, as bodies were in its way"},
+         {kScriptDelayed, "a scripted body waited, as bodies are in its way or were of late"},
          {kReboundLost, "a body that the failsafe held lost a rebound"}}};
     const std::uint32_t fresh = report.warnings & ~last_warnings;
     last_warnings = report.warnings;

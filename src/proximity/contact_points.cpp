@@ -165,17 +165,22 @@ double top_of(const CoarseBox& coarse, const Vec3& d) {
     return dot(d, box.lower + half) + dot(abs(d), half);
 }
 
-/// m, how far a body reaches along d at t = 0. Opens what of its hierarchy may hold the farthest vertex.
+/// m, how far a body reaches along d at t = 0, or more. Opens what of its hierarchy may hold the farthest vertex, but
+/// so few nodes only: boxes of a large mesh along a tilted plane all stand out beyond its surface.
 double top_of(const BodyMotion& body, const Vec3& d) {
+    constexpr int kMostNodes = 64;
     const Bvh& bvh = body.shape->bvh;
     std::array<std::int32_t, kMaxBvhDepth + 1> waiting{}; // the root, and a right child for every level
     std::size_t count = 1;
     double top = -std::numeric_limits<double>::infinity();
-    while (count > 0) {
+    for (int opened = 0; count > 0; ++opened) {
         const std::int32_t node = waiting[--count];
-        if (!(top_of(body.at0.nodes[at(node)], d) > top)) continue;
+        const double most = top_of(body.at0.nodes[at(node)], d);
+        if (!(most > top)) continue;
         const BvhNode& n = bvh.nodes[at(node)];
-        if (n.count == 0) {
+        if (opened >= kMostNodes) {
+            top = most;
+        } else if (n.count == 0) {
             waiting[count++] = n.first;
             waiting[count++] = node + 1;
         } else {

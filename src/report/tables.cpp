@@ -76,7 +76,8 @@ constexpr std::array kWarnings{
     WarningText{kStaticLimit,
                 "static contact: a solve ended above its tolerance, at the limit of sweeps or as they gained nothing",
                 "raise static_iterations, or static_tolerance"},
-    WarningText{kScriptDelayed, "a scripted body waited, because bodies were in its way", "see unsatisfiable_script"},
+    WarningText{kScriptDelayed, "a scripted body waited, as bodies are in its way or were of late",
+                "see unsatisfiable_script"},
     WarningText{kReboundLost, "a held body lost a rebound", "raise dynamic_iterations"},
 };
 

@@ -85,7 +85,7 @@ void add(Hasher& h, const State& s, std::span<const std::int32_t> bodies) {
     each([&](std::size_t i) { h.add(s.motion[i].velocity), h.add(s.motion[i].momentum); });
     each([&](std::size_t i) { h.add(word(s.sleep[i].quiet_steps, s.sleep[i].island)); });
     each([&](std::size_t i) { h.add(s.script_clock[i].delay); });
-    each([&](std::size_t i) {
+    each([&](std::size_t i) { // only where there are any: hashes of scenes without stay
         if (s.script_clock[i].stops != 0)
             h.add(word(static_cast<std::int32_t>(i), static_cast<std::int32_t>(s.script_clock[i].stops)));
     });

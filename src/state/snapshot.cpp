@@ -117,6 +117,7 @@ bool sound_sleep(const Sleep& sleep, const Body& body, std::size_t bodies) {
            (awake || (body.dynamic() && sleep.island >= 0 && static_cast<std::size_t>(sleep.island) < bodies));
 }
 
+static_assert(sizeof(ScriptClock) == 16, "no padding");
 bool sound(const ScriptClock& clock) {
     return std::abs(clock.delay) <= kMost && clock.stops >= 0 && clock.stops <= ScriptClock::kMostStops;
 }

@@ -23,10 +23,13 @@ double speed_between(const RigidShape& shape, const Keyframe& a, const Keyframe&
     return way(shape, a.position, a.rotation, b.position, b.rotation) / (b.time - a.time);
 }
 
-/// The share of a step that a clock goes on by which was stopped so often of late: it tries every 1, 2, 4 ... steps.
-double pace(std::int64_t stops, std::int64_t step) {
-    const std::int64_t every = std::int64_t{1} << std::max<std::int64_t>(0, stops - 1);
-    return step % every == 0 ? std::ldexp(1.0, static_cast<int>(-stops)) : 0.0;
+/// The share of the step that a script's clock goes on by if nothing stops it. One that was stopped of late tries every
+/// 1, 2, 4 ... steps.
+double pace_of(const Model& model, const State& state, std::int32_t body) {
+    const std::int64_t stops = state.script_clock[at(body)].stops;
+    if (stops == 0 || model.settings.unsatisfiable_script != UnsatisfiableScript::hold) return 1;
+    const std::int64_t every = std::int64_t{1} << (stops - 1);
+    return state.step % every == 0 ? std::ldexp(1.0, static_cast<int>(-stops)) : 0.0;
 }
 
 } // namespace
@@ -78,16 +81,15 @@ void Scripts::move(const Model& model, const State& state, Trajectories& traject
         const Body& body = model.bodies[i];
         const RigidShape& shape = model.shape_of(i);
         const Pose& start = trajectories.start_pose(i);
-        const ScriptClock& clock = state.script_clock[i];
-        const double delay = clock.delay, last = static_cast<double>(state.step) * dt - delay;
+        const double pace = pace_of(model, state, id);
+        const double delay = state.script_clock[i].delay, last = static_cast<double>(state.step) * dt - delay;
         const bool follows = !speed_.empty();
         if (follows && (delay != 0 || start != scripted_pose(shape, body, last)))
             due_[i] = latest_within(shape, body, start, last, now, kCatchingUp * speed_[i] * dt);
         else // on time, or waited for
-            due_[i] = clock.stops == 0 ? now - delay : last + pace(clock.stops, state.step) * dt;
-        if (clock.stops != 0) ++waiting_;
-        const bool stands = clock.stops != 0 && due_[i] == last;
-        const Pose end = stands ? start : scripted_pose(shape, body, due_[i]);
+            due_[i] = pace == 1 ? now - delay : last + pace * dt;
+        if (pace < 1) ++waiting_;
+        const Pose end = pace == 0 ? start : scripted_pose(shape, body, due_[i]);
         const Vec3 turn =
             end.rotation == start.rotation ? Vec3{} : rotation_vector(end.rotation * conjugate(start.rotation));
         trajectories.set_end(i, end, turn);
@@ -95,23 +97,22 @@ void Scripts::move(const Model& model, const State& state, Trajectories& traject
     }
 }
 
-void Scripts::commit(const Model& model, const FailsafeStats& failsafe, State& state) const {
+void Scripts::commit(const Model& model, const FailsafeStats& failsafe, std::span<const std::int32_t> jammed,
+                     State& state) const {
     const double dt = model.settings.time_step, now = static_cast<double>(state.step + 1) * dt;
     if (!speed_.empty()) {
         for (const std::int32_t i : scripted_) state.script_clock[at(i)].delay = now - due_[at(i)];
         return;
     }
-    // Of a clock that was never stopped not a bit changes.
+    for (const DelayedScript& d : failsafe.delayed_scripts)
+        state.script_clock[at(d.body)].delay += (1 - d.share) * pace_of(model, state, d.body) * dt;
     for (const std::int32_t i : scripted_) {
         ScriptClock& clock = state.script_clock[at(i)];
-        const double due = pace(clock.stops, state.step);
-        const auto stopped = std::find_if(failsafe.delayed_scripts.begin(), failsafe.delayed_scripts.end(),
-                                          [i](const DelayedScript& d) { return d.body == i; });
-        const bool cut_short = stopped != failsafe.delayed_scripts.end();
-        if (cut_short || due < 1) clock.delay += (1 - due * (cut_short ? stopped->share : 1)) * dt;
-        if (cut_short)
+        const double pace = pace_of(model, state, i);
+        clock.delay += (1 - pace) * dt;
+        if (std::binary_search(jammed.begin(), jammed.end(), i))
             clock.stops = std::min(clock.stops + 1, ScriptClock::kMostStops);
-        else if (due > 0 && clock.stops > 0)
+        else if (pace > 0 && clock.stops > 0)
             --clock.stops;
     }
 }

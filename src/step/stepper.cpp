@@ -402,7 +402,7 @@ void Stepper::record_activity() {
 }
 
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
-    if (has_scripts_) scripts_.commit(model_, failsafe, state_);
+    if (has_scripts_) scripts_.commit(model_, failsafe, jammed_scripts(failsafe), state_);
     for (const std::int32_t i : model_.active) turns_[at(i)] = trajectories_.turn(at(i));
     record_activity();
     for (const std::int32_t i : model_.active) {

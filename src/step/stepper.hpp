@@ -231,6 +231,7 @@ class Stepper {
     void observe(Phase phase) const;
     void undo_step();
     void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
+    [[nodiscard]] std::vector<std::int32_t> jammed_scripts(const FailsafeStats& failsafe);
     void record_activity();
     void measure(StepReport& report) const;
 

@@ -165,18 +165,11 @@ TEST(ContactPoints, WhatATiltedBoxPassesIsWhatItsWaysLeadTo) {
     const Placed ground{make_plate(10, 10), {}};
     EXPECT_EQ(contact_points(box, ground).size(), 2u);
     const Pair pair(box, ground);
-    const auto found = [&](const Vec3& way, const Vec3& turn, double proximity, const Vec3& across) {
+    const auto passing = [&](const Vec3& way, const Vec3& turn) {
         ProximityScratch scratch;
         std::vector<ProximityPoint> points;
         find_passing_points(pair.trajectories.at_start(0), pair.trajectories.at_start(1),
-                            {{{2, -2, center}, way, turn}, {}, (1 - 1e-9) * kRest, across}, proximity, std::cos(1.0),
-                            scratch, points);
-        return points;
-    };
-    const auto passing = [&](const Vec3& way, const Vec3& turn) {
-        const auto points = found(way, turn, 1, {});
-        for (const Vec3& across : {Vec3{0, 0, -1}, normalized(Vec3{1, 2, -3}), Vec3{1, 0, 0}})
-            EXPECT_EQ(found(way, turn, 1, across).size(), points.size());
+                            {{{2, -2, center}, way, turn}, {}, (1 - 1e-9) * kRest}, 1, std::cos(1.0), scratch, points);
         return points;
     };
     EXPECT_TRUE(passing({}, {}).empty());

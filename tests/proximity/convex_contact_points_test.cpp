@@ -79,5 +79,35 @@ TEST(ConvexContactPoints, DoNotDependOnThePlane) {
     }
 }
 
+TEST(PassingPoints, AreTheSameWhateverDirectionIsKnown) {
+    Random random(3);
+    int passing = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const double proximity = std::pow(10, random.uniform(-3, 0)), rest = random.uniform(0.1, 1) * proximity;
+        const ConvexPair pair(random, random_gap(random, proximity));
+        const auto ways = [&] {
+            return PointWays{pair.a().at0.x[0], proximity * random.vec(2), proximity * random.vec(2)};
+        };
+        const PassingBodies bodies{ways(), ways(), rest};
+        const auto found = [&](const Vec3& across, ProximityScratch& scratch) {
+            PassingBodies known = bodies;
+            known.across = across;
+            std::vector<ProximityPoint> points;
+            find_passing_points(pair.a(), pair.b(), known, proximity, kAngleCos, scratch, points);
+            return points;
+        };
+        ProximityScratch scratch;
+        const auto expected = found({}, scratch);
+        passing += expected.empty() ? 0 : 1;
+        for (const double off : {0.0, 1e-9, 0.1, 10.0}) {
+            ProximityScratch with;
+            expect_same(found(normalized(pair.direction() + random.vec(off)), with), expected);
+            expect_same(with.counters, scratch.counters);
+        }
+        ASSERT_FALSE(HasFailure()) << "pair " << i;
+    }
+    EXPECT_GT(passing, 500);
+}
+
 } // namespace
 } // namespace flotilla
