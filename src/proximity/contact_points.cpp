@@ -13,6 +13,7 @@
 #include "geometry/plane_test.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/rounding.hpp"
+#include "geometry/support.hpp"
 
 namespace flotilla {
 namespace {
@@ -165,37 +166,22 @@ double top_of(const CoarseBox& coarse, const Vec3& d) {
     return dot(d, box.lower + half) + dot(abs(d), half);
 }
 
-/// m, how far a body reaches along d at t = 0, or more. Opens what of its hierarchy may hold the farthest vertex, but
-/// so few nodes only: boxes of a large mesh along a tilted plane all stand out beyond its surface.
+/// m, how far a body reaches along d at t = 0, or a little more.
 double top_of(const BodyMotion& body, const Vec3& d) {
-    constexpr int kMostNodes = 64;
-    const Bvh& bvh = body.shape->bvh;
-    std::array<std::int32_t, kMaxBvhDepth + 1> waiting{}; // the root, and a right child for every level
-    std::size_t count = 1;
-    double top = -std::numeric_limits<double>::infinity();
-    for (int opened = 0; count > 0; ++opened) {
-        const std::int32_t node = waiting[--count];
-        const double most = top_of(body.at0.nodes[at(node)], d);
-        if (!(most > top)) continue;
-        const BvhNode& n = bvh.nodes[at(node)];
-        if (opened >= kMostNodes) {
-            top = most;
-        } else if (n.count == 0) {
-            waiting[count++] = n.first;
-            waiting[count++] = node + 1;
-        } else {
-            for (const std::int32_t v : bvh.leaf_vertices(n)) top = std::max(top, dot(d, body.at0.x[at(v)]));
-        }
-    }
-    return top;
+    const SupportPoints& points = body.shape->outline;
+    return dot(d, body.at0.pose->origin) + reach(points, transpose(*body.at0.rotation) * d).reach + points.error;
 }
 
 /// Between the levels that two bodies reach to along a direction, and so much beyond: what is near the other one.
 /// Boxes lie along the axes and tell nothing of a wheel on a tilted plane.
 class Band {
   public:
-    Band(const BodyMotion& a, const BodyMotion& b, const Vec3& across, double distance) : across_(across) {
-        if (across == Vec3{}) return;
+    Band(const BodyMotion& a, const BodyMotion& b, const Vec3& across, double distance) {
+        const auto serves = [](const SupportPoints& points) {
+            return !points.fours.empty() && points.fours.size() <= kMostFours;
+        };
+        if (across == Vec3{} || !serves(a.shape->outline) || !serves(b.shape->outline)) return;
+        across_ = across;
         const double room = distance * (1 + kLengthRounding) + place_rounding(std::max(a.max_abs(), b.max_abs()));
         top_ = top_of(a, across) + room, low_ = -top_of(b, -across) - room;
     }
@@ -204,6 +190,7 @@ class Band {
     }
 
   private:
+    static constexpr std::size_t kMostFours = 1024; ///< of a terrain going through all costs more than it saves
     Vec3 across_;
     double top_ = 0, low_ = 0; ///< m
 };
