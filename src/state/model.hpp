@@ -127,7 +127,7 @@ struct ScriptClock {
     static constexpr std::int64_t kMostStops = 5;
 
     double delay = 0;       ///< s: it lags; where it follows, since the place that it made for last was due
-    std::int64_t stops = 0; ///< up by one in each step that many bodies cut short, down by one in each that it made
+    std::int64_t stops = 0; ///< up by one in each step that something cut short, down by one in each that it made
 };
 
 /// Everything that can change a later bit. A checkpoint holds exactly this, and the state hash covers it.

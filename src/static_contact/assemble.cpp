@@ -477,6 +477,22 @@ void lay_out_packets(ContactScratch& s) {
     resize_rows(s.packed);
 }
 
+// In islands that are solved exactly soon: where nothing can part from the script, contacts yield (interior_point.cpp).
+// Sweeps, which others are left to, move all bodies of an island for it.
+void press_few(const ContactSolveOptions& options, ContactScratch& s) {
+    if (options.presses.empty() || !options.exact || options.tangents == Tangents::random) return;
+    s.counts.assign(s.islands.size(), 0);
+    for (std::size_t body = 0; body < s.bodies.size(); ++body)
+        if (s.movable[body]) ++s.counts[at(s.island_of_body[body])];
+    for (std::size_t i = 0; i < s.islands.size(); ++i) {
+        const ContactScratch::Island& island = s.islands[i];
+        if (s.counts[i] > options.tuning.bodies_factorised_soon) continue;
+        for (std::int32_t k = island.first; k < island.end; ++k)
+            for (std::int32_t r = s.blocks[at(k)].first; r < s.blocks[at(k)].parked; ++r)
+                s.rows[at(r)].local.target.x += std::max(0.0, options.presses[at(s.source[at(r)])]);
+    }
+}
+
 void fill_packets(Team* team, ContactScratch& s) {
     for_each(team, "pack contacts", s.packed.packets.size(), kPairGrain, [&](std::size_t p) {
         const auto pairs =
@@ -532,6 +548,7 @@ void assemble(std::span<const Contact> contacts, const ContactBodies& bodies, co
     resize_slips(s.any_slips, s.packed);
     set_tolerances(options.tolerance, s);
     make_rows(contacts, options, impulses, same_places, s);
+    press_few(options, s);
     fill_packets(options.team, s);
     s.last.complete = true;
 }

@@ -89,7 +89,7 @@ void build_cone_program(std::span<const ConeBody> bodies, std::span<const ConeCo
         };
         add(c.a, c.arm_a, -1);
         add(c.b, c.arm_b, 1);
-        program.contacts.push_back({c.free_velocity, c.friction});
+        program.contacts.push_back({c.free_velocity, c.friction, c.pressed});
         program.first_entry.push_back(static_cast<std::int32_t>(program.entries.size()));
         diagonals.push_back({w.x, std::max(w.y, w.z)});
     }

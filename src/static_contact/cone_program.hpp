@@ -24,6 +24,7 @@ struct ConeContact {
     Vec3 arm_a, arm_b;                 ///< m: contact point minus centre of mass
     double friction = 0;               ///< mu >= 0
     Vec3 free_velocity;                ///< m/s: of b against a without any impulse, less the normal target
+    bool pressed = false;              ///< a script presses at it
 };
 
 /// A column of H is a degree of freedom, in coordinates in which its mass is 1.
@@ -35,6 +36,7 @@ struct ConeProgram {
     struct Contact {
         Vec3 q; ///< m/s
         double friction = 0;
+        bool pressed = false;
     };
     std::int32_t num_columns = 0;
     std::vector<Contact> contacts;

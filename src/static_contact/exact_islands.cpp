@@ -40,7 +40,8 @@ std::span<const ContactBlock> blocks_of(const Island& island, const ContactScrat
     return std::span(s.blocks).subspan(at(island.first), at(island.end - island.first));
 }
 
-void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s, Exact& e) {
+void gather(const Island& island, const ContactBodies& bodies, std::span<const double> presses, ContactScratch& s,
+            Exact& e) {
     e.bodies.clear();
     e.contacts.clear();
     e.impulses.clear();
@@ -51,6 +52,7 @@ void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s
         e.bodies.push_back({bodies.inv_mass[id], bodies.inv_inertia[id], bodies.locked_of(id)});
     }
     const auto number = [&](std::int32_t body) { return s.movable[at(body)] ? s.exact_body[at(body)] : -1; };
+    const auto pressed = [&](std::int32_t row) { return !presses.empty() && presses[at(s.source[at(row)])] >= 0; };
     for (const ContactBlock& block : blocks_of(island, s))
         for (std::int32_t r = block.first; r < block.end; ++r) {
             const ContactRow& row = s.rows[at(r)];
@@ -58,7 +60,7 @@ void gather(const Island& island, const ContactBodies& bodies, ContactScratch& s
                 to_contact(row, relative_velocity(row, s.start_velocity[at(block.a)], s.start_velocity[at(block.b)]));
             free -= row.local.target;
             e.contacts.push_back({number(block.a), number(block.b), row.normal, row.tangent_1, row.tangent_2, row.arm_a,
-                                  row.arm_b, row.local.friction, free});
+                                  row.arm_b, row.local.friction, free, pressed(r)});
             e.impulses.push_back(row.local.impulse);
         }
 }
@@ -87,8 +89,8 @@ void scatter(const Island& island, const ContactBodies& bodies, ContactScratch& 
 }
 
 // 1/2 r W r + r (u - target), J, which a solution has below zero, and which is zero without impulses. What it is above
-// is energy from nowhere. `let_off`: with targets less by the approach that is left.
-double objective(const Island& island, const ContactScratch& s, const Exact& e, bool let_off) {
+// is energy from nowhere. `yielded`: with targets less by the approach that is left.
+double objective(const Island& island, const ContactScratch& s, const Exact& e, bool yielded) {
     double sum = 0;
     std::size_t c = 0;
     for (const ContactBlock& block : blocks_of(island, s))
@@ -97,9 +99,17 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e, 
             Vec3 u = to_contact(row, relative_velocity(row, s.velocity[at(block.a)], s.velocity[at(block.b)]));
             u -= row.local.target;
             sum += 0.5 * dot(row.local.impulse, u + e.contacts[c].free_velocity);
-            if (let_off) sum += row.local.impulse.x * std::max(0.0, -u.x);
+            if (yielded) sum += row.local.impulse.x * std::max(0.0, -u.x);
         }
     return sum;
+}
+
+/// J: what a solve that is nearly one of contacts that yield may gain by what it leaves.
+double gain_left(const ConeSolveStats& stats, const Exact& e) {
+    double sum = 0;
+    if (stats.yielded)
+        for (const Vec3& impulse : e.impulses) sum += length(impulse);
+    return stats.yielding_left * sum;
 }
 
 /// Whether the impulses are more than an island may need, by kMostImpulse.
@@ -111,6 +121,16 @@ bool balance_each_other(const Exact& e) {
     return sum > kMostImpulse * (mass * speed);
 }
 
+/// Whether it rests, also where nothing has weight: at less than so many tolerances, as bodies fall asleep.
+bool rests_pressed(const Island& island) {
+    constexpr double kTolerances = 16;
+    return island.rests || island.speed <= kTolerances * island.tolerance;
+}
+
+bool is_pressed(const Exact& e) {
+    return std::ranges::any_of(e.contacts, [](const ConeContact& c) { return c.pressed; });
+}
+
 /// Whether nothing but Newton's steps follows the sweeps.
 bool newton_is_enough(const Island& island, const ContactSolveOptions& options) {
     const bool many = island.end_body - island.first_body > options.tuning.bodies_factorised_soon;
@@ -118,26 +138,31 @@ bool newton_is_enough(const Island& island, const ContactSolveOptions& options) 
     return many && (options.exact_few || (flies && island.residual <= kOfFlight * island.speed));
 }
 
-void solve(Island& island, const ContactBodies& bodies, bool newton_alone, ContactScratch& s, Exact& e) {
-    gather(island, bodies, s, e);
+void solve(Island& island, const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s,
+           Exact& e) {
+    const bool few = island.end_body - island.first_body <= options.tuning.bodies_factorised_soon;
+    gather(island, bodies, few ? options.presses : std::span<const double>(), s, e);
     e.swept = e.impulses;
+    const bool stands = is_pressed(e) && rests_pressed(island);
     const ConeSolveStats stats =
         solve_cone_program(e.bodies, e.contacts,
                            {.tolerance = island.exact_tolerance,
                             .max_iterations = kMostToTolerance,
                             .enough = island.tolerance,
                             .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations,
-                            .polish = newton_alone ? kPolish : 0,
-                            .rests = island.rests},
+                            .polish = newton_is_enough(island, options) ? kPolish : 0,
+                            .rests = island.rests || stands},
                            e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
-    if (!stats.solved && !stats.let_off && !(stats.residual < island.residual)) return;
+    island.stands = stands;
+    if (!stats.solved && !stats.yielded && !(stats.residual < island.residual)) return;
     if (balance_each_other(e)) return;
     scatter(island, bodies, s, e);
-    if (!stats.solved && objective(island, s, e, stats.let_off) > 0) {
+    if (!stats.solved && objective(island, s, e, stats.yielded) > gain_left(stats, e)) {
         e.impulses = e.swept;
         return scatter(island, bodies, s, e);
     }
+    island.stands = island.stands && !stats.solved && !stats.yielded;
     island.residual = stats.residual;
     island.solved = stats.solved || stats.residual <= island.tolerance;
     island.factorisations = stats.iterations;
@@ -172,7 +197,7 @@ void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& optio
     s.exact.resize(at(options.team != nullptr ? options.team->size() : 1));
     const auto one = [&](std::size_t i, int thread) {
         Island& island = s.islands[at(s.small_islands[i])];
-        solve(island, bodies, newton_is_enough(island, options), s, s.exact[at(thread)]);
+        solve(island, bodies, options, s, s.exact[at(thread)]);
     };
     if (options.team == nullptr)
         for (std::size_t i = 0; i < s.small_islands.size(); ++i) one(i, 0);

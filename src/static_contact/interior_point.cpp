@@ -20,10 +20,11 @@
 //
 // Jaws that press a body nearer than its rest distance, closing walls, a wedge that locks itself: there normal impulses
 // contradict each other, nothing meets the law, and the largest violation, theirs, says nothing of friction. What the
-// methods left of it was by chance: boxes slid out of jaws by a third of gravity, and fell where no impulse at all was
-// as good as any. So where method 1 failed and the residual is a tenth of the largest velocity or more, of impulses
-// with the same one the larger are kept; in the end approach that they do not prevent is allowed; and sweeps solve what
-// is left, which normally has a solution.
+// methods leave of it is by chance: boxes slid out of jaws by a third of gravity, and fell where no impulse at all was
+// as good as any. So where the methods leave a tenth of the largest velocity, or a script presses, contacts yield: u +
+// E r takes the place of u. That has a solution, with friction as the law says, and the same methods find it. The
+// compliance E is such that normal impulses which answer all that is left stop the largest velocity many times over:
+// they hold by friction what they press, however slowly they are pressed on, and others hardly yield.
 #include "static_contact/interior_point.hpp"
 
 #include <algorithm>
@@ -41,7 +42,7 @@ struct ConeScratch::Storage {
     std::vector<ConeDiagonal> w;
     std::vector<ConeMotion> motion;
     std::vector<Vec3> best;               ///< N s: the best impulses so far
-    std::vector<double> allowed;          ///< m/s, of approach
+    std::vector<Vec3> rigid;              ///< N s: those of contacts that do not yield
     std::vector<Vec3> r, u, c, du;        ///< present impulses and velocities, and the step dr = c - B du
     std::vector<Mat3> b;                  ///< B of body_system.hpp
     std::vector<Vec3> x, y, infeasible;   ///< iterate of the interior point; y(u) - y
@@ -52,7 +53,6 @@ struct ConeScratch::Storage {
         for (auto* const v : {&r, &u, &c, &du, &x, &y, &infeasible, &dx, &dy, &dx_0, &dy_0}) v->assign(n, {});
         b.assign(n, {});
         scaling.assign(n, {});
-        allowed.assign(n, 0);
     }
 };
 
@@ -101,12 +101,19 @@ constexpr int kRounds = 10, kSweepsPerRound = 400;
 // Between closing walls no impulses meet the law: a residual above this share of the largest velocity, of which a round
 // leaves more than that other, is not worth another one.
 constexpr double kHopeless = 0.1, kRoundGains = 0.8;
-// Residuals of contradictions that count as the same; and how many times over their impulses may stop the largest
-// velocity: as much as friction asks for whose coefficient is a thousandth, beyond it there is more rounding than use.
-constexpr double kSame = 1 + 0x1p-20, kMostLoad = 0x1p10;
-// Sweeps give what two sides lack to the one that they visit last, the other has it twice: the residual that they may
-// leave, against that without impulses.
+// How many times over impulses that contradict each other stop the heaviest body at the largest velocity: as much as
+// friction asks for whose coefficient is a hundredth. The larger, the harder is the problem: at 2^10 rows of six boxes
+// between a script and a wall were left unsolved.
+constexpr double kMostLoad = 0x1p6;
+constexpr double kYielded = 1.0 / 16; // of that: more than a script presses with where nothing yields
+// What the contacts of a chain of bodies lack together one may lack alone, or the last that sweeps visit, twice.
 constexpr double kOneSided = 2;
+constexpr double kYieldingLeaves = 1.0 / 16; // of the residual without: less is nearly solved
+// How much contacts yield to friction, of how much they do to normal impulses. With none the methods seldom end where
+// several bodies are pressed: they turn a little, what sticks may not slip for it, and friction answers with all that
+// it has.
+constexpr double kSlip = 1.0 / 64;
+constexpr int kPressedIterations = 24; // of contacts that yield to a script
 
 Vec3 cut_to_cone(const Vec3& r, double friction) {
     if (!(r.x > 0)) return {};
@@ -115,11 +122,23 @@ Vec3 cut_to_cone(const Vec3& r, double friction) {
     return size > (1 + kRounding) * bound ? Vec3{r.x, bound / size * r.y, bound / size * r.z} : r;
 }
 
+Mat3 inverse(const Mat3& a) {
+    const auto& m = a.m;
+    const Vec3 x{m[0], m[1], m[2]}, y{m[3], m[4], m[5]}, z{m[6], m[7], m[8]}; // rows
+    const Vec3 p = cross(y, z), q = cross(z, x), r = cross(x, y);
+    return (1 / dot(x, p)) * Mat3{{p.x, q.x, r.x, p.y, q.y, r.y, p.z, q.z, r.z}};
+}
+
 class Solver {
   public:
     Solver(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts, const ConeProgram& program,
            const ConeSolveOptions& options, ConeScratch::Storage& storage)
-        : bodies_(bodies), contacts_(contacts), p_(program), options_(options), s_(storage) {}
+        : bodies_(bodies),
+          contacts_(contacts),
+          p_(program),
+          options_(options),
+          s_(storage),
+          most_iterations_(options.max_iterations) {}
 
     ConeSolveStats run(std::span<Vec3> impulses);
 
@@ -129,21 +148,25 @@ class Solver {
     bool movable(std::size_t i) const { return s_.w[i].normal > 0; }
     bool has_friction(std::size_t i) const { return friction(i) > 0 && s_.w[i].tangential > 0; }
     bool has_cone(std::size_t i) const { return friction(i) > kLeastConeFriction && s_.w[i].tangential > 0; }
+    Vec3 yields(std::size_t i, const Vec3& r) const { // m/s
+        if (!movable(i)) return {};
+        return {compliance_ * r.x, slip_ * r.y, slip_ * r.z};
+    }
     double limit() const { return std::max(options_.tolerance, stats_.rounding); }
     bool exhausted() const {
-        return stats_.iterations >= options_.max_iterations ||
-               (stats_.iterations >= options_.most_beyond && stats_.residual <= options_.enough);
+        const int iterations = stats_.iterations - before_;
+        return iterations >= most_iterations_ ||
+               (iterations >= options_.most_beyond && stats_.residual <= options_.enough);
     }
     bool done() const { return stats_.residual <= limit() || exhausted(); }
 
     bool finite_input() const;
     double largest_velocity() const;
+    double least_diagonal() const;
     double consider(double as_good = 0);
-    bool hopeless(double residual) const { return residual > kHopeless * speed_; }
-    bool presses_more(double residual, double load) const;
-    void keep(double residual, double load);
     double not_worth_more() const;
     bool factorise();
+    bool solve();
 
     bool newton(int max_steps, double gain);
     void linearise(std::size_t i);
@@ -165,8 +188,17 @@ class Solver {
     Vec3 impulse(std::size_t i, const Vec3& x) const;
     Mat3 velocity_map(std::size_t i) const;
 
-    double sweep(int count, double enough = 0);
-    void let_off();
+    void sweep(int count);
+    void find();
+    bool pressed() const;
+    bool loaded() const;
+    bool yield(std::span<const Vec3> estimate, int most_iterations);
+    void keep_rigid(const ConeSolveStats& rigid);
+    bool yield_to_script(std::span<const Vec3> estimate);
+    bool in_need() const {
+        const bool more = stats_.residual > std::max(limit(), options_.enough);
+        return more && options_.polish == 0 && std::isfinite(stats_.residual);
+    }
 
     std::span<const ConeBody> bodies_;
     std::span<const ConeContact> contacts_;
@@ -175,13 +207,13 @@ class Solver {
     ConeScratch::Storage& s_;
     ConeSolveStats stats_;
 
-    double at_zero_ = 0;       // m/s: residual without impulses
-    double at_start_ = 0;      // m/s: residual of the estimate
-    double rounding_ = 0;      // m/s: what rounding may do to the velocities of the present impulses
-    double speed_ = 0;         // m/s: largest |q|
-    double load_ = 0;          // m/s: largest W |r| of the best impulses
-    double least_ = kInfinity; // m/s: smallest residual so far
-    bool presses_ = false;     // whether of impulses that contradict each other the larger are better
+    double at_start_ = 0;   // m/s: residual of the estimate
+    double rounding_ = 0;   // m/s: what rounding may do to the velocities of the present impulses
+    double speed_ = 0;      // m/s: largest |q|
+    double compliance_ = 0; // 1/kg: contacts yield so much to their normal impulses
+    double slip_ = 0;       // 1/kg: and so much to friction
+    int before_ = 0;        // factorisations of contacts that did not
+    int most_iterations_;
 
     // of method 2
     double product_ = 0;       // J: sum of x . y
@@ -209,6 +241,14 @@ double Solver::largest_velocity() const {
     return largest;
 }
 
+// 1/kg: of the contacts' normal directions, that of the heaviest bodies.
+double Solver::least_diagonal() const {
+    double least = kInfinity;
+    for (std::size_t i = 0; i < size(); ++i)
+        if (movable(i)) least = std::min(least, s_.w[i].normal);
+    return least;
+}
+
 // Cuts r to the cones, sets u and returns the residual; keeps r where it is better, or the last that is no worse than
 // `as_good` and than the rounding of the best.
 double Solver::consider(double as_good) {
@@ -222,30 +262,19 @@ double Solver::consider(double as_good) {
     }
     double residual = 0, load = 0;
     for (std::size_t i = 0; i < size(); ++i) {
+        s_.u[i] += yields(i, s_.r[i]);
         const double violation = cone_violation(s_.w[i], friction(i), s_.r[i], s_.u[i]);
         if (!std::isfinite(violation)) return kInfinity;
         residual = std::max(residual, violation);
         load = std::max(load, std::max(s_.w[i].normal, s_.w[i].tangential) * length(s_.r[i]));
     }
     rounding_ = kRounding * load;
-    const bool as_last = residual <= std::min(as_good, stats_.rounding);
-    if (presses_ && hopeless(least_) ? presses_more(residual, load) : residual < stats_.residual || as_last)
-        keep(residual, load);
-    least_ = std::min(least_, residual);
+    if (residual < stats_.residual || residual <= std::min(as_good, stats_.rounding)) {
+        stats_.residual = residual;
+        stats_.rounding = rounding_;
+        s_.best = s_.r;
+    }
     return residual;
-}
-
-// Whether impulses are better where they contradict each other: of a smaller violation, or larger ones of the same.
-bool Solver::presses_more(double residual, double load) const {
-    const bool same = residual <= kSame * least_ && stats_.residual <= kSame * least_;
-    return same ? load > load_ && load <= kMostLoad * speed_ : residual < stats_.residual;
-}
-
-void Solver::keep(double residual, double load) {
-    stats_.residual = residual;
-    stats_.rounding = kRounding * load;
-    load_ = load;
-    s_.best = s_.r;
 }
 
 // m/s: a residual that methods 2 and 3 are not begun for.
@@ -255,9 +284,20 @@ double Solver::not_worth_more() const {
     return out_of_reach ? kOutOfReach * floor : std::min(options_.enough, floor);
 }
 
+// Of a step dr = c - B du, where du is of the bodies and of what contacts yield, E dr: the same step is
+// dr = M c - M B du of the bodies alone, with M = (I + B E)^-1 = I - (M B) E.
 bool Solver::factorise() {
     ++stats_.iterations;
+    if (compliance_ > 0)
+        for (std::size_t i = 0; i < size(); ++i)
+            if (s_.b[i].m[0] > 0) s_.b[i] = inverse(identity() + s_.b[i] * diagonal(yields(i, {1, 1, 1}))) * s_.b[i];
     return s_.system.factorise(s_.b);
+}
+
+bool Solver::solve() {
+    if (compliance_ > 0)
+        for (std::size_t i = 0; i < size(); ++i) s_.c[i] -= s_.b[i] * yields(i, s_.c[i]);
+    return s_.system.solve(s_.c, s_.du);
 }
 
 // Method 1, from r. Full steps only: where they do not lead down at once they often do after some more, and the best of
@@ -269,7 +309,7 @@ bool Solver::newton(int max_steps, double gain) {
     int without_gain = 0;
     for (int k = 0; k < max_steps && stats_.residual > options_.tolerance && !exhausted(); ++k) {
         for (std::size_t i = 0; i < size(); ++i) linearise(i);
-        if (!factorise() || !s_.system.solve(s_.c, s_.du)) break;
+        if (!factorise() || !solve()) break;
         for (std::size_t i = 0; i < size(); ++i) s_.r[i] += s_.c[i] - s_.b[i] * s_.du[i];
         const double residual = consider(at_start_);
         if (!std::isfinite(residual)) break;
@@ -489,10 +529,10 @@ bool Solver::direction(double target, double share, bool second_order) {
         s_.dx[i] = w.apply_inverse(jordan_quotient(right, l)) - w.inverse_square() * (share * s_.infeasible[i]);
         s_.c[i] = impulse(i, s_.dx[i]);
     }
-    if (!s_.system.solve(s_.c, s_.du)) return false;
+    if (!solve()) return false;
     for (std::size_t i = 0; i < size(); ++i) {
         if (!movable(i)) continue;
-        const Vec3 dy = velocity_map(i) * s_.du[i];
+        const Vec3 dy = velocity_map(i) * (s_.du[i] + yields(i, s_.c[i] - s_.b[i] * s_.du[i]));
         s_.dx[i] -= s_.scaling[i].inverse_square() * dy;
         s_.dy[i] = dy + share * s_.infeasible[i];
     }
@@ -530,54 +570,112 @@ double Solver::scaled_dot(const std::vector<Vec3>& dx, const std::vector<Vec3>& 
     return sum;
 }
 
-// Method 3: visits as in local_contact.hpp, from r, with the approach that is allowed. Up to `count` sweeps, until one
-// changes velocities by no more than `enough`. Returns by how much the last one did, m/s.
-double Solver::sweep(int count, double enough) {
+// Method 3: visits as in local_contact.hpp, from r.
+void Solver::sweep(int count) {
     s_.system.gather(s_.r);
-    for (std::size_t i = 0; i < size(); ++i) s_.b[i] = s_.system.own_block(i);
-    double most = kInfinity;
-    for (int k = 0; k < count && most > enough; ++k) {
-        most = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+        s_.b[i] = s_.system.own_block(i);
+        s_.b[i] = s_.b[i] + diagonal(yields(i, {1, 1, 1}));
+    }
+    for (int k = 0; k < count; ++k)
         for (std::size_t i = 0; i < size(); ++i) {
             if (!movable(i)) continue;
             const ConeDiagonal& w = s_.w[i];
-            const Vec3 q = p_.contacts[i].q + Vec3{s_.allowed[i], 0, 0};
-            const Vec3 before = s_.r[i], u_before = q + s_.system.spread(i);
+            const double normal = w.normal + compliance_, tangential = w.tangential + slip_;
+            const Vec3 before = s_.r[i];
+            const Vec3 u_before = p_.contacts[i].q + s_.system.spread(i) + yields(i, before);
             Vec3 r = before, u = u_before;
             for (int visit = 0; visit < 3; ++visit) {
-                r.x = std::max(r.x - u.x / w.normal, 0.0);
+                r.x = std::max(r.x - u.x / normal, 0.0);
                 u = u_before + s_.b[i] * (r - before);
                 if (!has_friction(i)) break;
-                r = cut_to_cone({r.x, r.y - u.y / w.tangential, r.z - u.z / w.tangential}, friction(i));
+                r = cut_to_cone({r.x, r.y - u.y / tangential, r.z - u.z / tangential}, friction(i));
                 u = u_before + s_.b[i] * (r - before);
             }
             s_.r[i] = r;
             s_.system.add(i, r - before);
-            most = std::max(most, std::max(w.normal, w.tangential) * length(r - before));
         }
-    }
-    return most;
 }
 
-// Solves what is left to solve where no impulses meet the law. With the best of them bodies may slip that friction then
-// does not let, so more approach is allowed as sweeps meet it. The residual stays that of the whole, of which
-// contradictions are the most; one above twice that without impulses is not taken.
-void Solver::let_off() {
+// The three methods, from the best impulses.
+void Solver::find() {
+    s_.r = s_.best;
+    newton(kFirstNewtonSteps, options_.polish);
+    const double near = not_worth_more();
+    const auto far = [&] { return options_.polish == 0 && !done() && stats_.residual > near; };
+    if (far()) {
+        interior();
+        s_.r = s_.best;
+        newton(options_.max_iterations, 0); // loads of a heavy body on light ones end slowly, but they end
+    }
+    // What moves meets another problem in the next step.
+    const auto goes_on = [&] { return far() && (options_.rests || stats_.residual > options_.enough); };
+    for (int round = 0; round < kRounds && goes_on(); ++round) {
+        const double before = stats_.residual;
+        s_.r = s_.best;
+        sweep(kSweepsPerRound);
+        newton(kNewtonSteps, 0);
+        if (stats_.residual > std::max(kHopeless * speed_, kRoundGains * before)) break;
+    }
+}
+
+bool Solver::pressed() const {
+    return std::ranges::any_of(p_.contacts, [](const ConeProgram::Contact& c) { return c.pressed; });
+}
+
+// Whether contacts of scripts have the load of those that yield: more than where nothing contradicts them.
+bool Solver::loaded() const {
+    const double load = kYielded * kMostLoad * speed_ / least_diagonal();
+    double sum = 0;
+    for (std::size_t i = 0; i < size(); ++i)
+        if (p_.contacts[i].pressed) sum += s_.best[i].x;
+    return sum > load;
+}
+
+// The methods where contacts yield, by so much that impulses which answer what is left stop the heaviest body at the
+// largest velocity many times over. Keeps the result where that is nearly solved; whether it is.
+bool Solver::yield(std::span<const Vec3> estimate, int most_iterations) {
+    const ConeSolveStats rigid = stats_;
+    s_.rigid = s_.best;
+    compliance_ = rigid.residual / (kMostLoad * speed_) * least_diagonal();
+    slip_ = kSlip * compliance_;
+    before_ = stats_.iterations;
+    most_iterations_ = most_iterations;
+    stats_.residual = kInfinity;
+    std::copy(estimate.begin(), estimate.end(), s_.r.begin());
+    newton(kFirstNewtonSteps, 0);
+    if (!done()) find();
+    const bool solved = stats_.residual <= std::max(limit(), kYieldingLeaves * rigid.residual);
+    stats_.yielding_left = stats_.residual;
+    compliance_ = slip_ = 0;
+    before_ = 0;
+    most_iterations_ = options_.max_iterations;
+    stats_.residual = kInfinity;
     s_.r = s_.best;
     consider();
-    const double most = kMostLoad * speed_, enough = std::max(options_.tolerance, kRounding * std::min(load_, most));
-    if (load_ > most) // sweeps put back what these push
-        for (Vec3& r : s_.r) r = (most / load_) * r;
-    double residual = kInfinity;
-    for (int round = 0; round < kRounds; ++round) {
-        for (std::size_t i = 0; i < size(); ++i) s_.allowed[i] = std::max(s_.allowed[i], -s_.u[i].x);
-        const double change = sweep(kSweepsPerRound / kRounds, enough);
-        residual = consider();
-        if (!(change > enough)) break;
-    }
-    if (!(residual <= kOneSided * at_zero_)) return;
-    keep(residual, rounding_ / kRounding);
-    stats_.let_off = true;
+    stats_.yielded = solved && stats_.residual <= kOneSided * (1 + p_.num_columns / 6) * rigid.residual;
+    if (!stats_.yielded) keep_rigid(rigid);
+    return solved;
+}
+
+void Solver::keep_rigid(const ConeSolveStats& rigid) {
+    stats_.residual = rigid.residual;
+    stats_.rounding = rigid.rounding;
+    stats_.yielded = false;
+    s_.best = s_.rigid;
+}
+
+// What a script presses on mostly has no solution: contacts yield at once, and what rests and is not found so within
+// some factorisations either is left. Returns whether that is all.
+bool Solver::yield_to_script(std::span<const Vec3> estimate) {
+    s_.r = s_.best;
+    newton(kFirstNewtonSteps, 0);
+    if (!in_need()) return false;
+    const ConeSolveStats rigid = stats_;
+    const bool solved = yield(estimate, std::min(kPressedIterations, options_.max_iterations));
+    if (stats_.yielded && loaded()) return true;
+    if (stats_.yielded) keep_rigid(rigid);
+    return !solved && options_.rests;
 }
 
 ConeSolveStats Solver::run(std::span<Vec3> impulses) {
@@ -587,30 +685,16 @@ ConeSolveStats Solver::run(std::span<Vec3> impulses) {
     if (finite_input()) {
         s_.system.analyse(p_);
         speed_ = largest_velocity();
-        at_zero_ = consider();
+        consider();
         std::copy(impulses.begin(), impulses.end(), s_.r.begin());
         consider();
         at_start_ = stats_.residual;
-        s_.r = s_.best;
-        newton(kFirstNewtonSteps, options_.polish);
-        const double near = not_worth_more();
-        const auto far = [&] { return options_.polish == 0 && !done() && stats_.residual > near; };
-        presses_ = true;
-        if (far()) {
-            interior();
-            s_.r = s_.best;
-            newton(options_.max_iterations, 0); // loads of a heavy body on light ones end slowly, but they end
+        const bool presses = pressed() && options_.polish == 0;
+        if (!presses || !yield_to_script(impulses)) {
+            find();
+            const bool contradicts = presses || stats_.residual > kHopeless * speed_;
+            if (contradicts && in_need()) yield(impulses, options_.max_iterations);
         }
-        // What moves meets another problem in the next step.
-        const auto in_need = [&] { return far() && (options_.rests || stats_.residual > options_.enough); };
-        for (int round = 0; round < kRounds && in_need(); ++round) {
-            const double before = stats_.residual;
-            s_.r = s_.best;
-            sweep(kSweepsPerRound);
-            newton(kNewtonSteps, 0);
-            if (stats_.residual > std::max(kHopeless * speed_, kRoundGains * before)) break;
-        }
-        if (options_.polish == 0 && stats_.residual > std::max(limit(), options_.enough) && hopeless(least_)) let_off();
     }
     stats_.solved = stats_.residual <= limit();
     std::copy(s_.best.begin(), s_.best.end(), impulses.begin());

@@ -29,10 +29,11 @@ struct ConeSolveStats {
     int iterations = 0; ///< factorisations
     double residual =
         0; ///< m/s: largest cone_violation(); infinite where the problem holds something that is not finite
-    double rounding = 0;  ///< m/s: residual that rounding alone may leave, 4 eps max W |r|. It matters for a light
-                          ///< body under a heavy one: a load of 1e9 weights is not known to 1e-7 weights
-    bool solved = false;  ///< the residual is no larger than the tolerance, or than the rounding
-    bool let_off = false; ///< not solved: approach that impulses did not prevent was allowed, the rest swept
+    double rounding = 0;      ///< m/s: residual that rounding alone may leave, 4 eps max W |r|. It matters for a light
+                              ///< body under a heavy one: a load of 1e9 weights is not known to 1e-7 weights
+    bool solved = false;      ///< the residual is no larger than the tolerance, or than the rounding
+    bool yielded = false;     ///< not solved: contacts yielded to their impulses
+    double yielding_left = 0; ///< m/s: residual of that
 };
 
 /// Working memory, to be kept from solve to solve.
@@ -55,11 +56,11 @@ class ConeScratch {
 /// none.
 ///
 /// Guarantees, solved or not: r_n >= 0, and |r_t| <= mu r_n to rounding; a residual no larger, to 1e-6 of it, than that
-/// of the estimate cut to the cones, nor than that of r = 0, but twice the latter at most where the law is let off; at
-/// most options.max_iterations factorisations; the same bits for the same input; and the same result in other units,
-/// exactly where lengths and times are scaled by powers of two and masses by powers of four. A problem without a
-/// solution, which large friction and prescribed motions can make, ends unsolved: with friction that goes with what
-/// normal impulses there are (`let_off`, where a tenth of the largest velocity or more is left), or the best r met.
+/// of the estimate cut to the cones, nor than that of r = 0, but up to twice that for every body and once more where
+/// contacts yielded; at most options.max_iterations factorisations, and as many again for contacts that yield; the same
+/// bits for the same input; and the same result in other units, exactly where lengths and times are scaled by powers of
+/// two and masses by powers of four. A problem without a solution, which large friction and prescribed motions can
+/// make, ends unsolved: with the impulses of contacts that yield (`yielded`), or the best r met.
 ConeSolveStats solve_cone_program(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts,
                                   const ConeSolveOptions& options, std::span<Vec3> impulses, ConeScratch& scratch);
 ConeSolveStats solve_cone_program(const ConeProgram& program, const ConeSolveOptions& options, std::span<Vec3> impulses,

@@ -213,6 +213,14 @@ void store_impulses(const ContactScratch& s, Team* team, std::span<Vec3> impulse
     });
 }
 
+// What a script presses on, and no method could solve, stays where it is for as long as it rests: what the methods left
+// of its friction is by chance. The impulses stay for the next solve to begin with.
+void let_stand(ContactScratch& s) {
+    for (const Island& island : s.islands)
+        for (std::int32_t k = island.first_body; island.stands && !island.solved && k < island.end_body; ++k)
+            s.velocity[static_cast<std::size_t>(s.island_bodies[static_cast<std::size_t>(k)])] = {};
+}
+
 void store_velocities(const ContactScratch& s, const ContactBodies& bodies) {
     for (std::size_t k = 0; k < s.bodies.size(); ++k) {
         if (!s.movable[k]) continue;
@@ -289,6 +297,7 @@ ContactSolveStats solve_contacts(std::span<const Contact> contacts, const Contac
         if (!island.solved) take_back_gain(island, options.team, scratch);
     store_impulses(scratch, options.team, impulses);
     propagate_shocks(bodies, options, scratch);
+    let_stand(scratch);
     store_velocities(scratch, bodies);
     mark_unsolved(scratch);
     return summarize(scratch);

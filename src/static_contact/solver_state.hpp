@@ -69,6 +69,9 @@ struct ContactSolveOptions {
     /// later: what sticks to them then goes along its chord in a step of twice that (stage 3). With the tangent at the
     /// beginning it would creep outward, by 9 % of the radius in 4 s at 1 rad/s and 1/24 s.
     double ahead = 0;
+    /// m/s, by contact: what is asked in addition where an exact solve is soon, because a script presses; negative:
+    /// none does. May be empty: no script presses.
+    std::span<const double> presses;
     std::uint64_t seed = 0, step = 0; ///< key of the random tangents; step: of contacts that slide
     Isa isa = best_isa();             ///< instruction set of the sweeps: the same bits with any
     Team* team = nullptr;             ///< null: the calling thread does all; the same bits with any
@@ -101,7 +104,8 @@ struct ContactScratch {
         bool rests = false;     ///< slow on entry (ContactSolveOptions::rest_speed); nothing to do with sleep
         bool solved = false;    ///< the tolerance holds, apart from rounding
         bool shocked = false;
-        bool cold = false; ///< the warm start was taken back
+        bool cold = false;   ///< the warm start was taken back
+        bool stands = false; ///< a script presses on it, and it is left as it is: at rest
     };
     /// Of a body in the metric of kinetic energy, kg and kg m^2.
     struct Weight {

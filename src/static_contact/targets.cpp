@@ -32,6 +32,10 @@ double rest_band(double rest, double time_step, double tolerance, const ContactT
 // tolerance, four seeds); with a whole band they came to rest later, with an eighth of one they asked in most steps.
 constexpr double kWorthRaising = 0.5;
 
+// In tolerances: how fast a script that was stopped presses on what is in its way. A solve does not leave so much
+// undone, and bodies hardly move for it.
+constexpr double kPress = 4;
+
 double equation_16(double gap, double time_step, double band) { // gap: to the rest distance, m
     const double target = gap / time_step;
     return target > 0 ? std::max(target - band, 0.0) : std::min(target + band, 0.0);
@@ -143,10 +147,13 @@ class PairTargets {
         const Settings& s = model_.settings;
         const Contact& c = set_.contacts[i];
         if (s.static_tolerance >= 0) return s.static_tolerance;
-        const double moves = input_.tuning.of_rest * set_.rest[i] / dt_;
+        return s.tolerance_share * default_tolerance(c, set_.rest[i]);
+    }
+    [[nodiscard]] double default_tolerance(const Contact& c, double rest) const {
+        const double moves = input_.tuning.of_rest * rest / dt_;
         double gravity = length(model_.gravity) * dt_;
         if (!(gravity > 0)) gravity = most_acceleration(model_, c.a, c.b) * dt_;
-        return s.tolerance_share * (gravity > 0 ? std::min(moves, input_.tuning.of_gravity * gravity) : moves);
+        return gravity > 0 ? std::min(moves, input_.tuning.of_gravity * gravity) : moves;
     }
 
     /// m/s, of a contact whose tolerance is set, that being `widened` times what a band may be.
@@ -172,6 +179,7 @@ class PairTargets {
         else if (input_.all_level)
             c.target = std::min(0.0, full + together);
         c.target += arcs.rises + dot(c.normal, arcs.stands);
+        if (!out_.presses.empty()) out_.presses[i] = press(i);
         out_.carries[i] = arcs.carries != 0 ? 1 : 0;
         c.friction *= arcs.friction;
         if ((input_.keep_approach || with_sleeper(c)) && set_.processed[i] == 0)
@@ -180,6 +188,25 @@ class PairTargets {
         c.point += arcs.shift;
         c.sticks = model_.settings.tangents == Tangents::random &&
                    sticks(c, std::min(most_slip_, set_.rest[i] / dt_), bodies_, out_.turning.last);
+    }
+
+    /// m/s, by which a script that was stopped presses on what is in its way; negative: it is not. What stands nearer
+    /// than its rest distance has no load of its own, and without load no friction.
+    [[nodiscard]] double press(std::size_t i) const {
+        const Contact& c = out_.contacts[i];
+        double due = 0, has = 0;
+        for (const std::int32_t body : {c.a, c.b}) {
+            if (!model_.bodies[at(body)].scripted()) continue;
+            const double side = body == c.a ? 1 : -1;
+            const Vec3 arm = c.point - bodies_.position[at(body)];
+            const Motion& m = input_.due_motion[at(body)];
+            due += side * dot(c.normal, m.velocity + cross(m.momentum, arm));
+            has += side * dot(c.normal, bodies_.velocity[at(body)] + cross(bodies_.angular_velocity[at(body)], arm));
+        }
+        if (!(due > 0) || !(has < due)) return -1; // not in its way, or it has all its motion
+        if (input_.raises) return 0;
+        const double most = kPress * std::max(c.tolerance, default_tolerance(c, set_.rest[i]));
+        return std::max(0.0, std::min(due, most) - std::max(0.0, has));
     }
 
     /// m/s, of the separation that the velocities of the contact have and their way in this step has not.
@@ -220,6 +247,7 @@ void set_targets(Team* team, const Model& model, const ContactSet& set, const Ve
     out.contacts.resize(set.size());
     out.arcs.resize(set.size());
     out.carries.resize(set.size());
+    out.presses.assign(input.due_motion.empty() ? 0 : set.size(), -1);
     out.would_raise = false;
     if (set.contacts.empty()) return; // what sleeps costs nothing
     const PairTargets targets(model, set, bodies, input, out);

@@ -38,6 +38,9 @@ struct TargetInput {
     /// By body: what of the velocities does not move it in this step (Cluster::late, but for the mean of free islands);
     /// empty: nothing.
     std::span<const Motion> late;
+    /// By body: the motion that a scripted one is due, where some have less (scripts.hpp); empty: where none has.
+    std::span<const Motion> due_motion;
+    bool raises = false;            ///< after a solve of the same velocities that did not, in which scripts press
     std::span<const Vec3> impulses; ///< N s, on b, by contact: which the solve begins with
     std::span<const Vec3> carried;  ///< N s, likewise: which the last solve of another stage found at these contacts
     double accelerated = 0;         ///< s, for which loads have acted on the velocities, without contacts
@@ -49,6 +52,7 @@ struct ContactTargets {
     std::vector<Contact> contacts;     ///< those of a set, with targets and tolerances, moved to where arcs bring them
     std::vector<ArcContact> arcs;      ///< by contact
     std::vector<std::uint8_t> carries; ///< by contact: arcs.carries is not zero
+    std::vector<double> presses;       ///< m/s, by contact (ContactSolveOptions); empty: none
     bool would_raise = false;          ///< whether all_level made a difference that counts
     TurningBodies turning;
 };

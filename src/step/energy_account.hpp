@@ -60,8 +60,6 @@ class EnergyAccount {
     [[nodiscard]] bool touches_script(std::int32_t body) {
         return islands_[static_cast<std::size_t>(root(body))].grounded;
     }
-    /// Of two movable bodies.
-    [[nodiscard]] bool same_island(std::int32_t a, std::int32_t b) { return root(a) == root(b); }
     /// Cuts the velocities `motion` at the poses `end`; `lift` is what is booked for every body, J.
     EnergyCorrections settle(Team& team, const Model& model, std::span<const Pose> end, std::span<Motion> motion,
                              std::span<double> lift);

@@ -184,22 +184,6 @@ void Stepper::add_script_work(std::span<const Motion> motion, std::span<const Po
     }
 }
 
-/// Scripts that are stopped by more bodies of one island than an exact solve takes in any case. Fewer it leaves in
-/// place, with the friction of what presses them, or the failsafe holds them, and jaws that would rather be closed keep
-/// their load for as long as they press: standing they would lose it, as what nothing presses has no friction.
-std::vector<std::int32_t> Stepper::jammed_scripts(const FailsafeStats& failsafe) {
-    std::vector<std::int32_t> jammed;
-    for (const DelayedScript& script : failsafe.delayed_scripts) {
-        const auto with_victim = [&](std::int32_t i) {
-            return failsafe_bodies_[at(i)] != 0 && model_.bodies[at(i)].movable() &&
-                   energy_.same_island(i, script.victim);
-        };
-        if (std::ranges::count_if(model_.active, with_victim) > options_.tuning.bodies_factorised_soon)
-            jammed.push_back(script.body);
-    }
-    return jammed;
-}
-
 /// The account of the step's energy, after stage 7 (energy_account.hpp).
 void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     join_contacts();

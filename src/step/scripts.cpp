@@ -19,6 +19,10 @@ double way(const RigidShape& shape, const Vec3& origin_a, const Quat& a, const V
     return length(origin_b - origin_a) + turn * (shape.radius + length(shape.center_of_mass));
 }
 
+Vec3 turn_between(const Pose& start, const Pose& end) {
+    return end.rotation == start.rotation ? Vec3{} : rotation_vector(end.rotation * conjugate(start.rotation));
+}
+
 double speed_between(const RigidShape& shape, const Keyframe& a, const Keyframe& b) {
     return way(shape, a.position, a.rotation, b.position, b.rotation) / (b.time - a.time);
 }
@@ -68,6 +72,7 @@ double latest_within(const RigidShape& shape, const Body& body, const Pose& pose
 Scripts::Scripts(const Model& model) : due_(model.size(), 0.0) {
     for (std::size_t i = 0; i < model.size(); ++i)
         if (model.bodies[i].scripted()) scripted_.push_back(static_cast<std::int32_t>(i));
+    if (any()) due_motion_.resize(model.size());
     if (model.settings.unsatisfiable_script != UnsatisfiableScript::follow) return;
     speed_.assign(model.size(), 0.0);
     for (const std::int32_t i : scripted_) speed_[at(i)] = fastest_speed(model.shape_of(at(i)), model.bodies[at(i)]);
@@ -88,29 +93,35 @@ void Scripts::move(const Model& model, const State& state, Trajectories& traject
             due_[i] = latest_within(shape, body, start, last, now, kCatchingUp * speed_[i] * dt);
         else // on time, or waited for
             due_[i] = pace == 1 ? now - delay : last + pace * dt;
-        if (pace < 1) ++waiting_;
         const Pose end = pace == 0 ? start : scripted_pose(shape, body, due_[i]);
-        const Vec3 turn =
-            end.rotation == start.rotation ? Vec3{} : rotation_vector(end.rotation * conjugate(start.rotation));
+        const Vec3 turn = turn_between(start, end);
+        const Motion motion{(end.com - start.com) / dt, turn / dt};
         trajectories.set_end(i, end, turn);
-        clusters.set_script(id, {(end.com - start.com) / dt, turn / dt});
+        clusters.set_script(id, motion);
+        if (pace < 1) {
+            ++waiting_;
+            const Pose next = scripted_pose(shape, body, now - delay);
+            due_motion_[i] = {(next.com - start.com) / dt, turn_between(start, next) / dt};
+        } else {
+            due_motion_[i] = motion;
+        }
     }
 }
 
-void Scripts::commit(const Model& model, const FailsafeStats& failsafe, std::span<const std::int32_t> jammed,
-                     State& state) const {
+void Scripts::commit(const Model& model, const FailsafeStats& failsafe, State& state) const {
     const double dt = model.settings.time_step, now = static_cast<double>(state.step + 1) * dt;
     if (!speed_.empty()) {
         for (const std::int32_t i : scripted_) state.script_clock[at(i)].delay = now - due_[at(i)];
         return;
     }
-    for (const DelayedScript& d : failsafe.delayed_scripts)
+    const auto& delayed = failsafe.delayed_scripts; // ascending
+    for (const DelayedScript& d : delayed)
         state.script_clock[at(d.body)].delay += (1 - d.share) * pace_of(model, state, d.body) * dt;
     for (const std::int32_t i : scripted_) {
         ScriptClock& clock = state.script_clock[at(i)];
         const double pace = pace_of(model, state, i);
         clock.delay += (1 - pace) * dt;
-        if (std::binary_search(jammed.begin(), jammed.end(), i))
+        if (std::ranges::binary_search(delayed, i, {}, &DelayedScript::body))
             clock.stops = std::min(clock.stops + 1, ScriptClock::kMostStops);
         else if (pace > 0 && clock.stops > 0)
             --clock.stops;

@@ -2,12 +2,13 @@
 // Scripted bodies: keyframes with linear position and shortest-arc slerp; the last one holds.
 //
 // A body that something stops (failsafe.hpp) is behind its script. With `unsatisfiable_script: hold` the script's clock
-// waits for it. Stopped by many bodies it does not push on with all its speed in every step: solves would ask for what
-// nothing can give, and the failsafe would hold all around. It tries again more and more rarely and slowly, by how
-// often it was stopped so of late (ScriptClock), and stands still in between. With `follow` the clock goes on, and the
-// body makes for the latest place on its path, between the one it made for last and the one that is due, that is within
-// a step's reach at twice the script's fastest speed: it catches up along the path, and where the path comes back to
-// where it stands (jaws that open again) it goes on from there. With `error` no body ever is behind.
+// waits for it. It does not push on with all its speed in every step: solves would ask for what nothing can give, and
+// the failsafe would hold all around. It tries again more and more rarely and slowly, by how often it was stopped of
+// late (ScriptClock), and stands still in between, pressing on what is in its way (targets.cpp). With `follow` the
+// clock goes on, and the body makes for the latest place on its path, between the one it made for last and the one that
+// is due, that is within a step's reach at twice the script's fastest speed: it catches up along the path, and where
+// the path comes back to where it stands (jaws that open again) it goes on from there. With `error` no body ever is
+// behind.
 #pragma once
 
 #include <exception>
@@ -46,16 +47,18 @@ class Scripts {
     void move(const Model& model, const State& state, Trajectories& trajectories, Clusters& clusters);
     /// Whether one goes by less than its script in this step, since it was stopped of late.
     [[nodiscard]] bool waits() const { return waiting_ > 0; }
-    /// What the step leaves of it for the next, before the step is counted. `jammed`: those of the delayed scripts that
-    /// many bodies stop, ascending.
-    void commit(const Model& model, const FailsafeStats& failsafe, std::span<const std::int32_t> jammed,
-                State& state) const;
+    /// By body, of scripted ones: the motion that it would have in this step if none had stopped it of late; its
+    /// momentum stands for the angular velocity, rad/s.
+    [[nodiscard]] std::span<const Motion> due_motion() const { return due_motion_; }
+    /// What the step leaves of it for the next, before the step is counted.
+    void commit(const Model& model, const FailsafeStats& failsafe, State& state) const;
 
   private:
     std::vector<std::int32_t> scripted_; ///< bodies
     std::vector<double> speed_;          ///< m/s, fastest, by body; empty: nothing follows
     int waiting_ = 0;                    ///< bodies, in this step
     std::vector<double> due_;            ///< s, by body: when the place that it makes for was or is due
+    std::vector<Motion> due_motion_;     ///< by body
 };
 
 } // namespace flotilla

@@ -181,17 +181,20 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     const bool kept = model_.settings.velocity_update == VelocityUpdate::trapezoidal;
     const ContactStage before = !final_stage ? ContactStage::final : kept ? ContactStage::kept : ContactStage::half;
     load_warm(&workers_.team, contacts.contacts, {state_.warm[before], {}, 0}, carried);
+    const bool raises = kept && stage == ContactStage::half;
     set_targets(&workers_.team, model_, contacts, velocities,
                 {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, stage == ContactStage::kept,
                  state_.squeezed,
                  final_stage || !any_late_ ? std::span<const Motion>() : std::span<const Motion>(buffers_.late),
-                 impulses, carried, accelerated * model_.settings.time_step, options_.tuning},
+                 scripts_stopped_ ? scripts_.due_motion() : std::span<const Motion>(), raises, impulses, carried,
+                 accelerated * model_.settings.time_step, options_.tuning},
                 targets);
     give_landing_loads(model_, targets, accelerated * model_.settings.time_step, impulses, velocities, landing);
     ContactSolveOptions options = solve_options(model_, options_);
     options.team = &workers_.team;
     options.ahead = final_stage ? 0 : 0.5 * model_.settings.time_step;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);
+    options.presses = targets.presses;
     const ContactSolveStats stats = solve_contacts(targets.contacts, velocities.bodies(), options, impulses, solver);
     add_landing_loads(landing, impulses);
     velocities.store(&workers_.team, model_, motion);

@@ -329,6 +329,7 @@ void Stepper::start_trajectories(std::span<const Motion> motion) {
         clusters_.start(at(active[k]), trajectories_, motion[at(active[k])]);
     });
     if (has_scripts_) scripts_.move(model_, state_, trajectories_, clusters_);
+    scripts_stopped_ = scripts_.waits();
     workers_.team.for_each("move bodies", active.size(), kBodyGrain, [&](std::size_t k, int) {
         if (model_.bodies[at(active[k])].movable())
             clusters_.evolve(active[k], model_.settings.time_step, trajectories_);
@@ -369,7 +370,8 @@ DynamicContactStats Stepper::dynamic_contact(StepReport& report) {
 
 void Stepper::record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report) {
     if (dynamic.counters.limit) report.warnings |= kDynamicLimit;
-    if (!failsafe.delayed_scripts.empty() || scripts_.waits()) report.warnings |= kScriptDelayed;
+    scripts_stopped_ = !failsafe.delayed_scripts.empty() || scripts_.waits();
+    if (scripts_stopped_) report.warnings |= kScriptDelayed;
     report.merges = dynamic.merges + failsafe.merges;
     // What was slowed down lost momentum like what is held.
     report.rung_changes = failsafe.rung_changes + std::count(slowed_.begin(), slowed_.end(), 1);
@@ -402,7 +404,7 @@ void Stepper::record_activity() {
 }
 
 void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe) {
-    if (has_scripts_) scripts_.commit(model_, failsafe, jammed_scripts(failsafe), state_);
+    if (has_scripts_) scripts_.commit(model_, failsafe, state_);
     for (const std::int32_t i : model_.active) turns_[at(i)] = trajectories_.turn(at(i));
     record_activity();
     for (const std::int32_t i : model_.active) {

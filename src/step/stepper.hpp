@@ -231,7 +231,6 @@ class Stepper {
     void observe(Phase phase) const;
     void undo_step();
     void commit(std::span<const Motion> motion, std::span<const Pose> end, const FailsafeStats& failsafe);
-    [[nodiscard]] std::vector<std::int32_t> jammed_scripts(const FailsafeStats& failsafe);
     void record_activity();
     void measure(StepReport& report) const;
 
@@ -260,6 +259,7 @@ class Stepper {
     /// they do not depend on what was asked between edits.
     std::vector<std::uint8_t> moved_;
     Scripts scripts_;
+    bool scripts_stopped_ = false; ///< whether one has less motion than it is due
     bool has_scripts_ = false;
     Trajectories trajectories_;
     Clusters clusters_;

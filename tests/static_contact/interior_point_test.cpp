@@ -379,8 +379,8 @@ TEST(InteriorPoint, EndsNoWorseThanItBeganWhereThereMayBeNoSolution) {
         island.impulses.assign(island.contacts.size(), {});
         const double at_rest = island.residual();
         const ConeSolveStats stats = island.solve(1e-9, 60);
-        EXPECT_LE(stats.iterations, 60);
-        EXPECT_LE(island.residual(), (stats.let_off ? 2 : 1) * at_rest * (1 + 1e-12));
+        EXPECT_LE(stats.iterations, 120);
+        EXPECT_LE(island.residual(), (stats.yielded ? 2 * (1 + bodies) : 1) * at_rest * (1 + 1e-12));
         EXPECT_EQ(stats.solved, stats.residual <= std::max(1e-9, stats.rounding));
         island.expect_in_cones();
         solved += stats.solved ? 1 : 0;
@@ -403,7 +403,8 @@ TEST(InteriorPoint, HoldsByFrictionWhatIsPressedFromBothSides) {
     for (const Squeeze& squeeze :
          {Squeeze{0.1, 0.1, 0, 0}, Squeeze{0.1, 0.1, 0, 1e-3}, Squeeze{0.1, 0.1, 0, 1}, Squeeze{0.1, 0.1, 0, 1e6},
           Squeeze{0.1, 0.1, 0, 0, 20}, Squeeze{0.1, 0.3, 0, 0}, Squeeze{0.1, 0.1001, 0, 0}, Squeeze{0.1, 0.1, 0.03, 0},
-          Squeeze{0.3, 0.05, -0.1, 1e-2}}) {
+          Squeeze{0.3, 0.05, -0.1, 1e-2}, Squeeze{1e-2, 1e-2, 0, 0}, Squeeze{1e-3, 1e-3, 0, 0},
+          Squeeze{1e-3, 2e-3, 0, 1}, Squeeze{1e-5, 1e-6, 0.01, 0}, Squeeze{3, 3, 0, 0}, Squeeze{30, 3, 0, 0}}) {
         const Frame frame = random_frame(random);
         Island island;
         island.bodies.push_back({1 / mass, frame.turn(inverse_box_inertia(mass, {0.2, 0.2, 0.2}))});
@@ -420,12 +421,13 @@ TEST(InteriorPoint, HoldsByFrictionWhatIsPressedFromBothSides) {
             c.arm_b = frame({0.2 * side, (k & 1) != 0 ? 0.2 : -0.2, (k & 2) != 0 ? 0.2 : -0.1});
             set_free_velocity(c, falls);
             c.free_velocity.x -= k < 4 ? squeeze.right : squeeze.left;
+            c.pressed = k < 4 && std::max(squeeze.left, squeeze.right) < 0.1 * kFall; // by a script
             island.add(c);
             island.impulses.push_back({squeeze.start, 0, 0});
         }
         const ConeSolveStats stats = island.solve(1e-9, squeeze.factorisations);
         EXPECT_FALSE(stats.solved);
-        EXPECT_TRUE(stats.let_off);
+        EXPECT_TRUE(stats.yielded);
         island.expect_in_cones();
         Vec3 sum;
         double load = 0;
@@ -436,8 +438,8 @@ TEST(InteriorPoint, HoldsByFrictionWhatIsPressedFromBothSides) {
             load += length(island.impulses[k]);
         }
         const Vec3 missing = sum + mass * falls;
-        const double bound = squeeze.left == squeeze.right ? 1e-7 : 1e-3 * mass * kFall; // where sweeps end early
-        EXPECT_LT(length(missing - dot(missing, frame.x) * frame.x), bound)
+        // Contacts yield to friction as well, if less.
+        EXPECT_LT(length(missing - dot(missing, frame.x) * frame.x), 1e-4 * mass * kFall)
             << squeeze.left << " " << squeeze.right << " " << squeeze.along << " " << squeeze.start;
         EXPECT_LT(load, 0x1p22 * mass * kFall) << "more is refused (kMostImpulse in exact_islands.cpp)";
         EXPECT_LT(stats.rounding, 1e-10);

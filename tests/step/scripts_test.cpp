@@ -88,7 +88,7 @@ double fastest(const Course& course) {
 TEST(UnsatisfiableScript, JawsThatAreHeldStayShut) {
     const Course right = watch(jaws(UnsatisfiableScript::hold), kRight, 72);
     EXPECT_GT(right.delayed, 40);
-    EXPECT_EQ(right.place.back(), right.place[24]);
+    EXPECT_LE(right.place.back().x, right.place[24].x) << "they may come nearer";
     EXPECT_NEAR(right.place.back().x, 0.35, 0.01);
     EXPECT_EQ(right.velocity.back(), Vec3{});
 }
@@ -155,7 +155,7 @@ SceneDescription row(UnsatisfiableScript policy, bool opens) {
 constexpr std::size_t kPusher = 12;
 
 // Pushed on in every step the blocks would be held in every one, and nothing would rest by itself.
-TEST(UnsatisfiableScript, AScriptThatManyBodiesStopTriesRarely) {
+TEST(UnsatisfiableScript, AScriptThatIsStoppedTriesRarely) {
     const Course pusher = watch(row(UnsatisfiableScript::hold, false), kPusher, 144);
     EXPECT_GT(pusher.delayed, 100);
     EXPECT_LT(4 * pusher.held, pusher.delayed);
@@ -170,17 +170,69 @@ TEST(UnsatisfiableScript, AScriptThatWaitedIsSoonAtItsSpeed) {
     EXPECT_NEAR(length(pusher.velocity.back()), 1, 1e-12);
 }
 
-// Standing they would lose what they hold.
-TEST(UnsatisfiableScript, JawsPressOnInEveryStep) {
+/// The jaws close on a cube in the air, whose support then goes away.
+SceneDescription grip(std::string_view name, double time_step) {
     SceneDescription scene = jaws(UnsatisfiableScript::hold);
+    scene.settings = preset(name);
+    scene.settings.time_step = time_step;
     scene.bodies[0].position.z = 1.2;
     scene.bodies[0].friction = 0.5;
     scene.bodies[1].position = {0, 0, 0.845};
     scene.bodies[1].keyframes = {{0, {0, 0, 0.845}, {}}, {1.2, {0, 0, 0.845}, {}}, {2, {0, 0, -0.1}, {}}};
     scene.bodies[1].type = BodyType::kinematic;
+    return scene;
+}
+
+// They stand in most steps, and would lose what they hold if they did not press on it. What they hold is free.
+TEST(UnsatisfiableScript, JawsThatWaitKeepTheirLoad) {
+    for (const std::string_view preset : {"preview", "balanced", "accurate"})
+        for (const double time_step : {1.0 / 24, 1.0 / 120}) {
+            World world(grip(preset, time_step));
+            double gripped = 0;
+            std::int64_t held = 0, steps = 0;
+            while (world.time() < 4) {
+                const StepReport r = world.step();
+                if (world.time() < 1.1) {
+                    gripped = world.body(kCube).position.z;
+                    continue;
+                }
+                held += r.held > 0 ? 1 : 0;
+                ++steps;
+            }
+            EXPECT_NEAR(world.body(kCube).position.z, gripped, 1e-4) << preset << ' ' << time_step;
+            EXPECT_LT(3 * held, steps) << preset << ' ' << time_step;
+        }
+}
+
+// What waits is no concern of others: a lift with a stack on it far away from jaws that press is never late.
+TEST(UnsatisfiableScript, AScriptThatWaitsDelaysNoOther) {
+    SceneDescription scene = jaws(UnsatisfiableScript::hold);
+    const auto box = add_shape(scene, make_box(0.4, 0.4, 0.4), 30);
+    for (int i = 0; i < 4; ++i) add_body(scene, box, BodyType::dynamic, {50 + 0.003 * i, 0, 0.31 + 0.41 * i}, 0.5, 0);
+    const Vec3 low{50, 0, 0}, high{50, 0, 0.9};
+    add_script(scene, add_shape(scene, make_box(4, 4, 0.2)), {{0, low, {}}, {1, low, {}}, {10, high, {}}});
+    const std::size_t lift = scene.bodies.size() - 1;
     World world(scene);
-    for (int n = 0; n < 96; ++n) world.step();
-    EXPECT_NEAR(world.body(kCube).position.z, 1.2, 0.01);
+    for (int n = 0; n < 192; ++n) world.step();
+    EXPECT_NEAR(world.body(lift).position.z, 0.1 * (world.time() - 1), 1e-12);
+}
+
+// A row of so few is solved exactly: pressed, it stays where it is.
+TEST(UnsatisfiableScript, WhatAScriptPressesOnRests) {
+    SceneDescription scene = row(UnsatisfiableScript::hold, false);
+    std::erase_if(scene.bodies,
+                  [](const BodyDescription& b) { return b.type == BodyType::dynamic && b.position.x < 1.7; });
+    World world(scene);
+    std::int64_t held = 0;
+    for (int n = 0; n < 192; ++n) {
+        const StepReport r = world.step();
+        if (n < 96) continue;
+        if (r.held > 0)
+            ++held; // the script tried
+        else
+            EXPECT_LT(r.kinetic_energy, 1e-6) << n;
+    }
+    EXPECT_LT(held, 8);
 }
 
 TEST(UnsatisfiableScript, AnErrorNamesTheBodiesAndLeavesTheWorldAsItWas) {
