@@ -106,9 +106,9 @@ double objective(const Island& island, const ContactScratch& s, const Exact& e, 
 
 /// J: what a solve that is nearly one of contacts that yield may gain by what it leaves.
 double gain_left(const ConeSolveStats& stats, const Exact& e) {
+    if (!stats.yielded) return 0;
     double sum = 0;
-    if (stats.yielded)
-        for (const Vec3& impulse : e.impulses) sum += length(impulse);
+    for (const Vec3& impulse : e.impulses) sum += length(impulse);
     return stats.yielding_left * sum;
 }
 

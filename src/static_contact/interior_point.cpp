@@ -672,7 +672,8 @@ bool Solver::yield_to_script(std::span<const Vec3> estimate) {
     newton(kFirstNewtonSteps, 0);
     if (!in_need()) return false;
     const ConeSolveStats rigid = stats_;
-    const bool solved = yield(estimate, std::min(kPressedIterations, options_.max_iterations));
+    const int left = options_.max_iterations - stats_.iterations;
+    const bool solved = yield(estimate, std::min(kPressedIterations, left));
     if (stats_.yielded && loaded()) return true;
     if (stats_.yielded) keep_rigid(rigid);
     return !solved && options_.rests;
