@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/index.hpp"
+#include "base/inverse.hpp"
 
 namespace flotilla {
 namespace {
@@ -12,15 +13,6 @@ namespace {
 // affine map, the blend of that of x^n and that of the end, and distances shrink at most by cos(turn / 2). Turning ones
 // it does not keep apart: the centres of mass go straight and the bodies turn about them.
 constexpr double kLargestRigidTurn = 2;
-
-/// Inverse of a symmetric positive definite matrix.
-Mat3 inverse(const Mat3& a) {
-    const Vec3 r0 = row(a, 0), r1 = row(a, 1), r2 = row(a, 2);
-    const Vec3 c0 = cross(r1, r2), c1 = cross(r2, r0), c2 = cross(r0, r1);
-    const double d = 1 / dot(r0, c0);
-    // The inverse is symmetric, so rows may stand for columns.
-    return d * Mat3{{c0.x, c0.y, c0.z, c1.x, c1.y, c1.z, c2.x, c2.y, c2.z}};
-}
 
 } // namespace
 
@@ -163,7 +155,8 @@ void Clusters::gather(Cluster& c, const Trajectories& trajectories) const {
         const Mat3 r = cross_matrix(trajectories.start_pose(at(i)).com - c.com0);
         tensor = tensor + (inertia_[at(i)].tensor + model_->bodies[at(i)].mass * (r * transpose(r)));
     }
-    c.inertia = {tensor, c.locked.rotation == 0 ? inverse(tensor) : free_inverse(c.locked.rotation, tensor),
+    c.inertia = {tensor,
+                 c.locked.rotation == 0 ? inverse_of_transpose(tensor) : free_inverse(c.locked.rotation, tensor),
                  c.locked.rotation == 0 ? principal_form(tensor) : PrincipalInertia{}};
 }
 

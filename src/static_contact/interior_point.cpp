@@ -31,6 +31,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/inverse.hpp"
 #include "static_contact/body_system.hpp"
 #include "static_contact/lorentz_cone.hpp"
 
@@ -122,11 +123,9 @@ Vec3 cut_to_cone(const Vec3& r, double friction) {
     return size > (1 + kRounding) * bound ? Vec3{r.x, bound / size * r.y, bound / size * r.z} : r;
 }
 
-Mat3 inverse(const Mat3& a) {
-    const auto& m = a.m;
-    const Vec3 x{m[0], m[1], m[2]}, y{m[3], m[4], m[5]}, z{m[6], m[7], m[8]}; // rows
-    const Vec3 p = cross(y, z), q = cross(z, x), r = cross(x, y);
-    return (1 / dot(x, p)) * Mat3{{p.x, q.x, r.x, p.y, q.y, r.y, p.z, q.z, r.z}};
+// (I + B E)^-1 B
+Mat3 softened(const Mat3& b, const Vec3& compliance) {
+    return transpose(inverse_of_transpose(identity() + b * diagonal(compliance))) * b;
 }
 
 class Solver {
@@ -290,7 +289,7 @@ bool Solver::factorise() {
     ++stats_.iterations;
     if (compliance_ > 0)
         for (std::size_t i = 0; i < size(); ++i)
-            if (s_.b[i].m[0] > 0) s_.b[i] = inverse(identity() + s_.b[i] * diagonal(yields(i, {1, 1, 1}))) * s_.b[i];
+            if (s_.b[i].m[0] > 0) s_.b[i] = softened(s_.b[i], yields(i, {1, 1, 1}));
     return s_.system.factorise(s_.b);
 }
 
