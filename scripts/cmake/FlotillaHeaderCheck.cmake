@@ -1,7 +1,22 @@
 # SPDX-License-Identifier: MIT
-# Every header compiles alone. The public ones are compiled as an embedder sees them (CMake's own check of the header set),
-# all internal ones with the library's own options: one translation unit per header, which includes it twice. One more unit
-# includes all public headers together.
+# Every header compiles alone. The public ones are compiled as an embedder sees them (CMake's own check of the header set).
+# An internal one that is the first include of the source file of its name is compiled alone there; every other one gets a
+# translation unit with the library's own options, which includes it twice. One more unit includes all public headers
+# together. (Which header has such a source file is looked up when the build is configured.)
+
+# flotilla_first_in_its_source(VARIABLE header): whether header.hpp, given from src, may be included twice and is the first
+# include of header.cpp.
+function(flotilla_first_in_its_source variable header)
+  set(${variable} FALSE PARENT_SCOPE)
+  string(REGEX REPLACE "\\.hpp$" ".cpp" source "${PROJECT_SOURCE_DIR}/src/${header}")
+  file(STRINGS "${PROJECT_SOURCE_DIR}/src/${header}" guard REGEX "^#pragma once" LIMIT_COUNT 1)
+  if(guard AND EXISTS "${source}")
+    file(STRINGS "${source}" first REGEX "^#include" LIMIT_COUNT 1)
+    if(first STREQUAL "#include \"${header}\"")
+      set(${variable} TRUE PARENT_SCOPE)
+    endif()
+  endif()
+endfunction()
 
 file(GLOB_RECURSE headers RELATIVE "${PROJECT_SOURCE_DIR}/src" CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/*.hpp")
 if(NOT FLOTILLA_PYTHON)
@@ -9,6 +24,10 @@ if(NOT FLOTILLA_PYTHON)
 endif()
 set(header_units)
 foreach(header IN LISTS headers)
+  flotilla_first_in_its_source(first "${header}")
+  if(first)
+    continue()
+  endif()
   string(MAKE_C_IDENTIFIER "${header}" name)
   set(unit "${PROJECT_BINARY_DIR}/header_check/${name}.cpp")
   file(CONFIGURE OUTPUT "${unit}" CONTENT "#include \"${header}\"\n#include \"${header}\"\n")
