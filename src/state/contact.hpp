@@ -9,6 +9,8 @@
 
 #include <flotilla/types.hpp>
 
+#include "base/vec3.hpp"
+
 namespace flotilla {
 
 /// One contact of bodies a < b.
@@ -23,7 +25,13 @@ struct Contact {
     double tolerance = std::numeric_limits<double>::infinity(); ///< m/s, to which its island is to be solved at least
     bool sticks = false; ///< hardly slid in the last step: random tangents stay what they were
     Vec3 slip;           ///< m/s, tangential: (v_b - v_a) that friction leads to; world
+    Vec3 across;         ///< m, from `point`, which is on a, to that on b; 0 where bodies are thick against it
 };
+
+/// m, world: where the contact's impulse acts on one of its bodies.
+[[nodiscard]] inline Vec3 point_on(const Contact& c, std::int32_t body) {
+    return body == c.b ? c.point + c.across : c.point;
+}
 
 /// Whether contact i of a list, which comes pair by pair, is the first one of its pair.
 [[nodiscard]] inline bool begins_pair(std::span<const Contact> contacts, std::size_t i) {

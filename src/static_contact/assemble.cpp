@@ -22,7 +22,7 @@ std::int32_t count_of(std::size_t n) { return static_cast<std::int32_t>(n); }
 bool can_move(std::size_t id, const Contact& c, const ContactBodies& bodies) {
     if (!(bodies.inv_mass[id] > 0)) return false;
     if (bodies.locked_of(id) == 0) return true;
-    const Vec3 turn = cross(c.point - bodies.position[id], c.normal);
+    const Vec3 turn = cross(point_on(c, static_cast<std::int32_t>(id)) - bodies.position[id], c.normal);
     const double mobility = bodies.inv_mass[id] * length_sq(free_part(bodies.locked_of(id), c.normal)) +
                             dot(turn, bodies.inv_inertia[id] * turn);
     return mobility > kLeastMobility * bodies.inv_mass[id];
@@ -35,7 +35,7 @@ constexpr std::size_t kContactGrain = 512, kBodyGrain = 64; // of a task
 void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodies, const ContactSolveOptions& options,
                     ContactScratch& s) {
     Team* team = options.team;
-    enum : std::uint8_t { kMoves = 1, kInOrder = 2, kRubs = 4, kSlips = 8 };
+    enum : std::uint8_t { kMoves = 1, kInOrder = 2, kRubs = 4, kSlips = 8, kThin = 16 };
     const auto less = [&](std::size_t i, std::size_t j) {
         const Contact &x = contacts[i], &y = contacts[j];
         return std::tie(x.a, x.b, x.feature_key, i) < std::tie(y.a, y.b, y.feature_key, j);
@@ -45,9 +45,9 @@ void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodi
         const Contact& c = contacts[k];
         FLOTILLA_ASSERT(0 <= c.a && c.a < c.b && at(c.b) < bodies.velocity.size());
         const bool moves = can_move(at(c.a), c, bodies) || can_move(at(c.b), c, bodies);
-        s.look[k] = static_cast<std::uint8_t>((moves ? kMoves : 0) | (k == 0 || less(k - 1, k) ? kInOrder : 0) |
-                                              (moves && c.friction != 0 ? kRubs : 0) |
-                                              (moves && c.slip != Vec3{} ? kSlips : 0));
+        s.look[k] = static_cast<std::uint8_t>(
+            (moves ? kMoves : 0) | (k == 0 || less(k - 1, k) ? kInOrder : 0) | (moves && c.friction != 0 ? kRubs : 0) |
+            (moves && c.slip != Vec3{} ? kSlips : 0) | (moves && c.across != Vec3{} ? kThin : 0));
     });
     const ListLoop loop{team, "order contacts", kContactGrain, s.places};
     const auto moves = [&](std::size_t k) { return (s.look[k] & kMoves) != 0; };
@@ -55,7 +55,10 @@ void order_contacts(std::span<const Contact> contacts, const ContactBodies& bodi
     compact_if(loop, contacts.size(), moves, s.order, 0, count_of);
     s.packed.frictionless =
         options.normal_rows && std::ranges::none_of(s.look, [](std::uint8_t look) { return (look & kRubs) != 0; });
-    s.any_slips = std::ranges::any_of(s.look, [](std::uint8_t look) { return (look & kSlips) != 0; });
+    const auto any = [&](std::uint8_t what) {
+        return std::ranges::any_of(s.look, [&](std::uint8_t look) { return (look & what) != 0; });
+    };
+    s.any_extras = any(kThin) || (!s.packed.frictionless && any(kSlips));
     const auto in_order = [](std::uint8_t look) { return (look & kInOrder) != 0; };
     if (!std::ranges::all_of(s.look, in_order))
         std::ranges::sort(s.order, [&](std::int32_t i, std::int32_t j) { return less(at(i), at(j)); });
@@ -235,7 +238,8 @@ bool is_parked(const Contact& c, const Vec3& warm_impulse, const ContactBodies& 
     const std::size_t a = at(c.a), b = at(c.b);
     const auto velocity_of = [&](std::size_t body) {
         const BodyVelocity& v = s.velocity[at(s.local[body])];
-        return v.linear + cross(v.angular, c.point - bodies.position[body]);
+        const Vec3 point = point_on(c, static_cast<std::int32_t>(body));
+        return v.linear + cross(v.angular, point - bodies.position[body]);
     };
     const double margin = options.tuning.parked_margin * std::min(c.tolerance, options.tolerance);
     return c.target < -margin - length(velocity_of(b) - velocity_of(a));
@@ -386,7 +390,8 @@ ContactRow make_row(const Contact& c, const Vec3& arm_a, const ContactBlock& blo
     ContactRow row;
     row.normal = c.normal;
     row.arm_a = arm_a;
-    row.arm_b = row.arm_a + block.offset;
+    row.across = c.across;
+    row.arm_b = (row.arm_a + block.offset) + row.across;
     const TangentPair t = choose_tangents(c, cone, options);
     row.tangent_1 = t.t1;
     row.tangent_2 = t.t2;
@@ -396,7 +401,8 @@ ContactRow make_row(const Contact& c, const Vec3& arm_a, const ContactBlock& blo
 
 // Whether the row is what make_row() and set_mass() would make again in a block that stands.
 bool row_stands(const ContactRow& row, const Contact& c, const Vec3& arm_a) {
-    return same_bits(row.normal, c.normal) && same_bits(row.arm_a, arm_a) && same_bits(row.local.friction, c.friction);
+    return same_bits(row.normal, c.normal) && same_bits(row.arm_a, arm_a) && same_bits(row.across, c.across) &&
+           same_bits(row.local.friction, c.friction);
 }
 
 void set_mass(Cone cone, const ContactBlock& block, PrincipalMasses& principal, ContactRow& row) {
@@ -545,7 +551,7 @@ void assemble(std::span<const Contact> contacts, const ContactBodies& bodies, co
         lay_out_blocks(s);
         lay_out_packets(s);
     }
-    resize_slips(s.any_slips, s.packed);
+    resize_extras(s.any_extras, s.packed);
     set_tolerances(options.tolerance, s);
     make_rows(contacts, options, impulses, same_places, s);
     press_few(options, s);

@@ -46,7 +46,8 @@ void set_bodies(std::span<const ContactBlock> blocks, ContactPacket& p) {
 }
 
 // Tangential components of a vector.
-void set_tangential(PacketRow& out, std::size_t lane, int field, const Vec3& v) {
+template <class Row>
+void set_tangential(Row& out, std::size_t lane, int field, const Vec3& v) {
     const auto f = static_cast<std::size_t>(field);
     out.field[f][lane] = v.y;
     out.field[f + 1][lane] = v.z;
@@ -109,12 +110,12 @@ void fill_row(std::span<const ContactBlock> blocks, std::int32_t k, bool parked,
 }
 
 // Of a packed row, from those that it was packed from.
-void set_slip(std::span<const ContactRow> rows, std::size_t row, PackedContacts& packed) {
+void set_extra(std::span<const ContactRow> rows, std::size_t row, PackedContacts& packed) {
+    PacketExtra& extra = packed.extras[row];
     for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
         const std::int32_t source = packed.source[row * kPacketLanes + lane];
-        const Vec3 target = source < 0 ? Vec3{} : rows[at(source)].local.target;
-        packed.slips[row].field[0][lane] = target.y;
-        packed.slips[row].field[1][lane] = target.z;
+        set_tangential(extra, lane, PacketExtra::kSlip, source < 0 ? Vec3{} : rows[at(source)].local.target);
+        set_lane(extra, lane, PacketExtra::kAcross, source < 0 ? Vec3{} : rows[at(source)].across);
     }
 }
 
@@ -167,9 +168,9 @@ void resize_rows(PackedContacts& packed) {
     packed.source.resize(rows * kPacketLanes);
 }
 
-void resize_slips(bool any, PackedContacts& packed) {
-    packed.any_slips = any && !packed.frictionless;
-    packed.slips.resize(packed.any_slips ? packed.rows.size() : 0);
+void resize_extras(bool any, PackedContacts& packed) {
+    packed.any_extras = any;
+    packed.extras.resize(any ? packed.num_rows() : 0);
 }
 
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t p,
@@ -186,7 +187,7 @@ void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRo
                 fill_row(members, k, parked, rows, packed.normal_rows[row], source);
             else
                 fill_row(members, k, parked, rows, packed.rows[row], source);
-            if (packed.any_slips) set_slip(rows, row, packed);
+            if (packed.any_extras) set_extra(rows, row, packed);
         }
     };
     fill(packet.first, packet.end, false);
@@ -210,7 +211,7 @@ void refill_packet(std::span<const ContactRow> rows, std::size_t p, PackedContac
                 field[PacketRow::kTarget][lane] = c.target.x;
                 set_impulse(field, lane, c.impulse, packed.frictionless);
             }
-            if (packed.any_slips) set_slip(rows, row, packed);
+            if (packed.any_extras) set_extra(rows, row, packed);
         }
     };
     refill(packet.first, packet.end);

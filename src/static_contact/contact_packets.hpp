@@ -45,7 +45,7 @@ static_assert(sizeof(ContactPacket) == 640);
 
 /// One contact of each pair: fields of ContactRow and the impulse before the last sweep, 26 doubles per contact, read
 /// in order once per visit; only the impulses are written. A big pile is bound by this stream, so the second tangent
-/// (normal x first) and the arm from b (the pair's offset + the arm from a) are computed. A pair with fewer contacts
+/// (normal x first) and the arm from b (the pair's offset + the arm from a, + across) are computed. A pair with fewer contacts
 /// than others of its packet has idle rows below: no direction, no arm, no impulse, W = 1. What the normal's row needs
 /// comes first.
 struct alignas(64) PacketRow {
@@ -65,9 +65,10 @@ struct alignas(64) NormalRow {
 };
 static_assert(sizeof(NormalRow) == 384);
 
-/// Targets of both tangents of a packed row. Most solves have none.
-struct alignas(64) PacketSlip {
-    Lanes field[2] = {};
+/// Targets of both tangents of a packed row, and where the point of b is from that of a. Most solves have neither.
+struct alignas(64) PacketExtra {
+    static constexpr int kSlip = 0, kAcross = 2;
+    Lanes field[5] = {};
 };
 
 struct PackedContacts {
@@ -75,8 +76,8 @@ struct PackedContacts {
     bool frictionless = false;             ///< rows are normal_rows
     LargeVector<PacketRow> rows;           ///< active ones of all packets, then parked ones
     LargeVector<NormalRow> normal_rows;    ///< likewise, where there is no friction
-    bool any_slips = false;                ///< no row slips: there are none of these
-    LargeVector<PacketSlip> slips;         ///< by row
+    bool any_extras = false;               ///< whether there are any
+    LargeVector<PacketExtra> extras;       ///< by row
     LargeVector<std::int32_t> source;      ///< row of each lane of a packed row it was packed from; -1: idle
     std::vector<std::int32_t> first_block; ///< by packet
     std::vector<double> parked_reach;      ///< m, by packet: the longest arm of its parked rows
@@ -85,7 +86,7 @@ struct PackedContacts {
         packets.clear();
         first_block.clear();
     }
-    [[nodiscard]] const PacketSlip* slips_if_any() const { return any_slips ? slips.data() : nullptr; }
+    [[nodiscard]] const PacketExtra* extras_if_any() const { return any_extras ? extras.data() : nullptr; }
     [[nodiscard]] std::size_t num_rows() const { return frictionless ? normal_rows.size() : rows.size(); }
 };
 
@@ -103,8 +104,8 @@ void lay_out_packets(std::span<const ContactBlock> blocks, std::int32_t first, s
 void group_packets(std::span<const ContactPacket> packets, std::int32_t first, std::vector<PacketGroup>& groups);
 /// Room for the rows of all packets laid out; gives the parked ones their places behind the others.
 void resize_rows(PackedContacts& packed);
-/// Room for their slips, or none; before they are filled or refilled.
-void resize_slips(bool any, PackedContacts& packed);
+/// Room for their extras, or none; before they are filled or refilled.
+void resize_extras(bool any, PackedContacts& packed);
 /// Copies the contents of a packet that was laid out; different packets may be filled side by side.
 void fill_packet(std::span<const ContactBlock> blocks, std::span<const ContactRow> rows, std::size_t packet,
                  PackedContacts& packed);
@@ -123,8 +124,8 @@ struct SweepView {
     const ContactPacket* packets = nullptr;
     std::int64_t num_packets = 0;
     PacketRow* rows = nullptr;
-    NormalRow* normal_rows = nullptr;  ///< those in use with Cone::none
-    const PacketSlip* slips = nullptr; ///< by row; none: all are zero
+    NormalRow* normal_rows = nullptr;    ///< those in use with Cone::none
+    const PacketExtra* extras = nullptr; ///< by row; none: all are zero
     BodyVelocity* bodies = nullptr;
     double momentum = 0; ///< a sweep visits every row with its impulse + momentum * (impulse - the one before)
     /// A packet that meets more than this (m/s) is visited again at once, without momentum, up to so many times in all.

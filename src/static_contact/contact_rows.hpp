@@ -64,7 +64,8 @@ struct ContactBlock {
 struct ContactRow {
     LocalContact local;
     Vec3 normal, tangent_1, tangent_2; ///< unit, right-handed: tangent_2 = normal x tangent_1
-    Vec3 arm_a, arm_b;                 ///< m: contact point minus centre of mass; arm_b = arm_a + offset of the pair
+    Vec3 arm_a, arm_b; ///< m: contact point minus centre of mass; arm_b = arm_a + offset of the pair + across
+    Vec3 across;       ///< m (Contact)
 };
 
 /// Components of a world vector in the contact's frame, and back.

@@ -58,8 +58,8 @@ void ExpectedTurns::add_impulses(Team* team, const VelocityArrays& bodies, std::
         Torque sum;
         for (std::size_t k = i; k == i || (k < contacts.size() && !begins_pair(contacts, k)); ++k) {
             const Contact& c = contacts[k];
-            sum.a -= cross(c.point - bodies.position[at(c.a)], impulses[k]);
-            sum.b += cross(c.point - bodies.position[at(c.b)], impulses[k]);
+            sum.a -= cross(point_on(c, c.a) - bodies.position[at(c.a)], impulses[k]);
+            sum.b += cross(point_on(c, c.b) - bodies.position[at(c.b)], impulses[k]);
         }
         pair_torque_[i] = sum;
     });

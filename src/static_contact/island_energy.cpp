@@ -71,10 +71,11 @@ double work_of_targets(const ContactScratch::Island& island, Team* team, Contact
                 const Lanes* field = s.packed.frictionless ? s.packed.normal_rows[r].field : s.packed.rows[r].field;
                 for (std::size_t lane = 0; lane < kPacketLanes; ++lane)
                     sum += field[PacketRow::kNormalImpulse][lane] * field[PacketRow::kTarget][lane];
-                if (!s.packed.any_slips) continue;
+                if (!s.packed.any_extras || s.packed.frictionless) continue;
                 for (const int t : {0, 1})
                     for (std::size_t lane = 0; lane < kPacketLanes; ++lane)
-                        sum += field[PacketRow::kTangentImpulse + t][lane] * s.packed.slips[r].field[t][lane];
+                        sum += field[PacketRow::kTangentImpulse + t][lane] *
+                               s.packed.extras[r].field[PacketExtra::kSlip + t][lane];
             }
         };
         add_rows(packet.first, packet.end);

@@ -30,15 +30,15 @@ Press press_of_loads(const Model& model, const VelocityArrays& bodies, const Con
     return of_b >= of_a ? Press{c.b, seconds * of_b} : Press{c.a, seconds * of_a};
 }
 
-/// N s, on b.
+/// N s, on b. `point`: on a.
 void push(VelocityArrays& bodies, const Contact& c, const Vec3& point, const Vec3& impulse) {
-    const auto change = [&](std::size_t i, const Vec3& own) {
+    const auto change = [&](std::size_t i, const Vec3& place, const Vec3& own) {
         if (!(bodies.inverse_mass[i] > 0)) return;
         bodies.velocity[i] += bodies.inverse_mass[i] * free_part(bodies.locked[i], own);
-        bodies.angular_velocity[i] += bodies.inverse_inertia[i] * cross(point - bodies.position[i], own);
+        bodies.angular_velocity[i] += bodies.inverse_inertia[i] * cross(place - bodies.position[i], own);
     };
-    change(at(c.a), -impulse);
-    change(at(c.b), impulse);
+    change(at(c.a), point, -impulse);
+    change(at(c.b), point + c.across, impulse);
 }
 
 /// The contacts of one pair, and what they carried in the step before.

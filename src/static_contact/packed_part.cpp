@@ -117,7 +117,7 @@ void pack_part(Team* team, ContactScratch& s) {
     part.groups.clear();
     lay_out_packets(part.blocks, 0, static_cast<std::int32_t>(part.blocks.size()), part.packed, part.groups);
     resize_rows(part.packed);
-    resize_slips(s.packed.any_slips, part.packed);
+    resize_extras(s.packed.any_extras, part.packed);
     for_each(team, "pack part", part.packed.packets.size(), kGrain,
              [&](std::size_t p) { fill_packet(part.blocks, s.rows, p, part.packed); });
 }
@@ -136,7 +136,7 @@ int sweep_packed_part(const SweepEngine& whole, bool momentum, std::int64_t most
     crew.division = nullptr;
     const SweepView view{.rows = part.packed.rows.data(),
                          .normal_rows = part.packed.normal_rows.data(),
-                         .slips = part.packed.slips_if_any(),
+                         .extras = part.packed.extras_if_any(),
                          .bodies = s.velocity.data()};
     SweepEngine engine({view, packets, end, part.groups, momentum, part.bodies, part.sums}, crew, whole.cone(), options,
                        s);

@@ -102,7 +102,7 @@ void pack_level(const ContactSolveOptions& options, ContactScratch& s) {
     lay_out_packets(s.shock_blocks, 0, static_cast<std::int32_t>(s.shock_blocks.size()), s.shock_packed,
                     s.shock_groups);
     resize_rows(s.shock_packed);
-    resize_slips(s.packed.any_slips, s.shock_packed);
+    resize_extras(s.packed.any_extras, s.shock_packed);
     for_each(options.team, "pack shock", s.shock_packed.packets.size(), kBlockGrain,
              [&](std::size_t p) { fill_packet(s.shock_blocks, s.shock_rows, p, s.shock_packed); });
 }
@@ -122,7 +122,7 @@ LevelLeft sweep_level(ContactScratch::Island& island, const ContactSolveOptions&
     Sharing sharing(together ? options.team : nullptr, "shock sweeps", width, s.shock_groups.size() + 2, s);
     SweepEngine engine({.view = {.rows = s.shock_packed.rows.data(),
                                  .normal_rows = s.shock_packed.normal_rows.data(),
-                                 .slips = s.shock_packed.slips_if_any(),
+                                 .extras = s.shock_packed.extras_if_any(),
                                  .bodies = s.velocity.data()},
                         .packets = packets,
                         .end = end,

@@ -18,7 +18,8 @@ constexpr double kOnePlace = 0x1p-10;
 double arm_of(const Contact& c, const VelocityArrays& bodies) {
     double least = std::numeric_limits<double>::infinity();
     for (const std::int32_t body : {c.a, c.b})
-        if (bodies.inverse_mass[at(body)] > 0) least = std::min(least, length(c.point - bodies.position[at(body)]));
+        if (bodies.inverse_mass[at(body)] > 0)
+            least = std::min(least, length(point_on(c, body) - bodies.position[at(body)]));
     return least;
 }
 
@@ -134,7 +135,7 @@ void Standing::on_all(std::span<ArcContact> arcs) {
 Vec3 Standing::mean_less_now(const Contact& c, bool of_b) const {
     const std::int32_t body = of_b ? c.b : c.a;
     if (!(bodies_.inverse_mass[at(body)] > 0)) return {};
-    const Vec3 arm = c.point - bodies_.position[at(body)];
+    const Vec3 arm = point_on(c, body) - bodies_.position[at(body)];
     if (pivot_.kind == Pivot::Kind::point) return turning_.expected.mean_less_now(body, arm);
     const std::size_t k = of_b ? 1 : 0;
     if (!(time_step_ * length(spin_[k]) <= 1)) return {};

@@ -19,7 +19,8 @@ void LastVelocities::load(Team* team, const Model& model, const VelocityArrays& 
 
 bool sticks(const Contact& contact, double limit, const VelocityArrays& bodies, const LastVelocities& last) {
     const auto point_velocity = [&](std::int32_t body) {
-        return last.linear[at(body)] + cross(last.angular[at(body)], contact.point - bodies.position[at(body)]);
+        return last.linear[at(body)] +
+               cross(last.angular[at(body)], point_on(contact, body) - bodies.position[at(body)]);
     };
     const Vec3 v = point_velocity(contact.b) - point_velocity(contact.a);
     return length_sq(v - dot(v, contact.normal) * contact.normal) < limit * limit;

@@ -148,7 +148,7 @@ class IslandSweeps {
     [[nodiscard]] SweepSet sweep_set() const {
         return {.view = {.rows = s_.packed.rows.data(),
                          .normal_rows = s_.packed.normal_rows.data(),
-                         .slips = s_.packed.slips_if_any(),
+                         .extras = s_.packed.extras_if_any(),
                          .bodies = s_.velocity.data()},
                 .packets = s_.packed.packets,
                 .end = island_.end_packet,

@@ -30,13 +30,13 @@ template <class P>
 struct RowAt {
     const ContactPacket* packet;
     Lanes* field_of_row;
-    const PacketSlip* slips; ///< of the row; none: zero
-    int lane;                ///< the first of P::kWidth
+    const PacketExtra* extra; ///< of the row; none: zero
+    int lane;                 ///< the first of P::kWidth
 
     [[nodiscard]] P pair(int field) const { return P::load(packet->field[field] + lane); }
     [[nodiscard]] P load(int field) const { return P::load(field_of_row[field] + lane); }
-    [[nodiscard]] bool any_slip() const { return slips != nullptr; }
-    [[nodiscard]] P slip(int tangent) const { return P::load(slips->field[tangent] + lane); }
+    [[nodiscard]] bool any_extra() const { return extra != nullptr; }
+    [[nodiscard]] P load_extra(int field) const { return P::load(extra->field[field] + lane); }
     void store(int field, P value) const { value.store(field_of_row[field] + lane); }
 };
 
@@ -58,8 +58,8 @@ struct RowsAt {
 
     [[nodiscard]] P pair(int field) const { return P::join(low.pair(field), high.pair(field)); }
     [[nodiscard]] P load(int field) const { return P::join(low.load(field), high.load(field)); }
-    [[nodiscard]] bool any_slip() const { return low.any_slip(); }
-    [[nodiscard]] P slip(int tangent) const { return P::join(low.slip(tangent), high.slip(tangent)); }
+    [[nodiscard]] bool any_extra() const { return low.any_extra(); }
+    [[nodiscard]] P load_extra(int field) const { return P::join(low.load_extra(field), high.load_extra(field)); }
     void store(int field, P value) const {
         low.store(field, value.low());
         high.store(field, value.high());
@@ -136,9 +136,9 @@ template <Cone kCone, class P, class At>
     c.impulse = load_impulse<kCone, P>(at);
     c.target = {at.load(PacketRow::kTarget), P::all(0), P::all(0)};
     if constexpr (kCone != Cone::none) {
-        if (at.any_slip()) {
-            c.target.y = at.slip(0);
-            c.target.z = at.slip(1);
+        if (at.any_extra()) {
+            c.target.y = at.load_extra(PacketExtra::kSlip);
+            c.target.z = at.load_extra(PacketExtra::kSlip + 1);
         }
         c.coupling = load_vec<P>(at, PacketRow::kCoupling);
         c.friction = at.load(PacketRow::kFriction);
@@ -162,6 +162,10 @@ template <Cone kCone, class P, class At>
     f.arm_a = load_vec<P>(at, PacketRow::kArmA);
     constexpr int kOffset = ContactPacket::kOffset;
     f.arm_b = f.arm_a + PackVec<P>{at.pair(kOffset), at.pair(kOffset + 1), at.pair(kOffset + 2)};
+    if (at.any_extra()) {
+        constexpr int kAcross = PacketExtra::kAcross;
+        f.arm_b = f.arm_b + PackVec<P>{at.load_extra(kAcross), at.load_extra(kAcross + 1), at.load_extra(kAcross + 2)};
+    }
     return f;
 }
 
@@ -237,7 +241,7 @@ struct OpenPacket {
     static constexpr std::size_t kGroups = kPacketLanes / P::kWidth;
     const ContactPacket* packet;
     Row *first, *rows;          ///< of all packets, of this one
-    const PacketSlip* slips;    ///< of all packets; none
+    const PacketExtra* extras;  ///< of all packets; none
     const BodyVelocity* bodies; ///< as they were before the packet, until it is closed
     PackBody<P> a[kGroups], b[kGroups];
 
@@ -245,7 +249,7 @@ struct OpenPacket {
         : packet(view.packets + p),
           first(rows_of<kCone>(view)),
           rows(first + packet->first),
-          slips(view.slips),
+          extras(view.extras),
           bodies(view.bodies) {
         for (std::size_t g = 0; g < kGroups; ++g) {
             a[g] = load_bodies<P>(view.bodies, packet->a + g * P::kWidth);
@@ -254,7 +258,7 @@ struct OpenPacket {
     }
     [[nodiscard]] std::int32_t num_rows() const { return packet->end - packet->first; }
     [[nodiscard]] RowAt<P> row_at(Row* row, int lane) const {
-        return {packet, row->field, slips == nullptr ? nullptr : slips + (row - first), lane};
+        return {packet, row->field, extras == nullptr ? nullptr : extras + (row - first), lane};
     }
     /// Groups that have a pair.
     [[nodiscard]] std::size_t num_groups() const {

@@ -60,11 +60,11 @@ double kept_approach(const Model& model, const Contact& c, std::span<const Pose>
     const auto before = [&](std::int32_t body) {
         const Vec3 added = model.settings.time_step * gained(body);
         return (bodies.velocity[at(body)] - added) +
-               cross(turn_before(model, bodies, body), c.point - bodies.position[at(body)]);
+               cross(turn_before(model, bodies, body), point_on(c, body) - bodies.position[at(body)]);
     };
     const auto start_of = [&](std::int32_t body) { // of the body's point that is at the contact now
         const Pose &from = start[at(body)], &to = end[at(body)];
-        return from.com + rotate(from.rotation * conjugate(to.rotation), c.point - to.com);
+        return from.com + rotate(from.rotation * conjugate(to.rotation), point_on(c, body) - to.com);
     };
     const double approach = std::max(0.0, -dot(c.normal, before(c.b) - before(c.a)));
     const double way = std::max(0.0, dot(c.normal, start_of(c.b) - start_of(c.a)));
@@ -103,9 +103,12 @@ class PairTargets {
 
     /// Of the pair whose contacts are those from `first` to `end`.
     void set_pair(std::size_t first, std::size_t end) const {
+        const bool thin =
+            is_thin(set_.contacts[first].a, set_.rest[first]) || is_thin(set_.contacts[first].b, set_.rest[first]);
         for (std::size_t i = first; i < end; ++i) {
             out_.contacts[i] = set_.contacts[i];
             out_.contacts[i].tolerance = tolerance(i);
+            if (thin) out_.contacts[i].across = set_.contacts[i].distance * set_.contacts[i].normal;
             turn_normal(i);
         }
         const double share = std::max(1.0, model_.settings.tolerance_share);
@@ -119,6 +122,15 @@ class PairTargets {
     }
 
   private:
+    /// Whether the rest distance is more than a body's least radius of gyration. Contacts of thick bodies have one
+    /// point, at which their impulses keep the angular momentum. On a needle of 1 m and 10 um that point of the other
+    /// body would be 600 radii from the axis: friction would turn it as nothing that it touches can.
+    [[nodiscard]] bool is_thin(std::int32_t body, double rest) const {
+        const Vec3& moments = model_.shape_of(at(body)).principal.moments;
+        return bodies_.inverse_mass[at(body)] > 0 &&
+               std::min({moments.x, moments.y, moments.z}) < model_.shape_of(at(body)).mass * (rest * rest);
+    }
+
     /// To where the features of a contact meet on their way.
     void turn_normal(std::size_t i) const {
         Contact& c = out_.contacts[i];
@@ -137,7 +149,7 @@ class PairTargets {
             const Vec3 v = bodies_.velocity[at(body)];
             const Vec3 unloaded =
                 bodies_.inverse_mass[at(body)] > 0 ? v - input_.accelerated * acceleration(model_, at(body)) : v;
-            return unloaded + cross(bodies_.angular_velocity[at(body)], c.point - bodies_.position[at(body)]);
+            return unloaded + cross(bodies_.angular_velocity[at(body)], point_on(c, body) - bodies_.position[at(body)]);
         };
         return dt_ * (velocity(c.b) - velocity(c.a));
     }
@@ -198,7 +210,7 @@ class PairTargets {
         for (const std::int32_t body : {c.a, c.b}) {
             if (!model_.bodies[at(body)].scripted()) continue;
             const double side = body == c.a ? 1 : -1;
-            const Vec3 arm = c.point - bodies_.position[at(body)];
+            const Vec3 arm = point_on(c, body) - bodies_.position[at(body)];
             const Motion& m = input_.due_motion[at(body)];
             due += side * dot(c.normal, m.velocity + cross(m.momentum, arm));
             has += side * dot(c.normal, bodies_.velocity[at(body)] + cross(bodies_.angular_velocity[at(body)], arm));
@@ -214,8 +226,8 @@ class PairTargets {
         if (input_.late.empty()) return 0;
         const auto velocity = [&](std::int32_t body) {
             const Motion& m = input_.late[at(body)];
-            return m.velocity +
-                   cross(bodies_.inverse_inertia[at(body)] * m.momentum, c.point - bodies_.position[at(body)]);
+            return m.velocity + cross(bodies_.inverse_inertia[at(body)] * m.momentum,
+                                      point_on(c, body) - bodies_.position[at(body)]);
         };
         return dot(c.normal, velocity(c.b) - velocity(c.a));
     }

@@ -177,7 +177,8 @@ void Stepper::add_script_work(std::span<const Motion> motion, std::span<const Po
         for (const std::int32_t body : {c.a, c.b}) {
             if (!model_.bodies[static_cast<std::size_t>(body)].scripted()) continue;
             const Motion& m = motion[static_cast<std::size_t>(body)];
-            const Vec3 v = m.velocity + cross(m.momentum, c.point - poses[static_cast<std::size_t>(body)].com);
+            const Vec3 v =
+                m.velocity + cross(m.momentum, point_on(c, body) - poses[static_cast<std::size_t>(body)].com);
             const Vec3 impulse = body == c.a ? static_.impulses[k] : -static_.impulses[k];
             energy_.add_work(body == c.a ? c.b : c.a, dot(impulse, v));
         }
