@@ -2,6 +2,7 @@
 #include "collision/late_hits.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include "base/index.hpp"
 #include "pair/impulses.hpp"
@@ -16,6 +17,21 @@ double pull(const StepView& view, const CandidatePair& pair, const Vec3& normal)
         return view.model.bodies[at(body)].movable() ? dot(normal, acceleration(view.model, at(body))) : 0.0;
     };
     return 0.5 * view.dt * std::max({0.0, load(pair.a), -load(pair.b)});
+}
+
+/// Whether a body turns by more than half a turn on its way. Where that brings its points tells its velocity nothing of:
+/// to take more back than is late would turn it faster each time, soon by as much as numbers hold.
+bool turns_far(const StepView& view, std::int32_t body) {
+    return length_sq(view.trajectories.turn(at(body))) > std::numbers::pi * std::numbers::pi;
+}
+
+/// m/s, of the points of a hit along its normal: what their velocities part by and their way in this step does not.
+double late_separation(const Clusters& clusters, const CandidatePair& pair, const ContactPoint& hit) {
+    const auto late = [&](std::int32_t body, const Vec3& arm) {
+        const Cluster& c = clusters[body];
+        return c.late.velocity + cross(c.inertia.inverse * c.late.momentum, arm);
+    };
+    return dot(hit.normal, late(pair.b, hit.arm_b) - late(pair.a, hit.arm_a));
 }
 
 } // namespace
@@ -50,7 +66,9 @@ OfBoth late_shares(const StepView& view, const Touching& touching, const Candida
 
 bool hasten(const StepView& view, Clusters& clusters, const CandidatePair& pair, const ContactPoint& hit,
             const Landing& landing) {
-    const double wanted = landing.way - std::max(0.0, landing.gap) / view.dt;
+    double wanted = landing.way - std::max(0.0, landing.gap) / view.dt;
+    if (turns_far(view, pair.a) || turns_far(view, pair.b))
+        wanted = std::min(wanted, late_separation(clusters, pair, hit));
     if (!(wanted > 0)) return false;
     const bool late_a = clusters[pair.a].any_late(), late_b = clusters[pair.b].any_late();
     const Impulsive a = late_a ? clusters.impulsive(pair.a) : Impulsive{};
