@@ -27,8 +27,8 @@ enum class Slice { fast, full };
 
 /// Registers `body` as the test SUITE.NAME.
 void add_test(const std::string& suite, const std::string& name, Slice slice, std::function<void()> body);
-/// What is due of a scene and not reached yet: it fails, and is in the full set alone.
-inline constexpr bool kNotReached = false;
+/// What takes too long for the fast slice.
+inline constexpr bool kSlow = false;
 /// Registers `body` as SUITE.NAME/RUN for each of `list`; the first one, if `fast`, in the fast slice.
 void add_runs(const std::string& suite, const std::string& name, const std::vector<Run>& list, bool fast,
               const std::function<void(const Run&)>& body);

@@ -40,6 +40,8 @@ std::vector<Change> changes() {
          [](ContactWorld& w) {
              some_contact(w).slip = 0.1 * cross(some_contact(w).normal, Vec3{1, 2, 3});
          }},
+        {"a point on each body", [](ContactWorld& w) { some_contact(w).across = 0.02 * some_contact(w).normal; }},
+        {"one point again", [](ContactWorld& w) { some_contact(w).across = {}; }},
         {"wider gap", [](ContactWorld& w) { some_contact(w).target = -1000; }},
         {"tolerance", [](ContactWorld& w) { some_contact(w).tolerance = 1e-9; }},
         {"position", [](ContactWorld& w) { w.position[some_body(w)].z += 0.01; }},
