@@ -19,7 +19,7 @@ double pull(const StepView& view, const CandidatePair& pair, const Vec3& normal)
     return 0.5 * view.dt * std::max({0.0, load(pair.a), -load(pair.b)});
 }
 
-/// Whether a body turns by more than half a turn on its way. Where that brings its points tells its velocity nothing of:
+/// Whether a body turns by more than half a turn on its way. Its velocity does not tell where that brings its points:
 /// to take more back than is late would turn it faster each time, soon by as much as numbers hold.
 bool turns_far(const StepView& view, std::int32_t body) {
     return length_sq(view.trajectories.turn(at(body))) > std::numbers::pi * std::numbers::pi;

@@ -45,9 +45,9 @@ static_assert(sizeof(ContactPacket) == 640);
 
 /// One contact of each pair: fields of ContactRow and the impulse before the last sweep, 26 doubles per contact, read
 /// in order once per visit; only the impulses are written. A big pile is bound by this stream, so the second tangent
-/// (normal x first) and the arm from b (the pair's offset + the arm from a, + across) are computed. A pair with fewer contacts
-/// than others of its packet has idle rows below: no direction, no arm, no impulse, W = 1. What the normal's row needs
-/// comes first.
+/// (normal x first) and the arm from b (the pair's offset + the arm from a, + across) are computed. A pair with fewer
+/// contacts than others of its packet has idle rows below: no direction, no arm, no impulse, W = 1. What the normal's
+/// row needs comes first.
 struct alignas(64) PacketRow {
     static constexpr int kNormalMass = 0, kInvNormalMass = 1, kNormalImpulse = 2, kNormalPrevious = 3, kTarget = 4;
     static constexpr int kNormal = 5, kArmA = 8;                                        ///< a vector each

@@ -191,9 +191,9 @@ void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
 /// well; without this rule 36. A heap of bars creeps at 1.2e-4 sizes a second with a whole, 6e-6 with a quarter.
 constexpr double kStraight = 0.25;
 
-/// Whether a body turns by more than half a turn in the step about an axis along the surface. Its points are anywhere by
-/// then, and a parabola through their place and velocity leads far away from it: a needle of 10 um that rolls at 0.1 m/s
-/// turns 130 times in a frame.
+/// Whether a body turns by more than half a turn in the step about an axis along the surface. Its points are anywhere
+/// by then, and a parabola through their place and velocity leads far away from it: a needle of 10 um that rolls at
+/// 0.1 m/s turns 130 times in a frame.
 bool whirls(const VelocityArrays& bodies, const Contact& c, double time_step) {
     const auto turns = [&](std::int32_t body) {
         const Vec3& omega = bodies.angular_velocity[at(body)];
