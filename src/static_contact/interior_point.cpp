@@ -194,6 +194,7 @@ void ConeSolver::find() {
         s_.r = s_.best;
         sweep(kSweepsPerRound);
         newton(kStepsPerRound, 0);
+        if (!(stats_.residual < before)) break; // the next round would be the same
         if (stats_.residual > std::max(kHopeless * speed_, kRoundGains * before)) break;
     }
 }
