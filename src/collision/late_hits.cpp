@@ -19,19 +19,24 @@ double pull(const StepView& view, const CandidatePair& pair, const Vec3& normal)
     return 0.5 * view.dt * std::max({0.0, load(pair.a), -load(pair.b)});
 }
 
-/// Whether a body turns by more than half a turn on its way. Its velocity does not tell where that brings its points:
-/// to take more back than is late would turn it faster each time, soon by as much as numbers hold.
+/// J.
+double kinetic_energy(const Cluster& c, const Vec3& velocity, const Vec3& momentum) {
+    return 0.5 * (length_sq(velocity) / c.inverse_mass + dot(momentum, c.inertia.inverse * momentum));
+}
+
+/// Whether a body turns by more than half a turn on its way. Its points go elsewhere than its velocity says then, and
+/// what is taken back for one hit may ask for more at the next: that grew to 1e125 m/s.
 bool turns_far(const StepView& view, std::int32_t body) {
     return length_sq(view.trajectories.turn(at(body))) > std::numbers::pi * std::numbers::pi;
 }
 
-/// m/s, of the points of a hit along its normal: what their velocities part by and their way in this step does not.
-double late_separation(const Clusters& clusters, const CandidatePair& pair, const ContactPoint& hit) {
-    const auto late = [&](std::int32_t body, const Vec3& arm) {
-        const Cluster& c = clusters[body];
-        return c.late.velocity + cross(c.inertia.inverse * c.late.momentum, arm);
-    };
-    return dot(hit.normal, late(pair.b, hit.arm_b) - late(pair.a, hit.arm_a));
+/// Whether an impulse would make more late for a body than was, and than it has energy.
+bool more_than_all(const Cluster& c, const Vec3& arm, const Vec3& impulse) {
+    const Motion& late = c.late;
+    const Vec3 velocity = late.velocity + free_part(c.locked.translation, c.inverse_mass * impulse);
+    const double after = kinetic_energy(c, velocity, late.momentum + cross(arm, impulse));
+    const double before = kinetic_energy(c, late.velocity, late.momentum);
+    return after > std::max(before, kinetic_energy(c, c.velocity, c.momentum));
 }
 
 } // namespace
@@ -66,9 +71,7 @@ OfBoth late_shares(const StepView& view, const Touching& touching, const Candida
 
 bool hasten(const StepView& view, Clusters& clusters, const CandidatePair& pair, const ContactPoint& hit,
             const Landing& landing) {
-    double wanted = landing.way - std::max(0.0, landing.gap) / view.dt;
-    if (turns_far(view, pair.a) || turns_far(view, pair.b))
-        wanted = std::min(wanted, late_separation(clusters, pair, hit));
+    const double wanted = landing.way - std::max(0.0, landing.gap) / view.dt;
     if (!(wanted > 0)) return false;
     const bool late_a = clusters[pair.a].any_late(), late_b = clusters[pair.b].any_late();
     const Impulsive a = late_a ? clusters.impulsive(pair.a) : Impulsive{};
@@ -76,6 +79,11 @@ bool hasten(const StepView& view, Clusters& clusters, const CandidatePair& pair,
     const double mobility = normal_mobility(a, b, hit, collision_matrix(a, b, hit.arm_a, hit.arm_b));
     if (!(mobility > 0)) return false;
     const Vec3 impulse = (wanted / mobility) * hit.normal;
+    const auto too_far = [&](std::int32_t body, const Vec3& arm, const Vec3& change) {
+        return turns_far(view, body) && more_than_all(clusters[body], arm, change);
+    };
+    if ((late_a && too_far(pair.a, hit.arm_a, impulse)) || (late_b && too_far(pair.b, hit.arm_b, -impulse)))
+        return false;
     if (late_a) clusters.delay(pair.a, hit.arm_a, impulse);
     if (late_b) clusters.delay(pair.b, hit.arm_b, -impulse);
     return true;

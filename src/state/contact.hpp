@@ -16,7 +16,7 @@ namespace flotilla {
 /// One contact of bodies a < b.
 struct Contact {
     std::int32_t a = 0, b = 0;     ///< body ids
-    Vec3 point;                    ///< m, world
+    Vec3 point;                    ///< m, world, on a or on b
     Vec3 normal;                   ///< unit, from a to b
     double distance = 0;           ///< m, current gap d
     double target = 0;             ///< m/s, least (v_b - v_a).n wanted: (d_rest - d)/dt or its minimum with 0 (eq. 16)
@@ -25,7 +25,7 @@ struct Contact {
     double tolerance = std::numeric_limits<double>::infinity(); ///< m/s, to which its island is to be solved at least
     bool sticks = false; ///< hardly slid in the last step: random tangents stay what they were
     Vec3 slip;           ///< m/s, tangential: (v_b - v_a) that friction leads to; world
-    Vec3 across;         ///< m, from `point`, which is on a, to that on b; 0 where bodies are thick against it
+    Vec3 across;         ///< m, of thin bodies: from `point`, which is on a then, to that on b
 };
 
 /// m, world: where the contact's impulse acts on one of its bodies.

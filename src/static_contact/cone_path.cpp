@@ -48,7 +48,7 @@ void ConeSolver::set_start() {
         s_.y[i] = {std::max(1.0, 1 / mu) * speed_, 0, 0};
     }
     first_product_ = product_after(0);
-    best_progress_ = kInfiniteResidual;
+    best_progress_ = kInfinity;
     without_progress_ = 0;
     first_sign_ = 0;
 }
@@ -199,7 +199,7 @@ bool ConeSolver::direction(double target, double share, bool second_order) {
 
 // To the edge of the nearest cone; 0 where it is no number.
 double ConeSolver::step_length() const {
-    double length = kInfiniteResidual;
+    double length = kInfinity;
     for (std::size_t i = 0; i < size(); ++i) {
         if (!movable(i)) continue;
         for (const double edge : {step_to_edge(s_.x[i], s_.dx[i]), step_to_edge(s_.y[i], s_.dy[i])}) {

@@ -35,8 +35,6 @@ struct ConeScratch::Storage {
     }
 };
 
-inline constexpr double kInfiniteResidual = std::numeric_limits<double>::infinity();
-
 /// In x and y a friction mu stretches the normal direction by 1/mu. Below this the contact is solved without friction,
 /// and what it lacks, mu r_n, is left to the Newton steps, for which any mu is the same.
 inline constexpr double kLeastConeFriction = 1e-6;
@@ -59,6 +57,8 @@ class ConeSolver {
     ConeSolveStats run(std::span<Vec3> impulses);
 
   private:
+    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
     std::size_t size() const { return p_.contacts.size(); }
     double friction(std::size_t i) const { return p_.contacts[i].friction; }
     bool movable(std::size_t i) const { return s_.w[i].normal > 0; }

@@ -45,7 +45,7 @@ bool ConeSolver::yield(std::span<const Vec3> estimate, int most_iterations) {
     slip_ = kSlip * compliance_;
     before_ = stats_.iterations;
     most_iterations_ = most_iterations;
-    stats_.residual = kInfiniteResidual;
+    stats_.residual = kInfinity;
     std::copy(estimate.begin(), estimate.end(), s_.r.begin());
     newton(kFirstNewtonSteps, 0);
     if (!done()) find();
@@ -54,7 +54,7 @@ bool ConeSolver::yield(std::span<const Vec3> estimate, int most_iterations) {
     compliance_ = slip_ = 0;
     before_ = 0;
     most_iterations_ = options_.max_iterations;
-    stats_.residual = kInfiniteResidual;
+    stats_.residual = kInfinity;
     s_.r = s_.best;
     consider();
     stats_.yielded = solved && stats_.residual <= kOneSided * (1 + p_.num_columns / 6) * rigid.residual;

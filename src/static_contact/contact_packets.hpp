@@ -70,6 +70,7 @@ struct alignas(64) PacketExtra {
     static constexpr int kSlip = 0, kAcross = 2;
     Lanes field[5] = {};
 };
+static_assert(sizeof(PacketExtra) == 192);
 
 struct PackedContacts {
     LargeVector<ContactPacket> packets;

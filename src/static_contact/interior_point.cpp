@@ -92,7 +92,7 @@ double ConeSolver::largest_velocity() const {
 
 // 1/kg: of the contacts' normal directions, that of the heaviest bodies.
 double ConeSolver::least_diagonal() const {
-    double least = kInfiniteResidual;
+    double least = kInfinity;
     for (std::size_t i = 0; i < size(); ++i)
         if (movable(i)) least = std::min(least, s_.w[i].normal);
     return least;
@@ -113,7 +113,7 @@ double ConeSolver::consider(double as_good) {
     for (std::size_t i = 0; i < size(); ++i) {
         s_.u[i] += yields(i, s_.r[i]);
         const double violation = cone_violation(s_.w[i], friction(i), s_.r[i], s_.u[i]);
-        if (!std::isfinite(violation)) return kInfiniteResidual;
+        if (!std::isfinite(violation)) return kInfinity;
         residual = std::max(residual, violation);
         load = std::max(load, std::max(s_.w[i].normal, s_.w[i].tangential) * length(s_.r[i]));
     }
@@ -202,7 +202,7 @@ void ConeSolver::find() {
 ConeSolveStats ConeSolver::run(std::span<Vec3> impulses) {
     s_.resize(size());
     s_.best.assign(size(), {});
-    stats_.residual = kInfiniteResidual;
+    stats_.residual = kInfinity;
     if (finite_input()) {
         s_.system.analyse(p_);
         speed_ = largest_velocity();

@@ -42,6 +42,7 @@ struct RollingBands {
     double carries = 0;    ///< m: contacts that are at most so much higher than the lowest one carry now
     double angle_cos = -1; ///< of the normals of contacts at the same place
     bool at_end = false;   ///< of the step: stage 7
+    bool thin = false;     ///< a body is thinner than the rest distance
 };
 
 /// Sets the arcs of the contacts of one pair, and where one of its bodies rolls over the other moves those that land in

@@ -165,7 +165,7 @@ struct ContactScratch {
     LargeVector<BodyVelocity> velocity, start_velocity; ///< per body in contact
     LargeVector<ContactBlock> blocks;                   ///< in `pair_order`
     LargeVector<ContactRow> rows;
-    bool any_extras = false; ///< a contact has one
+    bool any_extras = false; ///< a contact has a slip, or a point on each body
     PackedContacts packed, shock_packed;
     std::vector<std::int32_t> source; ///< contact of each row
     std::vector<Island> islands;

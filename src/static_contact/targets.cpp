@@ -90,10 +90,11 @@ class PairTargets {
     /// Notes where the pair whose contacts are those from `first` to `end` carries, and whether its bodies turn.
     void look_at_pair(std::size_t first, std::size_t end) const {
         const Contact& c = set_.contacts[first];
+        const bool thin = is_thin(first);
         Pivot pivot;
-        pivot.arm = arm_of(c, bodies_);
+        pivot.arm = arm_of(contact_of(first, thin), bodies_);
         for (std::size_t i = first; i < end; ++i)
-            if (input_.carried[i] != Vec3{}) pivot.add(set_.contacts[i].point);
+            if (input_.carried[i] != Vec3{}) pivot.add(contact_of(i, thin).point);
         out_.turning.pair_pivots[first] = pivot;
         const double still = dt_ * rest_band(set_.rest[first], dt_, tolerance(first), input_.tuning);
         if (turn_little(model_, c.a, c.b, bodies_, still)) return;
@@ -103,32 +104,45 @@ class PairTargets {
 
     /// Of the pair whose contacts are those from `first` to `end`.
     void set_pair(std::size_t first, std::size_t end) const {
-        const bool thin =
-            is_thin(set_.contacts[first].a, set_.rest[first]) || is_thin(set_.contacts[first].b, set_.rest[first]);
+        const bool thin = is_thin(first);
         for (std::size_t i = first; i < end; ++i) {
-            out_.contacts[i] = set_.contacts[i];
+            out_.contacts[i] = contact_of(i, thin);
             out_.contacts[i].tolerance = tolerance(i);
-            if (thin) out_.contacts[i].across = set_.contacts[i].distance * set_.contacts[i].normal;
             turn_normal(i);
         }
         const double share = std::max(1.0, model_.settings.tolerance_share);
         const std::span<const Contact> pair = std::span(out_.contacts).subspan(first, end - first);
-        const bool rolls =
-            arcs_of_pair(model_, pair, {dt_ * band(first, 1), dt_ * band(first, share), angle_cos_, input_.final_stage},
-                         bodies_, out_.turning, std::span(out_.arcs).subspan(first, end - first));
+        const bool rolls = arcs_of_pair(
+            model_, pair, {dt_ * band(first, 1), dt_ * band(first, share), angle_cos_, input_.final_stage, thin},
+            bodies_, out_.turning, std::span(out_.arcs).subspan(first, end - first));
         const Contact& c = set_.contacts[first];
         const double due = due_distance(input_.squeezed, c.a, c.b, set_.rest[first]);
         for (std::size_t i = first; i < end; ++i) set(i, due, band(i, rolls ? share : 1));
     }
 
   private:
-    /// Whether the rest distance is more than a body's least radius of gyration. Contacts of thick bodies have one
-    /// point, at which their impulses keep the angular momentum. On a needle of 1 m and 10 um that point of the other
-    /// body would be 600 radii from the axis: friction would turn it as nothing that it touches can.
-    [[nodiscard]] bool is_thin(std::int32_t body, double rest) const {
-        const Vec3& moments = model_.shape_of(at(body)).principal.moments;
-        return bodies_.inverse_mass[at(body)] > 0 &&
-               std::min({moments.x, moments.y, moments.z}) < model_.shape_of(at(body)).mass * (rest * rest);
+    /// Of the pair of contact i: whether its rest distance is more than a body's least radius of gyration. Contacts of
+    /// thick bodies have one point, at which their impulses keep the angular momentum. On a needle of 1 m and 10 um
+    /// that point of the other body would be 600 radii from the axis: friction would turn it as nothing that it touches
+    /// can.
+    [[nodiscard]] bool is_thin(std::size_t i) const {
+        const auto thin = [&](std::int32_t body) {
+            const RigidShape& shape = model_.shape_of(at(body));
+            const Vec3& moments = shape.principal.moments;
+            const double least = std::min({moments.x, moments.y, moments.z});
+            return bodies_.inverse_mass[at(body)] > 0 && least < shape.mass * (set_.rest[i] * set_.rest[i]);
+        };
+        return thin(set_.contacts[i].a) || thin(set_.contacts[i].b);
+    }
+
+    /// As it was found, with a point on each body where these are thin.
+    [[nodiscard]] Contact contact_of(std::size_t i, bool thin) const {
+        Contact c = set_.contacts[i];
+        if (!thin) return c;
+        c.across = c.distance * c.normal;
+        if (features_of(c.feature_key).kind == FeatureKind::face_vertex)
+            c.point -= c.across; // that was the vertex of b
+        return c;
     }
 
     /// To where the features of a contact meet on their way.

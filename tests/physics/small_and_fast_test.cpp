@@ -86,6 +86,30 @@ void bars_in_a_heap(const Run& run, double thickness, int count = 18) {
     EXPECT_EQ(motion.outcome().held, 0);
 }
 
+/// A needle across a slope of tan 0.35, 300 thicknesses above it: it stays or slides as Coulomb says, and does not roll,
+/// whichever body comes first.
+void needle_on_a_slope(const Run& run, bool ground_first, double friction) {
+    constexpr double kThickness = 1e-5, kSlope = 0.35, kGravity = 9.8, kTime = 2;
+    constexpr double kRest = 1.0 / 330, kAbove = 0.02 * kRest; // m
+    SceneDescription scene = make_scene_with(run.settings());
+    const double cos = 1 / std::sqrt(1 + kSlope * kSlope), sin = kSlope * cos;
+    scene.gravity = {0, kGravity * sin, -kGravity * cos};
+    if (ground_first) add_ground(scene, 60, friction);
+    const auto needle = add_shape(scene, make_box(1, kThickness, kThickness), 0.05);
+    add_body(scene, needle, BodyType::dynamic, {0, 0, 0.5 * kThickness + kRest + kAbove}, friction, 0);
+    if (!ground_first) add_ground(scene, 60, friction);
+    Motion motion(scene);
+    motion.run(kTime);
+    const BodyState s = motion.body(ground_first ? 1 : 0);
+    const double due = std::max(0.0, kGravity * (sin - friction * cos)) * kTime;
+    motion.print("%.6g m/s of %.6g, %.3g rad/s, moved %.3g m", s.velocity.y, due, length(s.angular_velocity),
+                 s.center_of_mass.y);
+    EXPECT_NEAR(s.velocity.y, due, 0.02 * due + 1e-6);
+    EXPECT_LE(length(s.angular_velocity), 1) << "rad/s";
+    if (due == 0) EXPECT_LE(std::abs(s.center_of_mass.y), kSlope * kAbove) << "where it falls to";
+    EXPECT_EQ(motion.outcome().held, 0);
+}
+
 /// A scene and one 1,024 times as large in 32 times as long: the same bits in other units. A preset's tolerances count
 /// as derived from the scene's.
 void same_motion_at_any_size(const Run& run) {
@@ -231,6 +255,12 @@ void falls_through_a_slot(const Run& run) {
         add_runs("SmallAndFast", "HeapOfBars" + of, once, kSlow, [=](const Run& r) { bars_in_a_heap(r, thickness); });
         add_runs("SmallAndFast", "FiveBars" + of, once, true, [=](const Run& r) { bars_in_a_heap(r, thickness, 5); });
     }
+    for (const bool first : {false, true})
+        for (const double friction : {0.2, 0.5})
+            add_runs("SmallAndFast",
+                     std::string("NeedleOnASlope") + (friction < 0.35 ? "Slides" : "Stays") +
+                         (first ? "OnABodyBefore" : "OnABodyAfter"),
+                     once, true, [=](const Run& r) { needle_on_a_slope(r, first, friction); });
     add_runs("SmallAndFast", "SameMotionAtAnySize", once, true, same_motion_at_any_size);
     add_runs("SmallAndFast", "CubeSlidesOutOfATightTunnel", runs(), true, slides_out_of_a_tunnel);
     add_runs("SmallAndFast", "WallsCloseOnACubeThatSlides", runs(), true, walls_close);
