@@ -124,7 +124,7 @@ class PairTargets {
     /// Of the pair of contact i: whether its rest distance is more than a body's least radius of gyration. Contacts of
     /// thick bodies have one point, at which their impulses keep the angular momentum. On a needle of 1 m and 10 um
     /// that point of the other body would be 600 radii from the axis: friction would turn it as nothing that it touches
-    /// can.
+    /// can. Normal impulses go through both points.
     [[nodiscard]] bool is_thin(std::size_t i) const {
         const auto thin = [&](std::int32_t body) {
             const RigidShape& shape = model_.shape_of(at(body));
@@ -132,7 +132,8 @@ class PairTargets {
             const double least = std::min({moments.x, moments.y, moments.z});
             return bodies_.inverse_mass[at(body)] > 0 && least < shape.mass * (set_.rest[i] * set_.rest[i]);
         };
-        return thin(set_.contacts[i].a) || thin(set_.contacts[i].b);
+        const Contact& c = set_.contacts[i];
+        return c.friction > 0 && (thin(c.a) || thin(c.b));
     }
 
     /// As it was found, with a point on each body where these are thin.
