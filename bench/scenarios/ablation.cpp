@@ -58,6 +58,7 @@ constexpr Row kRows[] = {
     {"parked: none", [](ContactTuning& t) { t.parked_margin = kNever; }},
     {"parked: 50", [](ContactTuning& t) { t.parked_margin = 50; }},
     {"parts: none", [](ContactTuning& t) { t.part_divisor = 0; }},
+    {"settling: none", [](ContactTuning& t) { t.settle_above = 0; }},
     {"part sweeps: 50", [](ContactTuning& t) { t.part_sweeps = 50; }},
     {"packed parts: none", [](ContactTuning& t) { t.packed_divisor = 0; }},
     {"packed sweeps: 40", [](ContactTuning& t) { t.packed_sweeps = 40; }},

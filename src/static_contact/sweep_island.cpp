@@ -172,7 +172,10 @@ class IslandSweeps {
             // Plain sweeps bring such contacts together all the same: momentum ends for this solve.
             if (!(course_.left.residual < before) && engine_.overshoots()) engine_.end_momentum();
             used_parts = (may_use_parts_ || packs_parts_) && course_.whole >= course_.parts_from && solve_parts();
-            if (course_.left.residual <= options_.tolerance) return AfterSweep::done;
+            const bool settled = settle();
+            used_parts |= settled;
+            // What that changes at the border of its part is within the tolerance, mostly.
+            if (course_.left.residual <= (settled ? island_.tolerance : options_.tolerance)) return AfterSweep::done;
         } else if (course_.whole == tuning().peek) {
             activate_violated();
         }
@@ -318,6 +321,22 @@ class IslandSweeps {
         if (swept) course_.parts_from = course_.whole + tuning().look_every;
         return swept;
     }
+    /// Once, where an island at rest is solved: sweeps what still moves to less than the tolerance. Returns whether
+    /// anything does.
+    bool settle() {
+        if (settled_ || !may_use_parts_ || options_.patience == 0 || tuning().settle_above <= 0) return false;
+        if (!(course_.left.residual <= options_.tolerance)) return false;
+        settled_ = true;
+        bool moves = false;
+        engine_.timed(0, choice_group(engine_), [&] { moves = mark_moving(island_, tuning(), s_); });
+        if (!moves) return false;
+        ContactSolveOptions finer = options_;
+        finer.tolerance *= tuning().settle_to;
+        if (!sweep_marked(tuning().part_sweeps, finer)) return false;
+        evaluate();
+        course_.saw_after_part(seen_left());
+        return true;
+    }
     /// Calls work(first, end) for each share of the packets, as places in those of all islands.
     template <class Work>
     void look(Work&& work) {
@@ -330,19 +349,23 @@ class IslandSweeps {
             });
         });
     }
-    /// One round; false where the part is too large.
-    bool sweep_part(bool anew, int most_cost) {
-        bool chosen = false;
-        engine_.timed(0, choice_group(engine_), [&] { chosen = mark_unsolved(island_, tuning(), anew, s_); });
-        if (!chosen) return false;
+    /// Sweeps the batches of marked bodies; false where those are too many.
+    bool sweep_marked(int most_cost, const ContactSolveOptions& options) {
         look([&](std::size_t first, std::size_t end) { find_touching(first, end, s_); });
+        bool chosen = false;
         engine_.timed(0, choice_group(engine_), [&] { chosen = choose_unsolved(island_, tuning(), s_); });
         if (!chosen) return false;
         const auto part = static_cast<std::int64_t>(s_.part.packets.size());
         const auto whole = static_cast<std::int64_t>(packets_.size());
-        const int sweeps = sweep_unsolved(engine_, engine_.carries_on(), most_cost * whole / part, s_);
+        const int sweeps = sweep_unsolved(engine_, engine_.carries_on(), most_cost * whole / part, options, s_);
         count_part(sweeps, part, s_.part.contacts, s_.part.groups.size());
         return true;
+    }
+    /// One round; false where the part is too large.
+    bool sweep_part(bool anew, int most_cost) {
+        bool chosen = false;
+        engine_.timed(0, choice_group(engine_), [&] { chosen = mark_unsolved(island_, tuning(), anew, s_); });
+        return chosen && sweep_marked(most_cost, options_);
     }
     /// One round in an island in motion; false where the part is too large.
     bool sweep_packed(int most_cost) {
@@ -418,6 +441,7 @@ class IslandSweeps {
     Course course_;
     double chosen_above_ = options_.tolerance; ///< m/s: violations that evaluations mark
     bool known_ = false;                       ///< course_.left is that of the last sweep
+    bool settled_ = false;                     ///< what moves was swept alone
     int part_rounds_ = 0;
     std::int64_t looks_ = 0;                                          ///< phases over all packets, beside the sweeps
     std::int64_t part_tasks_ = 0, part_visits_ = 0, part_sweeps_ = 0; ///< of packets, of groups, of all

@@ -53,6 +53,21 @@ bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tu
     return mark_violated(at(island.first_packet), at(island.end_packet), most_packets(island, tuning), s);
 }
 
+bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& s) {
+    s.part.near.assign(s.bodies.size(), 0);
+    bool any = false;
+    for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
+        const std::size_t body = at(s.island_bodies[at(k)]);
+        const double limit = tuning.settle_above * island.tolerance;
+        // Twice the energy, by the mean of the principal inertias: m / I are the least mean squares of a radius.
+        const double twice = s.weight[body].linear * length_sq(s.velocity[body].linear) +
+                             s.weight[body].angular * length_sq(s.velocity[body].angular);
+        s.part.near[body] = twice > s.weight[body].linear * limit * limit ? 1 : 0;
+        any |= s.part.near[body] != 0;
+    }
+    return any;
+}
+
 void find_touching(std::size_t first, std::size_t end, ContactScratch& s) {
     for (std::size_t p = first; p < end; ++p) {
         const ContactPacket& packet = s.packed.packets[p];
@@ -86,8 +101,8 @@ bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& 
     return !part.packets.empty();
 }
 
-int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, ContactScratch& s) {
-    const ContactSolveOptions& options = whole.options();
+int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, const ContactSolveOptions& options,
+                   ContactScratch& s) {
     ContactScratch::Unsolved& part = s.part;
     const auto end = static_cast<std::int32_t>(part.packets.size());
     SweepCrew crew = whole.crew();

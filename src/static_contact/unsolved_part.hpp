@@ -17,15 +17,19 @@ void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning&
 /// are too many batches of the island's.
 bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
                    ContactScratch& scratch);
+/// Marks the movable bodies of the island that move by more than ContactTuning::settle_above of its tolerances, in the
+/// mean of their points; false where there are none.
+bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
 /// Finds those of the packets [first, end) that have a marked body.
 void find_touching(std::size_t first, std::size_t end, ContactScratch& scratch);
 /// Copies to scratch.part those that were found in the island. False where there are none, or too many.
 bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
 
 /// Sweeps them by the crew of the whole island's engine, without momentum or with a sequence of their own, until a
-/// sweep meets no violation above the tolerance, `most` times or ContactTuning::part_sweeps times. Returns the number
+/// sweep meets no violation above the tolerance of the options, `most` times or ContactTuning::part_sweeps times. Returns the number
 /// of sweeps. The number of threads changes no bit. The next sweep of the island must do without momentum.
-int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, ContactScratch& scratch);
+int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, const ContactSolveOptions& options,
+                   ContactScratch& scratch);
 
 /// Groups of an island's record behind those of its batches: the loops over bodies, a task per sum of them; evaluations
 /// of the residual; the choice of parts; their sweeps.
