@@ -26,8 +26,9 @@ void find_touching(std::size_t first, std::size_t end, ContactScratch& scratch);
 bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
 
 /// Sweeps them by the crew of the whole island's engine, without momentum or with a sequence of their own, until a
-/// sweep meets no violation above the tolerance of the options, `most` times or ContactTuning::part_sweeps times. Returns the number
-/// of sweeps. The number of threads changes no bit. The next sweep of the island must do without momentum.
+/// sweep meets no violation above the tolerance of the options, `most` times or ContactTuning::part_sweeps times.
+/// Returns the number of sweeps. The number of threads changes no bit. The next sweep of the island must do without
+/// momentum.
 int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, const ContactSolveOptions& options,
                    ContactScratch& scratch);
 
