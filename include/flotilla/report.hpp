@@ -134,6 +134,9 @@ struct ContactState {
     /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse
     /// is that of the step in which the island fell asleep.
     bool asleep = false;
+    /// m, world: from `point`, which is on a then, to where the impulse acts on b, of a pair with friction of which a
+    /// body is thinner than the distance at which they rest; else zero: both have one point.
+    Vec3 across;
     friend bool operator==(const ContactState&, const ContactState&) = default;
 };
 

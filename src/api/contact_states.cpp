@@ -5,6 +5,8 @@
 #include <span>
 #include <utility>
 
+#include "static_contact/thin_bodies.hpp"
+
 namespace flotilla {
 namespace {
 
@@ -73,10 +75,12 @@ void append(std::span<const Contact> contacts, const WarmImpulses& stages, const
         const auto pair = bodies(contacts[first]);
         features.clear();
         const std::size_t place = out.size();
+        const double rest = pair_lengths(stepper.model(), stepper.state(), pair.first, pair.second).rest;
+        const bool thin = is_thin_pair(stepper.model(), pair.first, pair.second, contacts[first].friction, rest);
         for (std::size_t i = first; i < contacts.size() && bodies(contacts[i]) == pair; ++i) {
-            const Contact& c = contacts[i];
+            const Contact c = thin ? with_two_points(contacts[i]) : contacts[i];
             features.push_back(c.feature_key);
-            out.push_back({c.a, c.b, c.point, c.normal, c.distance, {}, sleep});
+            out.push_back({c.a, c.b, c.point, c.normal, c.distance, {}, sleep, c.across});
         }
         // Stage 3's are dropped where the failsafe acted (Stepper::held_velocities): there stage 7's half stands for
         // both.

@@ -146,7 +146,8 @@ BodyContacts World::contacts_of(BodyId body) const {
         if (c.body_a != body.index && c.body_b != body.index) continue;
         const Vec3 force = (c.body_b == body.index ? per_step : -per_step) * c.impulse;
         out.force += force;
-        out.torque += cross(c.point - center, force);
+        const Vec3 point = c.body_b == body.index ? c.point + c.across : c.point;
+        out.torque += cross(point - center, force);
         out.contacts.push_back(c);
     }
     return out;

@@ -61,6 +61,7 @@ py::dtype contact_type() {
     add("distance", "f8", offsetof(C, distance));
     add("impulse", "3f8", offsetof(C, impulse));
     add("asleep", "?", offsetof(C, asleep));
+    add("across", "3f8", offsetof(C, across));
     return structured(names, formats, offsets, sizeof(C));
 }
 

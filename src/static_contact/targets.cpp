@@ -11,6 +11,7 @@
 #include "proximity/passing.hpp"
 #include "state/loads.hpp"
 #include "static_contact/rolling.hpp"
+#include "static_contact/thin_bodies.hpp"
 
 namespace flotilla {
 namespace {
@@ -121,29 +122,12 @@ class PairTargets {
     }
 
   private:
-    /// Of the pair of contact i: whether its rest distance is more than a body's least radius of gyration. Contacts of
-    /// thick bodies have one point, at which their impulses keep the angular momentum. On a needle of 1 m and 10 um
-    /// that point of the other body would be 600 radii from the axis: friction would turn it as nothing that it touches
-    /// can. Normal impulses go through both points.
     [[nodiscard]] bool is_thin(std::size_t i) const {
-        const auto thin = [&](std::int32_t body) {
-            const RigidShape& shape = model_.shape_of(at(body));
-            const Vec3& moments = shape.principal.moments;
-            const double least = std::min({moments.x, moments.y, moments.z});
-            return bodies_.inverse_mass[at(body)] > 0 && least < shape.mass * (set_.rest[i] * set_.rest[i]);
-        };
         const Contact& c = set_.contacts[i];
-        return c.friction > 0 && (thin(c.a) || thin(c.b));
+        return is_thin_pair(model_, c.a, c.b, c.friction, set_.rest[i]);
     }
-
-    /// As it was found, with a point on each body where these are thin.
     [[nodiscard]] Contact contact_of(std::size_t i, bool thin) const {
-        Contact c = set_.contacts[i];
-        if (!thin) return c;
-        c.across = c.distance * c.normal;
-        if (features_of(c.feature_key).kind == FeatureKind::face_vertex)
-            c.point -= c.across; // that was the vertex of b
-        return c;
+        return thin ? with_two_points(set_.contacts[i]) : set_.contacts[i];
     }
 
     /// To where the features of a contact meet on their way.

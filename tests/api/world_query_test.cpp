@@ -136,6 +136,38 @@ TEST(WorldQuery, ContactsOfABodyCarryItsWeight) {
     EXPECT_EQ(world.contact_view().size(), 8u);
 }
 
+// A needle across the tops of two rails, which come before or after it, on a slope that friction holds it on: edges
+// meet edges there, and the contact is found on the first body's. Friction turns the needle about its own axis by its
+// thickness alone, not by the 3 mm at which it rests.
+TEST(WorldQuery, ContactsOfANeedleHaveAPointOnEachBody) {
+    for (const bool rails_first : {true, false}) {
+        SceneDescription scene = scenario::empty_scene();
+        scene.gravity = {9.8 * std::sin(0.2), 0, -9.8 * std::cos(0.2)};
+        const std::int32_t rail = scenario::add_shape(scene, make_box(1, 0.1, 0.1)),
+                           needle = scenario::add_shape(scene, make_box(1e-5, 1, 1e-5), 0.05);
+        const auto add_rails = [&] {
+            for (const double y : {-0.3, 0.3})
+                scenario::add_body(scene, rail, BodyType::fixed, {0, y, -0.05}).friction = 0.5;
+        };
+        if (rails_first) add_rails();
+        BodyDescription& thin = scenario::add_body(scene, needle, BodyType::dynamic, {0, 0, 0.0035});
+        thin.friction = 0.5;
+        thin.name = "needle";
+        if (!rails_first) add_rails();
+        World world(scene);
+        for (int k = 0; k < 60; ++k) (void)world.step();
+        const BodyContacts c = world.contacts_of(world.find("needle"));
+        EXPECT_NEAR(c.force.x, -0.05 * scene.gravity.x, 1e-6);
+        EXPECT_NEAR(c.force.z, -0.05 * scene.gravity.z, 1e-6);
+        EXPECT_NEAR(length(c.torque), 0, 1e-7) << "N m, of a force of 0.1 N and a gap of 3 mm";
+        for (const ContactState& contact : c.contacts)
+            EXPECT_NEAR(dot(contact.across, contact.normal), contact.distance, 1e-12);
+    }
+    World crates(two_crates());
+    for (int k = 0; k < 60; ++k) (void)crates.step();
+    for (const ContactState& contact : crates.contacts()) EXPECT_EQ(contact.across, Vec3{});
+}
+
 TEST(WorldQuery, ViewsAreOfTheWorldsOwnMemory) {
     World world(two_crates());
     const auto poses = world.poses();

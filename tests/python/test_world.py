@@ -44,7 +44,8 @@ def test_contacts_carry_the_weight(falling):
     world = flotilla.World(falling)
     world.step(80)
     contacts = world.contacts
-    assert contacts.dtype.names == ("body_a", "body_b", "point", "normal", "distance", "impulse", "asleep")
+    assert contacts.dtype.names == ("body_a", "body_b", "point", "normal", "distance", "impulse", "asleep",
+                                     "across")
     assert len(contacts) >= 3 and set(contacts["body_a"]) == {0} and set(contacts["body_b"]) == {1}
     assert numpy.linalg.norm(contacts["normal"], axis=1) == pytest.approx(1, abs=1e-12)
     force = contacts["impulse"].sum(axis=0) / world.settings.time_step
