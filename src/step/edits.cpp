@@ -60,6 +60,7 @@ void Stepper::take_places(Stepper& other) noexcept {
 
 void Stepper::remove_body(std::int32_t body) {
     wake_neighbours(body);
+    retry_scripts();
     forget_pairs_of(body);
     mark_changed(body);
     model_.bodies[at(body)] = absent_body(model_, model_.bodies[at(body)].shape);
@@ -71,6 +72,7 @@ void Stepper::remove_body(std::int32_t body) {
 
 void Stepper::place_body(std::int32_t body, const Pose& pose) {
     wake_neighbours(body);
+    retry_scripts();
     const std::size_t i = at(body);
     if (model_.bodies[i].dynamic()) { // it goes on turning as it does
         const Vec3 omega = angular_velocity(model_, i, state_.pose[i].rotation, state_.motion[i].momentum);
@@ -115,6 +117,7 @@ void Stepper::change_body(std::int32_t body, const Body& changed) {
     if (own.type != changed.type) { // the lengths of its pairs are others, and so is what they are near for
         moved_[at(body)] = 1;
         state_.lift[at(body)] = 0;
+        retry_scripts();
     }
     own = changed;
     mark_changed(body); // and as it is
@@ -165,6 +168,12 @@ void Stepper::set_filter(const FilteredBodies& filtered) {
     for (std::size_t i = 0; i < model_.size(); ++i) model_.bodies[i].group = filtered.group[i];
     std::fill(state_.sleep.begin(), state_.sleep.end(), Sleep{});
     stale_ = true;
+    retry_scripts();
+}
+
+/// What stopped them may be gone: they try again at their speed, and wait only if something stops them once more.
+void Stepper::retry_scripts() {
+    for (ScriptClock& clock : state_.script_clock) clock.stops = 0;
 }
 
 void Stepper::wake(std::int32_t body) {

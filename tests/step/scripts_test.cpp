@@ -170,6 +170,24 @@ TEST(UnsatisfiableScript, AScriptThatWaitedIsSoonAtItsSpeed) {
     EXPECT_NEAR(length(pusher.velocity.back()), 1, 1e-12);
 }
 
+TEST(UnsatisfiableScript, AnEditThatMakesRoomEndsItsWait) {
+    for (const bool removed : {true, false}) {
+        SceneDescription scene = row(UnsatisfiableScript::hold, false);
+        scene.bodies[kPusher - 1].type = BodyType::fixed;
+        scene.bodies[kPusher - 1].keyframes.clear();
+        World world(scene);
+        const BodyId wall = world.id(kPusher - 1);
+        for (int n = 0; n < 80; ++n) (void)world.step();
+        EXPECT_EQ(world.body(kPusher).velocity, Vec3{});
+        if (removed)
+            world.remove_body(wall);
+        else
+            world.set_pose(wall, {4.4, 0, 5.6}, {});
+        for (int n = 0; n < 2; ++n) (void)world.step(); // in the first it pushes the row into motion
+        EXPECT_NEAR(length(world.body(kPusher).velocity), 1, 1e-12) << removed;
+    }
+}
+
 /// The jaws close on a cube in the air, whose support then goes away.
 SceneDescription grip(std::string_view name, double time_step) {
     SceneDescription scene = jaws(UnsatisfiableScript::hold);
