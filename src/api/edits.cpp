@@ -46,9 +46,9 @@ auto push_of(Pushes& pushes, std::int32_t body) {
                             [](const EditedBodies::Push& p, std::int32_t b) { return p.body < b; });
 }
 
-void require_finite(const char* what, const Vec3& v, double most, const char* unit) {
+void require_finite(const std::string& what, const Vec3& v, double most, const char* unit) {
     if (is_finite(v) && max_component(abs(v)) <= most) return;
-    throw InputError(std::string(what) + " must be finite and below " + to_text(most) + " " + unit);
+    throw InputError(what + " must be finite and below " + to_text(most) + " " + unit);
 }
 
 } // namespace
@@ -402,14 +402,15 @@ BodyId World::Impl::operator()(const edits::ApplyImpulse& edit) {
     const Body& body = stepper->model().bodies[i];
     if (!body.dynamic())
         throw InputError("body " + in_quotes(now.bodies[i].name) + " is not dynamic: nothing pushes it");
-    require_finite("impulse", edit.impulse, kMaxForce, "N s");
-    require_finite("angular impulse", edit.angular_impulse, kMaxForce, "N m s");
+    const std::string on = " on body " + in_quotes(now.bodies[i].name);
+    require_finite("impulse" + on, edit.impulse, kMaxForce, "N s");
+    require_finite("angular impulse" + on, edit.angular_impulse, kMaxForce, "N m s");
     Motion motion = stepper->state().motion[i];
     motion.velocity += body.inverse_mass * free_part(body.locked.translation, edit.impulse);
     motion.momentum += free_part(body.locked.rotation, edit.angular_impulse);
     const Vec3 omega = angular_velocity(stepper->model(), i, stepper->state().pose[i].rotation, motion.momentum);
-    require_finite("the velocity after the impulse", motion.velocity, kMaxCoordinate, "m/s");
-    require_finite("the angular velocity after the impulse", omega, kMaxAngularVelocity, "rad/s");
+    require_finite("the velocity after the impulse" + on, motion.velocity, kMaxCoordinate, "m/s");
+    require_finite("the angular velocity after the impulse" + on, omega, kMaxAngularVelocity, "rad/s");
     stepper->set_motion(edit.body.index, motion);
     return edit.body;
 }

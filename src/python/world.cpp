@@ -252,6 +252,8 @@ SceneDescription PythonWorld::scene_now() const {
     SceneDescription now = scene_;
     now.gravity = w.gravity();
     now.shapes.insert(now.shapes.end(), added_.begin(), added_.end());
+    now.ignored_groups = w.ignored_groups();
+    now.ignored_bodies = w.ignored_bodies();
     now.bodies.clear();
     for (std::size_t i = 0; i < w.size(); ++i) {
         if (!present(w, i)) continue;

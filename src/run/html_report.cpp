@@ -72,7 +72,7 @@ HtmlReport write_html_report(const std::filesystem::path& folder, const std::fil
     const DefaultFloatingPoint environment;
     if (options.frame_every < 0) throw InputError("report: frame_every must not be negative");
     const int threads = options.verification.threads;
-    if (threads < 0) throw InputError(std::to_string(threads) + " threads: at least one is needed");
+    if (threads < 0) throw InputError(std::to_string(threads) + " threads: must be one or more, or 0 for the default");
     io::RunReader run(folder); // a folder that is none is known before the proof
     HtmlReport result;
     if (options.verify) result.verification = verify_run(folder, options.verification);

@@ -58,6 +58,11 @@ class FallOfResidual {
         rose_ = left.residual > tuning_.most_rise * lowest_;
         lowest_ = rose_ ? left.residual : std::min(lowest_, left.residual);
     }
+    /// What follows has all the patience to itself.
+    void begin_again(int sweeps, const Left& left) {
+        mark_ = left;
+        mark_sweeps_ = sweeps;
+    }
     void count_standing(const Left& left) {
         looks_standing_ = stands(last_, left, tuning_) ? looks_standing_ + 1 : 0;
         last_ = left;
@@ -335,6 +340,7 @@ class IslandSweeps {
         if (!sweep_marked(tuning().part_sweeps, finer)) return false;
         evaluate();
         course_.saw_after_part(seen_left());
+        course_.fall.begin_again(course_.tries(), course_.left);
         return true;
     }
     /// Calls work(first, end) for each share of the packets, as places in those of all islands.

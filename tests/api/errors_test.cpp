@@ -114,7 +114,7 @@ TEST(Errors, ABodyThatIsNotThereIsNamed) {
 
 TEST(Errors, NumbersOfThreadsBelowZeroAreRefused) {
     const SceneDescription scene = boxes({1});
-    const std::string expected = "-1 threads: at least one is needed";
+    const std::string expected = "-1 threads: must be one or more, or 0 for the default";
     EXPECT_EQ(message([&] { World(scene, "scene", {-1}); }), expected);
     EXPECT_EQ(message([&] { World(scene, "scene", {-1, Executor::serial}); }), expected);
     EXPECT_EQ(message([&] { World(scene, "scene", {1025}); }), "1025 threads: at most 1024 are supported");

@@ -232,6 +232,21 @@ def test_the_scene_of_the_moment_has_what_came_and_not_what_went(world, plate, t
     now = world.scene_now()
     assert [body.name for body in now.bodies] == ["body0", "new"] and len(now.shapes) == 3
     assert (now.gravity == (0, 0, -1)).all() and (now.bodies[1].position == (0, 0, 1)).all()
+    assert now.ignored_bodies == [] and now.ignored_groups == []
     report = flotilla.picture(world, tmp_path / "p.png", width=64, height=48, sun_samples=1, sky_samples=4)
     assert report.bodies == 2
     assert numpy.isfinite(world.positions).all()
+
+
+def test_the_scene_of_the_moment_says_what_may_pass(world):
+    world.ignore_pair(world.find("falls"), world.id(0))
+    world.set_group(world.find("falls"), "rope")
+    world.ignore_groups("rope", "rope")
+    now = world.scene_now()
+    assert [tuple(sorted(pair)) for pair in now.ignored_bodies] == [("body0", "falls")]
+    assert now.ignored_groups == [("rope", "rope")]
+    world.step(120)
+    again = flotilla.World(world.scene_now(), threads=1)  # where it fell through the plate: no overlap to refuse
+    assert again.positions[1, 2] < 0
+    world.ignore_pair(world.find("falls"), world.id(0), ignored=False)
+    assert world.scene_now().ignored_bodies == []
