@@ -124,8 +124,8 @@ class World {
     void ignore_groups(const std::string& a, const std::string& b, bool ignored = true);
     void ignore_pair(BodyId a, BodyId b, bool ignored = true);
     /// Which groups, or bodies by name, may pass through each other now.
-    [[nodiscard]] const std::vector<NamedPair>& ignored_groups() const;
-    [[nodiscard]] const std::vector<NamedPair>& ignored_bodies() const;
+    [[nodiscard]] std::vector<NamedPair> ignored_groups() const;
+    [[nodiscard]] std::vector<NamedPair> ignored_bodies() const;
     void wake(BodyId body);
 
     /// Called at the start of every step, when it may change the World as above; what it throws leaves step() with

@@ -67,7 +67,8 @@ constexpr int kMostThreads = 1024;
 StepperOptions stepper_options(const WorldOptions& options) {
     StepperOptions out;
     TeamOptions& team = out.team;
-    if (options.threads < 0) throw InputError(std::to_string(options.threads) + " threads: must be one or more, or 0 for the default");
+    if (options.threads < 0)
+        throw InputError(std::to_string(options.threads) + " threads: must be one or more, or 0 for the default");
     team.yields = options.threads == 0;
     team.threads = team.yields ? default_threads() : options.threads;
     if (team.threads > kMostThreads)

@@ -136,8 +136,8 @@ std::vector<BodyId> World::bodies_in(const Vec3& lower, const Vec3& upper) const
     return out;
 }
 
-const std::vector<NamedPair>& World::ignored_groups() const { return impl_->now.ignored_groups; }
-const std::vector<NamedPair>& World::ignored_bodies() const { return impl_->now.ignored_bodies; }
+std::vector<NamedPair> World::ignored_groups() const { return impl_->now.ignored_groups; }
+std::vector<NamedPair> World::ignored_bodies() const { return impl_->now.ignored_bodies; }
 
 BodyContacts World::contacts_of(BodyId body) const {
     const DefaultFloatingPoint environment;

@@ -270,6 +270,11 @@ SceneDescription PythonWorld::scene_now() const {
         body.angular_velocity = moves ? state.angular_velocity : Vec3{};
         now.bodies.push_back(std::move(body));
     }
+    // A World keeps groups whose bodies are yet to come, or are gone; a scene says nothing of them.
+    const auto is_any = [&](const std::string& group) {
+        return std::ranges::any_of(now.bodies, [&](const BodyDescription& body) { return body.group == group; });
+    };
+    std::erase_if(now.ignored_groups, [&](const NamedPair& pair) { return !is_any(pair.a) || !is_any(pair.b); });
     return now;
 }
 

@@ -82,7 +82,8 @@ struct EditedRun {
 };
 
 int threads_of(const VerifyOptions& options) {
-    if (options.threads < 0) throw InputError(std::to_string(options.threads) + " threads: must be one or more, or 0 for the default");
+    if (options.threads < 0)
+        throw InputError(std::to_string(options.threads) + " threads: must be one or more, or 0 for the default");
     return options.threads > 0 ? options.threads : free_threads();
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The contact points of a run as CSV, one row per contact and step. Bodies are numbered in scene order from 0, body_a <
-// body_b; p is the point (m, world), n the unit normal from a to b, gap the distance there (m); normal_impulse and
-// tangential_impulse (N s, along n and the length of the rest) are what the contact carried on b in the step
-// (ContactState::impulse), and the opposite on a. Contacts that are asleep (1 in the last column) are
-// those of the step in which their island fell asleep. A second file has the totals of every body with contacts: how
-// many, the sums of their normal and tangential impulses, and the net impulse on the body (N s, world).
+// body_b; p is the point (m, world; that on a where bodies are thinner than their rest distance: ContactState::across),
+// n the unit normal from a to b, gap the distance there (m); normal_impulse and tangential_impulse (N s, along n and
+// the length of the rest) are what the contact carried on b in the step (ContactState::impulse), and the opposite on a.
+// Contacts that are asleep (1 in the last column) are those of the step in which their island fell asleep. A second
+// file has the totals of every body with contacts: how many, the sums of their normal and tangential impulses, and the
+// net impulse on the body (N s, world).
 #pragma once
 
 #include <filesystem>

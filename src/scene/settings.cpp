@@ -427,7 +427,7 @@ void set_substeps(Settings& s, int substeps, double tolerance_share) {
 void apply_accurate(Settings& s) {
     set_substeps(s, 4, 0.005); // 5e-7 m/s of boats at 1/24 s
     s.static_iterations = 5000;
-    s.contact_reuse = 0x1p-10; // what rests keeps its features, and impulses, to 5 um of a box of 1 m
+    s.contact_reuse = 0;
     s.trajectory = Trajectory::rigid;
     s.sleeping = false;
 }

@@ -75,11 +75,12 @@ struct ContactTuning {
     /// Sweeps of a part between two evaluations of the whole. Row: part sweeps.
     int part_sweeps = 100;
     /// Where a large island at rest is solved, the contacts of bodies that still move by more than so many of its
-    /// tolerances (0: of none), and their neighbours', are swept to this share of it, once: a body on a narrow base
-    /// turns what its contacts are left with into as much more motion as it is wider than its base, and each step
-    /// begins with what the one before left. A boat that three corners within a thirtieth of its length carry rocked
-    /// for ever, at 16 tolerances. Row: settling.
-    double settle_above = 4, settle_to = 1.0 / 64;
+    /// tolerances (0: of none), and their neighbours', are swept to this share of what sweeps aim at, once, but where a
+    /// caller asked for a tolerance: a body on a narrow base turns what its contacts are left with into as much more
+    /// motion as it is wider than its base, and each step begins with what the one before left. A boat that three
+    /// corners close to each other carry rocked for ever, at 16 tolerances; where nothing sleeps it does so at what
+    /// this lets pass. Row: settling.
+    double settle_above = 1, settle_to = 1.0 / 64;
     /// In `look_every`: what the rounds of parts after one evaluation may cost, in sweeps of the whole.
     int part_waits = 4;
     /// In a large island in motion the part is packed anew, of pairs with a violation above the tolerance and this

@@ -62,6 +62,7 @@ class FallOfResidual {
     void begin_again(int sweeps, const Left& left) {
         mark_ = left;
         mark_sweeps_ = sweeps;
+        looks_standing_ = 0;
     }
     void count_standing(const Left& left) {
         looks_standing_ = stands(last_, left, tuning_) ? looks_standing_ + 1 : 0;
@@ -179,7 +180,7 @@ class IslandSweeps {
             used_parts = (may_use_parts_ || packs_parts_) && course_.whole >= course_.parts_from && solve_parts();
             const bool settled = settle();
             used_parts |= settled;
-            // What that changes at the border of its part is within the tolerance, mostly.
+            // What settling changes at the border of its part is within the tolerance, mostly.
             if (course_.left.residual <= (settled ? island_.tolerance : options_.tolerance)) return AfterSweep::done;
         } else if (course_.whole == tuning().peek) {
             activate_violated();
@@ -331,16 +332,20 @@ class IslandSweeps {
     bool settle() {
         if (settled_ || !may_use_parts_ || options_.patience == 0 || tuning().settle_above <= 0) return false;
         if (!(course_.left.residual <= options_.tolerance)) return false;
+        // The whole must be left the sweeps until its next evaluation, for what this changes at the part's border.
+        const int most = options_.iterations - course_.sweeps() - tuning().look_every;
+        if (most <= 0) return false;
         settled_ = true;
         bool moves = false;
         engine_.timed(0, choice_group(engine_), [&] { moves = mark_moving(island_, tuning(), s_); });
         if (!moves) return false;
         ContactSolveOptions finer = options_;
         finer.tolerance *= tuning().settle_to;
-        if (!sweep_marked(tuning().part_sweeps, finer)) return false;
+        if (!sweep_marked(most, finer)) return false;
         evaluate();
         course_.saw_after_part(seen_left());
         course_.fall.begin_again(course_.tries(), course_.left);
+        course_.parts_from = course_.whole + tuning().look_every;
         return true;
     }
     /// Calls work(first, end) for each share of the packets, as places in those of all islands.

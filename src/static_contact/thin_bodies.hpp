@@ -10,8 +10,8 @@
 namespace flotilla {
 
 /// Whether the contacts of a pair with this friction and rest distance, m, have a point on each body: whether that is
-/// more than the least radius of gyration of one that is dynamic. Normal impulses go through both points, so that those
-/// of a pair without friction need one alone.
+/// more than the least radius of gyration of one that is dynamic, asleep or not: waking changes nothing. Normal
+/// impulses go through both points, so that those of a pair without friction need one alone.
 [[nodiscard]] bool is_thin_pair(const Model& model, std::int32_t a, std::int32_t b, double friction, double rest);
 
 /// Such a contact, of one that was found with its point on either body.

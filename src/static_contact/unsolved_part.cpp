@@ -59,7 +59,7 @@ bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuni
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
         const std::size_t body = at(s.island_bodies[at(k)]);
         const double limit = tuning.settle_above * island.tolerance;
-        // Twice the energy, by the mean of the principal inertias: m / I are the least mean squares of a radius.
+        // Twice the energy, by the harmonic mean of the principal inertias (list_island_bodies).
         const double twice = s.weight[body].linear * length_sq(s.velocity[body].linear) +
                              s.weight[body].angular * length_sq(s.velocity[body].angular);
         s.part.near[body] = twice > s.weight[body].linear * limit * limit ? 1 : 0;

@@ -17,8 +17,8 @@ void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning&
 /// are too many batches of the island's.
 bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
                    ContactScratch& scratch);
-/// Marks the movable bodies of the island that move by more than ContactTuning::settle_above of its tolerances, in the
-/// mean of their points; false where there are none.
+/// Marks the movable bodies of the island that move by more than ContactTuning::settle_above of its tolerances, by
+/// their energy with the harmonic mean of their principal inertias; false where there are none.
 bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
 /// Finds those of the packets [first, end) that have a marked body.
 void find_touching(std::size_t first, std::size_t end, ContactScratch& scratch);

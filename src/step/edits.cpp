@@ -60,7 +60,7 @@ void Stepper::take_places(Stepper& other) noexcept {
 
 void Stepper::remove_body(std::int32_t body) {
     wake_neighbours(body);
-    retry_scripts();
+    retry_scripts(body);
     forget_pairs_of(body);
     mark_changed(body);
     model_.bodies[at(body)] = absent_body(model_, model_.bodies[at(body)].shape);
@@ -72,7 +72,7 @@ void Stepper::remove_body(std::int32_t body) {
 
 void Stepper::place_body(std::int32_t body, const Pose& pose) {
     wake_neighbours(body);
-    retry_scripts();
+    retry_scripts(body);
     const std::size_t i = at(body);
     if (model_.bodies[i].dynamic()) { // it goes on turning as it does
         const Vec3 omega = angular_velocity(model_, i, state_.pose[i].rotation, state_.motion[i].momentum);
@@ -117,8 +117,8 @@ void Stepper::change_body(std::int32_t body, const Body& changed) {
     if (own.type != changed.type) { // the lengths of its pairs are others, and so is what they are near for
         moved_[at(body)] = 1;
         state_.lift[at(body)] = 0;
-        retry_scripts();
     }
+    retry_scripts(body);
     own = changed;
     mark_changed(body); // and as it is
     state_.script_clock[at(body)] = {};
@@ -164,16 +164,36 @@ void Stepper::set_gravity(const Vec3& gravity) {
 }
 
 void Stepper::set_filter(const FilteredBodies& filtered) {
+    const bool others = !(model_.filter == filtered.filter);
     model_.filter = filtered.filter;
-    for (std::size_t i = 0; i < model_.size(); ++i) model_.bodies[i].group = filtered.group[i];
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        if (others || model_.bodies[i].group != filtered.group[i]) retry_scripts(static_cast<std::int32_t>(i));
+        model_.bodies[i].group = filtered.group[i];
+    }
     std::fill(state_.sleep.begin(), state_.sleep.end(), Sleep{});
     stale_ = true;
-    retry_scripts();
 }
 
-/// What stopped them may be gone: they try again at their speed, and wait only if something stops them once more.
-void Stepper::retry_scripts() {
-    for (ScriptClock& clock : state_.script_clock) clock.stops = 0;
+/// Scripts that pressed on the body in the last step, or on what it was pressed by, and so on: what stopped them may be
+/// gone. They try again at their speed, and wait only if something stops them once more.
+void Stepper::retry_scripts(std::int32_t body) {
+    const auto waits = [](const ScriptClock& clock) { return clock.stops > 0; };
+    if (std::ranges::none_of(state_.script_clock, waits)) return;
+    std::vector<std::uint8_t> near(model_.size(), 0);
+    near[at(body)] = 1;
+    for (bool more = true; more;) {
+        more = false;
+        for (const WarmImpulses* stages : {&state_.warm, &state_.waiting})
+            for (const WarmImpulse& w : (*stages)[ContactStage::final]) {
+                if (near[at(w.a)] == near[at(w.b)]) continue;
+                const std::int32_t from = near[at(w.a)] != 0 ? w.a : w.b, to = from == w.a ? w.b : w.a;
+                if (from != body && !model_.bodies[at(from)].dynamic()) continue;
+                near[at(to)] = 1;
+                more = true;
+            }
+    }
+    for (std::size_t i = 0; i < near.size(); ++i)
+        if (near[i] != 0) state_.script_clock[i].stops = 0;
 }
 
 void Stepper::wake(std::int32_t body) {

@@ -245,6 +245,8 @@ def test_the_scene_of_the_moment_says_what_may_pass(world):
     now = world.scene_now()
     assert [tuple(sorted(pair)) for pair in now.ignored_bodies] == [("body0", "falls")]
     assert now.ignored_groups == [("rope", "rope")]
+    world.ignore_groups("later", "rope")  # of bodies that are yet to come
+    assert world.scene_now().ignored_groups == [("rope", "rope")]
     world.step(120)
     again = flotilla.World(world.scene_now(), threads=1)  # where it fell through the plate: no overlap to refuse
     assert again.positions[1, 2] < 0

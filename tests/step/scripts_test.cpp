@@ -188,6 +188,18 @@ TEST(UnsatisfiableScript, AnEditThatMakesRoomEndsItsWait) {
     }
 }
 
+// A marker that is put elsewhere in every step, far away, is nothing that stopped anything.
+TEST(UnsatisfiableScript, EditsFarAwayEndNoWait) {
+    SceneDescription scene = row(UnsatisfiableScript::hold, false);
+    add_body(scene, add_shape(scene, make_box(1, 1, 1)), BodyType::fixed, {0, 0, 100}).name = "marker";
+    World edited(scene), left_alone(scene);
+    for (int n = 0; n < 60; ++n) {
+        edited.set_pose(edited.find("marker"), {0, 0, 100.0 + n % 2}, {});
+        EXPECT_EQ(edited.step().held, left_alone.step().held) << n;
+    }
+    EXPECT_EQ(edited.body(kPusher).position, left_alone.body(kPusher).position);
+}
+
 /// The jaws close on a cube in the air, whose support then goes away.
 SceneDescription grip(std::string_view name, double time_step) {
     SceneDescription scene = jaws(UnsatisfiableScript::hold);
