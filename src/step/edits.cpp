@@ -164,10 +164,11 @@ void Stepper::set_gravity(const Vec3& gravity) {
 }
 
 void Stepper::set_filter(const FilteredBodies& filtered) {
-    const bool others = !(model_.filter == filtered.filter);
+    if (!(model_.filter == filtered.filter))
+        for (ScriptClock& clock : state_.script_clock) clock.stops = 0;
     model_.filter = filtered.filter;
     for (std::size_t i = 0; i < model_.size(); ++i) {
-        if (others || model_.bodies[i].group != filtered.group[i]) retry_scripts(static_cast<std::int32_t>(i));
+        if (model_.bodies[i].group != filtered.group[i]) retry_scripts(static_cast<std::int32_t>(i));
         model_.bodies[i].group = filtered.group[i];
     }
     std::fill(state_.sleep.begin(), state_.sleep.end(), Sleep{});
