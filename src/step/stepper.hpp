@@ -148,7 +148,7 @@ class Stepper {
     void place_anew(std::int32_t body, const Pose& pose);
     void mark_changed(std::int32_t body);
     void wake_neighbours(std::int32_t body);
-    void retry_scripts(std::int32_t near);
+    void retry_scripts(std::int32_t body);
     void refresh_changed();
     void search_changed();
     void take_woken_contacts();
