@@ -67,6 +67,7 @@ constexpr Row kRows[] = {
     {"exact: after 10", [](ContactTuning& t) { t.sweeps_before_exact = 10, t.sweeps_of_many = 30; }},
     {"few in motion: 20", [](ContactTuning& t) { t.sweeps_of_few_in_motion = 20; }},
     {"band: none", [](ContactTuning& t) { t.most_of_rest = 0; }},
+    {"load: none", [](ContactTuning& t) { t.of_load = 0; }},
     {"squeezed: none", [](ContactTuning& t) { t.steps_in_vain = 0; }},
     {"squeezed: after 2", [](ContactTuning& t) { t.steps_in_vain = 2; }},
 };

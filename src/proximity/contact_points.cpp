@@ -14,6 +14,7 @@
 #include "geometry/ray.hpp"
 #include "geometry/rounding.hpp"
 #include "geometry/support.hpp"
+#include "proximity/same_place.hpp"
 
 namespace flotilla {
 namespace {
@@ -405,13 +406,17 @@ Vec3 side_below(const BodyMotion& body, const Vec3& vertex, std::int32_t face, c
     return side;
 }
 
-/// The point with the direction in which its bodies touch.
+/// The point with the direction in which its bodies touch, and the distance along it: a corner that is a hair outside
+/// would else be farther than the others, by hair^2 / 2 gap, and its body be tilted until it is not. Cubes without
+/// friction that stand 1e-6 m aside of each other were driven away at 7e-8 m/s^2.
 ProximityPoint contact_point(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& p, double angle_cos) {
     ProximityPoint point = p;
     Vec3 side{};
     if (p.features.kind == FeatureKind::vertex_face) side = side_below(b, p.a, p.features.b, p.normal, angle_cos);
     if (p.features.kind == FeatureKind::face_vertex) side = side_below(a, p.b, p.features.a, p.normal, angle_cos);
-    if (side != Vec3{}) point.normal = side;
+    if (side == Vec3{}) return point;
+    point.normal = side;
+    point.distance = dot(side, p.b - p.a);
     return point;
 }
 
@@ -485,6 +490,7 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
     const std::size_t first = out.size();
     for (const ProximityPoint& p : scratch.found)
         if (admissible(a, b, p, angle_cos, scratch)) out.push_back(contact_point(a, b, p, angle_cos));
+    scratch.counters.end_points += static_cast<std::int64_t>(drop_same_places(a, b, proximity, angle_cos, first, out));
     if (out.size() == first + 1 && scratch.found.size() > 1) add_other_directions(a, b, angle_cos, scratch, out);
     return result;
 }
@@ -502,8 +508,9 @@ bool renew_contact_points(const BodyMotion& a, const BodyMotion& b, double proxi
             out.resize(first);
             return false;
         }
-        out.push_back(contact_point(a, b, {f, p.a, p.b, normal, std::sqrt(p.distance_sq)}, angle_cos));
-        distance = std::min(distance, out.back().distance);
+        const double apart = std::sqrt(p.distance_sq);
+        out.push_back(contact_point(a, b, {f, p.a, p.b, normal, apart}, angle_cos));
+        distance = std::min(distance, apart);
     }
     std::ranges::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), {},
                       [](const ProximityPoint& p) { return feature_key(p.features); });

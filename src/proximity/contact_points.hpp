@@ -26,7 +26,7 @@ struct ProximityPoint {
     FeaturePair features;
     Vec3 a, b;           ///< closest points on the two bodies, world, m
     Vec3 normal;         ///< unit, from a to b; of a contact point, that of the flat side it is within theta of
-    double distance = 0; ///< |b - a|, m
+    double distance = 0; ///< m, |b - a|; of a contact point, its part along the normal
 };
 
 struct PruneCounters {

@@ -154,7 +154,8 @@ const std::vector<SettingRow>& table() {
         {"static_tolerance", &Settings::static_tolerance, "m/s", 0, 1e3, -1,
          "largest constraint violation at which the sweeps stop; -1: |gravity| time_step / 4096, and for small bodies "
          "rest_distance / time_step / 2048",
-         "lower: slower, less creep; the residual reached is reported in any case"},
+         "lower: slower, less creep, down to the rounding of what contacts carry; the residual reached is reported in "
+         "any case"},
         {"tolerance_share",
          &Settings::tolerance_share,
          "",

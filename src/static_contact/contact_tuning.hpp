@@ -74,7 +74,7 @@ struct ContactTuning {
     int part_divisor = 8;
     /// Sweeps of a part between two evaluations of the whole. Row: part sweeps.
     int part_sweeps = 100;
-    /// Where a large island at rest is solved, the contacts of bodies that still move by more than so many of its
+    /// Where an island at rest is solved by sweeps, the contacts of bodies that still move by more than so many of its
     /// tolerances (0: of none), and their neighbours', are swept to this share of what sweeps aim at, once, but where a
     /// caller asked for a tolerance: a body on a narrow base turns what its contacts are left with into as much more
     /// motion as it is wider than its base, and each step begins with what the one before left. A boat that three
@@ -141,6 +141,12 @@ struct ContactTuning {
     /// The tolerance, as a share of what gravity adds in a step, and of a rest distance a step (`static_tolerance` in
     /// `flotilla plan --settings` says what it costs). No row.
     double of_gravity = 1.0 / 4096, of_rest = 1.0 / 2048;
+    /// A tolerance that was asked for is at least this share of the velocity that what a contact carries would give its
+    /// bodies by itself, l W: sixteen times the rounding of that, of which a velocity is a sum. A dead band below it
+    /// lets gaps that are equal but for rounding open and close contacts, and no solve comes to its end. A hundred
+    /// boxes under one of 1e9 times their mass, preset reference, collapse without it, and with a fourth of it move at
+    /// 1e-3 m/s. Row: load.
+    double of_load = 0x1p-48;
     /// Slip, as a share of what gravity adds in a step: contacts that slide by less keep their random tangents. Only
     /// the paper's pyramids have such.
     double most_slip = 0.1;

@@ -80,6 +80,17 @@ double rest_speed_of(const Island& island, const ContactBodies& bodies, double o
     return speed;
 }
 
+// m/s, the rounding of what the island begins with (ContactTuning::of_load).
+double least_tolerance(const Island& island, double of_load, const ContactScratch& s) {
+    double most = 0;
+    for (const ContactBlock& block : blocks_of(island, s))
+        for (std::int32_t r = block.first; r < block.end; ++r) {
+            const LocalContact& c = s.rows[static_cast<std::size_t>(r)].local;
+            most = std::max(most, c.impulse.x * c.mass_diagonal.x);
+        }
+    return of_load * most;
+}
+
 // How long an island that may be solved exactly is swept, and to which tolerance.
 void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactScratch& s) {
     const ContactTuning& tuning = options.tuning;
@@ -108,8 +119,11 @@ void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactS
 // not take all of it back. Sweeps go down 1/2 l W l + l (u - target), which is zero without impulses: where what is
 // prescribed rests, an island has gained no more energy than the work of its targets. One that came out with more is
 // solved again from zero.
-void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s) {
+void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s,
+                  int thread = 0) {
     ContactSolveOptions options = of_all;
+    if (options.patience == 0 && options.warm_start)
+        island.tolerance = std::max(island.tolerance, least_tolerance(island, options.tuning.of_load, s));
     options.tolerance = island.tolerance;
     options.rest_speed = rest_speed_of(island, bodies, options.rest_speed, s);
     const ContactTuning& tuning = options.tuning;
@@ -133,11 +147,11 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
                work_of_targets(island, options.team, s) +
                    tuning.energy_rounding * (island.energy_pgs + island.energy_before);
     };
-    const bool gained = sweep_and_measure({options.warm_start, options.momentum});
+    const bool gained = sweep_and_measure({options.warm_start, options.momentum, thread});
     if (!gained || !options.warm_start || !prescribed_at_rest(island, s)) return;
     island.cold = true;
     forget_warm_start(island, bodies, s);
-    sweep_and_measure({false, options.momentum});
+    sweep_and_measure({false, options.momentum, thread});
 }
 
 // Small islands, each by the rank that owns its first body.
@@ -181,6 +195,7 @@ bool is_large_among_ranks(const Island& island, const ContactScratch& s) {
 // reads.
 void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();
+    s.parts.resize(static_cast<std::size_t>(options.team != nullptr ? options.team->size() : 1));
     const bool divided = options.team != nullptr && options.team->division() != nullptr;
     for (std::size_t k = 0; k < s.islands.size(); ++k) {
         const Island& island = s.islands[k];
@@ -193,8 +208,8 @@ void solve_islands(const ContactBodies& bodies, const ContactSolveOptions& optio
     if (options.team->division() != nullptr) return solve_small_divided(bodies, options, s);
     ContactSolveOptions alone = options;
     alone.team = nullptr;
-    options.team->for_each("small islands", s.small_islands.size(), 1, [&](std::size_t i, int) {
-        solve_island(s.islands[static_cast<std::size_t>(s.small_islands[i])], bodies, alone, s);
+    options.team->for_each("small islands", s.small_islands.size(), 1, [&](std::size_t i, int thread) {
+        solve_island(s.islands[static_cast<std::size_t>(s.small_islands[i])], bodies, alone, s, thread);
     });
 }
 

@@ -199,7 +199,7 @@ struct ContactScratch {
     std::vector<Seen> seen; ///< by share
     std::vector<std::uint8_t>
         violated; ///< per packet, a bit for each pair: what the last evaluation of a resting island found
-    /// The part of a large island that is not solved yet (unsolved_part.hpp).
+    /// The part of an island that is not solved yet (unsolved_part.hpp).
     struct Unsolved {
         std::vector<std::uint8_t> near, chosen; ///< per body in contact: of a pair violated so far; of a chosen packet
         std::vector<std::uint8_t> touches;      ///< per packet: it has a near body
@@ -209,7 +209,7 @@ struct ContactScratch {
         std::vector<Turns> sums;   ///< parts of a sum over the bodies
         std::int64_t contacts = 0; ///< that a sweep of them visits
     };
-    Unsolved part;
+    std::vector<Unsolved> parts; ///< by thread
     /// The part of a large island in motion that is not solved yet, packed anew (packed_part.hpp).
     struct PackedPart {
         std::vector<std::uint8_t> near;       ///< per body in contact: of a violated pair, then of a chosen one

@@ -9,6 +9,7 @@
 
 #include "base/index.hpp"
 #include "static_contact/assemble.hpp"
+#include "static_contact/exact_islands.hpp"
 #include "static_contact/packed_part.hpp"
 #include "static_contact/unsolved_part.hpp"
 
@@ -133,12 +134,12 @@ class IslandSweeps {
               std::span(s.violated).subspan(at(island.first_packet), at(island.end_packet - island.first_packet))),
           jams_(options.patience > 0 && island.rests &&
                 at(island.end - island.first) > at(tuning().pairs_of_jam) * bodies_.size()),
-          may_use_parts_(island.rests && tuning().part_divisor > 0 && is_large(island, s)),
+          may_use_parts_(island.rests && tuning().part_divisor > 0 && !may_solve_exactly(island, options, s)),
           packs_parts_(!island.rests && options.patience > 0 && tuning().packed_divisor > 0 && is_large(island, s)),
           course_{.fall = FallOfResidual(options, jams_)},
           sharing_(sharing),
           engine_(sweep_set(), sharing.crew(), cone_of(options, s), options, s) {
-        if (may_use_parts_) reserve_unsolved(island, tuning(), s);
+        if (may_use_parts_) reserve_unsolved(island, tuning(), s, part());
     }
 
     void run() {
@@ -151,6 +152,7 @@ class IslandSweeps {
 
   private:
     [[nodiscard]] const ContactTuning& tuning() const { return options_.tuning; }
+    [[nodiscard]] UnsolvedPart& part() const { return s_.parts[at(start_.thread)]; }
     [[nodiscard]] SweepSet sweep_set() const {
         return {.view = {.rows = s_.packed.rows.data(),
                          .normal_rows = s_.packed.normal_rows.data(),
@@ -337,7 +339,7 @@ class IslandSweeps {
         if (most <= 0) return false;
         settled_ = true;
         bool moves = false;
-        engine_.timed(0, choice_group(engine_), [&] { moves = mark_moving(island_, tuning(), s_); });
+        engine_.timed(0, choice_group(engine_), [&] { moves = mark_moving(island_, tuning(), s_, part()); });
         if (!moves) return false;
         ContactSolveOptions finer = options_;
         finer.tolerance *= tuning().settle_to;
@@ -362,20 +364,21 @@ class IslandSweeps {
     }
     /// Sweeps the batches of marked bodies; false where those are too many.
     bool sweep_marked(int most_cost, const ContactSolveOptions& options) {
-        look([&](std::size_t first, std::size_t end) { find_touching(first, end, s_); });
+        look([&](std::size_t first, std::size_t end) { find_touching(first, end, s_, part()); });
         bool chosen = false;
-        engine_.timed(0, choice_group(engine_), [&] { chosen = choose_unsolved(island_, tuning(), s_); });
+        engine_.timed(0, choice_group(engine_), [&] { chosen = choose_unsolved(island_, tuning(), s_, part()); });
         if (!chosen) return false;
-        const auto part = static_cast<std::int64_t>(s_.part.packets.size());
+        const auto packets = static_cast<std::int64_t>(part().packets.size());
         const auto whole = static_cast<std::int64_t>(packets_.size());
-        const int sweeps = sweep_unsolved(engine_, engine_.carries_on(), most_cost * whole / part, options, s_);
-        count_part(sweeps, part, s_.part.contacts, s_.part.groups.size());
+        const int sweeps =
+            sweep_unsolved(engine_, engine_.carries_on(), most_cost * whole / packets, options, s_, part());
+        count_part(sweeps, packets, part().contacts, part().groups.size());
         return true;
     }
     /// One round; false where the part is too large.
     bool sweep_part(bool anew, int most_cost) {
         bool chosen = false;
-        engine_.timed(0, choice_group(engine_), [&] { chosen = mark_unsolved(island_, tuning(), anew, s_); });
+        engine_.timed(0, choice_group(engine_), [&] { chosen = mark_unsolved(island_, tuning(), anew, s_, part()); });
         return chosen && sweep_marked(most_cost, options_);
     }
     /// One round in an island in motion; false where the part is too large.

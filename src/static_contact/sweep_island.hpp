@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The sweeps of a whole island (sweep_engine.hpp), and what goes on between them: evaluations of the residual, which
-// activate violated contacts that were parked. In a large island at rest most contacts hold after some tens of sweeps,
+// activate violated contacts that were parked. In an island at rest most contacts hold after some tens of sweeps,
 // and where the others are a small part, that part is swept alone in between (unsolved_part.hpp).
 #pragma once
 
@@ -15,6 +15,7 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& scratch);
 struct SweepStart {
     bool apply_impulses = false; ///< first add the effect of the impulses that the rows hold: the warm start
     bool momentum = true;
+    int thread = 0; ///< whose memory of parts it has
 };
 /// Sweeps until the tolerance holds, the limit is reached or, with options.patience, the residual falls no more. Sets
 /// the island's residual and whether it is solved, and adds to its iterations and visits.

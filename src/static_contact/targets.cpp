@@ -157,8 +157,19 @@ class PairTargets {
     [[nodiscard]] double tolerance(std::size_t i) const {
         const Settings& s = model_.settings;
         const Contact& c = set_.contacts[i];
-        if (s.static_tolerance >= 0) return s.static_tolerance;
-        return s.tolerance_share * default_tolerance(c, set_.rest[i]);
+        if (!tolerance_given(s)) return s.tolerance_share * default_tolerance(c, set_.rest[i]);
+        const double given =
+            s.static_tolerance >= 0 ? s.static_tolerance : s.tolerance_share * default_tolerance(c, set_.rest[i]);
+        return std::max(given, input_.tuning.of_load * length(input_.carried[i]) * normal_mass(c));
+    }
+    /// 1/kg: W_nn.
+    [[nodiscard]] double normal_mass(const Contact& c) const {
+        double mass = 0;
+        for (const std::int32_t body : {c.a, c.b}) {
+            const Vec3 turn = cross(point_on(c, body) - bodies_.position[at(body)], c.normal);
+            mass += bodies_.inverse_mass[at(body)] + dot(turn, bodies_.inverse_inertia[at(body)] * turn);
+        }
+        return mass;
     }
     [[nodiscard]] double default_tolerance(const Contact& c, double rest) const {
         const double moves = input_.tuning.of_rest * rest / dt_;

@@ -22,6 +22,11 @@
 
 namespace flotilla {
 
+/// Whether a tolerance was asked for: then it is meant, and nothing but the limit of sweeps ends a solve above it.
+[[nodiscard]] inline bool tolerance_given(const Settings& s) {
+    return s.static_tolerance >= 0 || s.tolerance_share < 1;
+}
+
 /// What targets depend on, beside contacts and velocities.
 struct TargetInput {
     bool final_stage = false; ///< stage 7

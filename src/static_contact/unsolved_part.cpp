@@ -13,13 +13,18 @@ std::size_t most_packets(const ContactScratch::Island& island, const ContactTuni
            static_cast<std::size_t>(tuning.part_divisor);
 }
 
+// Only the island's own marks are read.
+void clear_marks(const ContactScratch::Island& island, const ContactScratch& s, std::vector<std::uint8_t>& marks) {
+    for (std::int32_t k = island.first_body; k < island.end_body; ++k) marks[at(s.island_bodies[at(k)])] = 0;
+}
+
 // Marks the bodies of violated pairs; false if those are in more than `most` packets.
-bool mark_violated(std::size_t first, std::size_t end, std::size_t most, ContactScratch& s) {
+bool mark_violated(std::size_t first, std::size_t end, std::size_t most, const ContactScratch& s, UnsolvedPart& part) {
     std::size_t violated = 0;
     for (std::size_t p = first; p < end; ++p) {
         if (s.violated[p] == 0) continue;
         if (++violated > most) return false;
-        for_bodies(s.packed.packets[p], s.violated[p], s, [&](std::int32_t body) { s.part.near[at(body)] = 1; });
+        for_bodies(s.packed.packets[p], s.violated[p], s, [&](std::int32_t body) { part.near[at(body)] = 1; });
     }
     return true;
 }
@@ -35,8 +40,8 @@ std::int64_t num_contacts(const ContactScratch& s, std::size_t packet) {
     return contacts;
 }
 
-void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& s) {
-    ContactScratch::Unsolved& part = s.part;
+void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& s,
+                      UnsolvedPart& part) {
     const std::size_t most = most_packets(island, tuning);
     part.near.resize(s.bodies.size());
     part.chosen.resize(s.bodies.size());
@@ -48,13 +53,14 @@ void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning&
     part.sums.reserve(num_sums(most_bodies));
 }
 
-bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew, ContactScratch& s) {
-    if (anew) s.part.near.assign(s.bodies.size(), 0);
-    return mark_violated(at(island.first_packet), at(island.end_packet), most_packets(island, tuning), s);
+bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
+                   const ContactScratch& s, UnsolvedPart& part) {
+    if (anew) clear_marks(island, s, part.near);
+    return mark_violated(at(island.first_packet), at(island.end_packet), most_packets(island, tuning), s, part);
 }
 
-bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& s) {
-    s.part.near.assign(s.bodies.size(), 0);
+bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& s,
+                 UnsolvedPart& part) {
     bool any = false;
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
         const std::size_t body = at(s.island_bodies[at(k)]);
@@ -62,28 +68,28 @@ bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuni
         // Twice the energy, by the harmonic mean of the principal inertias (list_island_bodies).
         const double twice = s.weight[body].linear * length_sq(s.velocity[body].linear) +
                              s.weight[body].angular * length_sq(s.velocity[body].angular);
-        s.part.near[body] = twice > s.weight[body].linear * limit * limit ? 1 : 0;
-        any |= s.part.near[body] != 0;
+        part.near[body] = twice > s.weight[body].linear * limit * limit ? 1 : 0;
+        any |= part.near[body] != 0;
     }
     return any;
 }
 
-void find_touching(std::size_t first, std::size_t end, ContactScratch& s) {
+void find_touching(std::size_t first, std::size_t end, const ContactScratch& s, UnsolvedPart& part) {
     for (std::size_t p = first; p < end; ++p) {
         const ContactPacket& packet = s.packed.packets[p];
         bool touches = false;
-        for_bodies(packet, kAllPairs, s, [&](std::int32_t body) { touches |= s.part.near[at(body)] != 0; });
-        s.part.touches[p] = touches && packet.swept() ? 1 : 0;
+        for_bodies(packet, kAllPairs, s, [&](std::int32_t body) { touches |= part.near[at(body)] != 0; });
+        part.touches[p] = touches && packet.swept() ? 1 : 0;
     }
 }
 
-bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& s) {
-    ContactScratch::Unsolved& part = s.part;
+bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& s,
+                     UnsolvedPart& part) {
     const std::size_t most = most_packets(island, tuning);
     part.packets.clear();
     part.bodies.clear();
     part.contacts = 0;
-    part.chosen.assign(s.bodies.size(), 0);
+    clear_marks(island, s, part.chosen);
     for (std::size_t p = at(island.first_packet); p < at(island.end_packet); ++p) {
         if (part.touches[p] == 0) continue;
         if (part.packets.size() == most) return false;
@@ -102,8 +108,7 @@ bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& 
 }
 
 int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, const ContactSolveOptions& options,
-                   ContactScratch& s) {
-    ContactScratch::Unsolved& part = s.part;
+                   ContactScratch& s, UnsolvedPart& part) {
     const auto end = static_cast<std::int32_t>(part.packets.size());
     SweepCrew crew = whole.crew();
     crew.shares = sweep_width_of(part.groups, end, crew.shares); // that the part is worth

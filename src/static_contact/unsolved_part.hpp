@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The part of an island that is not solved yet, swept alone. In a large pile at rest all but a few of ten thousand
+// The part of an island that is not solved yet, swept alone. In a pile at rest all but a few of ten thousand
 // contacts hold after some tens of sweeps; those few, beside a body that slides for example, may take hundreds more.
 // Alone they cost next to nothing, and what they change at the border of their part shows in the next evaluation of the
 // whole island.
@@ -9,28 +9,33 @@
 
 namespace flotilla {
 
+using UnsolvedPart = ContactScratch::Unsolved;
+
 /// Room for the parts of the island, so that no later call allocates.
-void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
+void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& scratch,
+                      UnsolvedPart& part);
 
 /// Marks the movable bodies of violated pairs, by the bits in scratch.violated (see find_violated()); unless `anew`,
 /// those of earlier bits stay marked, or two neighbouring parts would hand the same load to and fro. False where that
 /// are too many batches of the island's.
 bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
-                   ContactScratch& scratch);
+                   const ContactScratch& scratch, UnsolvedPart& part);
 /// Marks the movable bodies of the island that move by more than ContactTuning::settle_above of its tolerances, by
 /// their energy with the harmonic mean of their principal inertias; false where there are none.
-bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
+bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& scratch,
+                 UnsolvedPart& part);
 /// Finds those of the packets [first, end) that have a marked body.
-void find_touching(std::size_t first, std::size_t end, ContactScratch& scratch);
-/// Copies to scratch.part those that were found in the island. False where there are none, or too many.
-bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, ContactScratch& scratch);
+void find_touching(std::size_t first, std::size_t end, const ContactScratch& scratch, UnsolvedPart& part);
+/// Copies to the part those that were found in the island. False where there are none, or too many.
+bool choose_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& scratch,
+                     UnsolvedPart& part);
 
 /// Sweeps them by the crew of the whole island's engine, without momentum or with a sequence of their own, until a
 /// sweep meets no violation above the tolerance of the options, `most` times or ContactTuning::part_sweeps times.
 /// Returns the number of sweeps. The number of threads changes no bit. The next sweep of the island must do without
 /// momentum.
 int sweep_unsolved(const SweepEngine& whole, bool momentum, std::int64_t most, const ContactSolveOptions& options,
-                   ContactScratch& scratch);
+                   ContactScratch& scratch, UnsolvedPart& part);
 
 /// Groups of an island's record behind those of its batches: the loops over bodies, a task per sum of them; evaluations
 /// of the residual; the choice of parts; their sweeps.

@@ -34,9 +34,8 @@ ContactSolveOptions solve_options(const Model& model, const StepperOptions& opti
     solve.iterations = s.static_iterations;
     solve.tolerance = std::numeric_limits<double>::infinity(); // that of the contacts
     solve.warm_start = s.warm_start;
-    // A tolerance that was asked for is meant: then nothing but the limit of sweeps ends a solve above it.
-    const bool given = s.static_tolerance >= 0 || s.tolerance_share < 1;
-    if (!given) solve.patience = std::max(solve.tuning.patience, s.static_iterations / solve.tuning.patience_share);
+    if (!tolerance_given(s))
+        solve.patience = std::max(solve.tuning.patience, s.static_iterations / solve.tuning.patience_share);
     solve.rest_speed = solve.tuning.rest_speed * length(model.gravity) * s.time_step;
     solve.exact = s.contact_solver != ContactSolver::pgs;
     solve.exact_few = s.contact_solver == ContactSolver::exact_few;

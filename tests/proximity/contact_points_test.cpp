@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -61,7 +62,7 @@ std::vector<ProximityPoint> contact_points(const Placed& a, const Placed& b) {
     (void)find_contact_points(pair.trajectories.at_start(0), pair.trajectories.at_start(1), kProximity, kAngleCos, {},
                               scratch, points);
     for (const ProximityPoint& p : points) {
-        EXPECT_NEAR(p.distance, length(p.b - p.a), 1e-15);
+        EXPECT_NEAR(p.distance, dot(p.normal, p.b - p.a), 1e-15);
         EXPECT_GE(dot(p.normal, normalized(p.b - p.a)), kAngleCos);
         EXPECT_LT(p.distance, kProximity);
     }
@@ -197,6 +198,39 @@ TEST(ContactPoints, CornerAHairOutsideASideTouchesTheSide) {
     }
     for (const ProximityPoint& p : on_cube(0, rotation_from_vector({0, 0, 3e-5})))
         EXPECT_LT(length(p.normal - up), 1e-12);
+}
+
+// Corner over corner: a corner of each body, and edges of both that cross there, would be up to three contacts, by the
+// last bits of the poses. A corner apart by more than what solves keep distances to stays a contact.
+TEST(ContactPoints, CornersAtOnePlaceAreOneContact) {
+    constexpr double kGap = 0.005;
+    const auto on_cube = [&](double x, double y, const Quat& turn = {}) {
+        return contact_points({make_box(1, 1, 1), {}}, {make_box(1, 1, 1), {x, y, 1 + kGap}, turn});
+    };
+    for (const double hair : {0.0, 1e-16, 1e-12, 1e-9, 1e-6})
+        for (const double x : {-hair, hair})
+            for (const double y : {-hair, hair})
+                for (const double turn : {-hair, 0.0, hair}) {
+                    const auto points = on_cube(x, y, rotation_from_vector({0, 0, turn}));
+                    ASSERT_EQ(points.size(), 4u) << x << " " << y << " " << turn;
+                    for (const Vec3 corner :
+                         {Vec3{-0.5, -0.5, 0.5}, {-0.5, 0.5, 0.5}, {0.5, -0.5, 0.5}, {0.5, 0.5, 0.5}})
+                        EXPECT_EQ(std::count_if(points.begin(), points.end(),
+                                                [&](const auto& p) { return length(p.a - corner) < 1e-5; }),
+                                  1);
+                }
+    EXPECT_EQ(on_cube(1e-3, 1e-3).size(), 4u); // the overlap's corners: one of each body, and two of crossing edges
+    EXPECT_EQ(on_cube(0, 0, rotation_from_vector({0, 0, 0.1})).size(), 8u); // all edges cross
+}
+
+// Two sides that meet at a corner are two contacts, though at one place.
+TEST(ContactPoints, CornersInOtherDirectionsStay) {
+    // A cube in the corner of a floor and a wall, its lower edge's ends at the ends of theirs.
+    const TriangleMesh corner{{{0, -0.5, 0}, {0, 0.5, 0}, {1, 0.5, 0}, {1, -0.5, 0}, {0, 0.5, 1}, {0, -0.5, 1}},
+                              {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {0, 4, 5}}};
+    const auto points = contact_points({corner, {}}, {make_box(0.8, 1, 0.8), {0.405, 0, 0.405}});
+    EXPECT_EQ(count_along(points, {0, 0, 1}), 4);
+    EXPECT_EQ(count_along(points, {1, 0, 0}), 4);
 }
 
 TEST(ContactPoints, RimOfAnOpenPlateIsOneOfASide) {

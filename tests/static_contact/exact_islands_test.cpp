@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <utility>
 
 #include "static_contact/contact_systems.hpp"
 
@@ -220,6 +221,33 @@ TEST(ExactIslands, AnIslandIsSolvedToTheLeastToleranceOfItsContacts) {
     EXPECT_DOUBLE_EQ(w.scratch.islands[0].tolerance, 1e-8);
     (void)first.solve(exact_at(1e-2));
     EXPECT_DOUBLE_EQ(first.scratch.islands[0].tolerance, 1e-2);
+}
+
+// 1e9 kg on eight bodies of 1 kg: what they carry is known to 1e-7 m/s of them. That is a tolerance's end where it was
+// asked for, and the solve begins with the loads of the last.
+TEST(ExactIslands, NoToleranceIsBelowTheRoundingOfLoads) {
+    constexpr double kLoad = 1e9 * 0.4, kMass = 2; // N s, and 1/kg: W of two bodies of 1 kg
+    constexpr double kTolerance = 1e-12;
+    const auto solved_again = [&](double of_load, int patience) {
+        ContactWorld w = make_column(9, 0.4);
+        w.inv_mass.back() = 1e-9;
+        ContactSolveOptions options = exact_at(kTolerance);
+        options.tuning.of_load = of_load;
+        options.patience = patience;
+        (void)w.solve(options);
+        EXPECT_DOUBLE_EQ(w.scratch.islands[0].tolerance, kTolerance);
+        w.velocity = make_column(9, 0.41).velocity;
+        const ContactSolveStats stats = w.solve(options);
+        return std::pair(w.scratch.islands[0].tolerance, stats);
+    };
+    const double of_load = ContactTuning{}.of_load;
+    const auto [raised, stats] = solved_again(of_load, 0);
+    EXPECT_NEAR(raised, of_load * kLoad * kMass, 1e-4 * raised);
+    EXPECT_EQ(stats.unsolved_islands, 0);
+    EXPECT_GT(stats.residual, kTolerance);
+    EXPECT_LT(stats.residual, raised);
+    EXPECT_EQ(solved_again(0, 0).first, kTolerance);
+    EXPECT_EQ(solved_again(of_load, 50).first, kTolerance); // the default one, far above
 }
 
 TEST(ExactIslands, ThreadsAndOtherIslandsChangeNoBit) {
