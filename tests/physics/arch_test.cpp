@@ -32,14 +32,25 @@ void cards_lean(const Run& run, double share) {
     expect_no_rise(motion);
 }
 
-void card_house_stands(const Run& run, int levels, double friction) {
-    Motion motion(card_house(run.settings(), levels, friction));
+void expect_house_stands(Motion& motion) {
     motion.run(5);
     motion.print("%zu cards, moved by %.3g m", motion.world().size() - 1, motion.farthest());
     EXPECT_LT(motion.farthest(), 0.005);
+    expect_no_rise(motion);
+}
+
+void card_house_stands(const Run& run, int levels, double friction) {
+    Motion motion(card_house(run.settings(), levels, friction));
+    expect_house_stands(motion);
     expect_rest(motion);
     expect_weight_on(motion, motion.world().size() - 1);
-    expect_no_rise(motion);
+}
+
+/// Preview may leave its cards as much as its tolerance, 0.009 sizes a second; it keeps the house.
+void card_house_is_kept(const Run& run, int levels, double friction) {
+    Motion motion(card_house(run.settings(), levels, friction));
+    expect_house_stands(motion);
+    EXPECT_LT(motion.outcome().fastest_sizes, 0.009);
 }
 
 void block_is_pinched(const Run& run, double block_share, double plane_share) {
@@ -80,9 +91,13 @@ void block_is_pinched(const Run& run, double block_share, double plane_share) {
     add_runs("Cards", "PairLeansAt5PercentMore", runs(), true, [](const Run& r) { cards_lean(r, 1.05); });
     add_runs("Cards", "PairSlipsAt5PercentLess", runs(), true, [](const Run& r) { cards_lean(r, 0.95); });
     for (const int levels : {2, 3, 4})
-        for (const int friction : {50, 90})
-            add_runs("Cards", "HouseOf" + std::to_string(levels) + "LevelsFriction0_" + std::to_string(friction),
-                     runs(), levels <= 3, [=](const Run& r) { card_house_stands(r, levels, 0.01 * friction); });
+        for (const int friction : {50, 90}) {
+            const std::string name = "HouseOf" + std::to_string(levels) + "LevelsFriction0_" + std::to_string(friction);
+            add_runs("Cards", name, runs(), levels <= 3,
+                     [=](const Run& r) { card_house_stands(r, levels, 0.01 * friction); });
+            add_runs("Cards", name + "IsKept", {{"preview", 24}, {"preview", 120}}, true,
+                     [=](const Run& r) { card_house_is_kept(r, levels, 0.01 * friction); });
+        }
     add_runs("PinchedBlock", "HoldsAt5PercentMore", once, true, [](const Run& r) { block_is_pinched(r, 1.05, 1.05); });
     add_runs("PinchedBlock", "SlipsAtTheBlock", once, true, [](const Run& r) { block_is_pinched(r, 0.95, 2); });
     add_runs("PinchedBlock", "SlipsAtThePlanes", once, true, [](const Run& r) { block_is_pinched(r, 2, 0.95); });
