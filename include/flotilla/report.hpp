@@ -93,7 +93,7 @@ struct StepReport {
     // Pruning at the end poses (section 4.3.1): of the feature pairs within the proximity distance, those that are no
     // contact points, by the first rule that left them out.
     std::int64_t proximities = 0; ///< feature pairs within the proximity distance, of pairs searched (contact_reuse)
-    std::int64_t pruned_end_points = 0;     ///< ends of edges and what lies in a flat face: others repeat them
+    std::int64_t pruned_end_points = 0;     ///< ends of edges, what is in a flat face or at one place: others repeat it
     std::int64_t pruned_same_direction = 0; ///< farther faces of the same vertex in the same direction
     std::int64_t pruned_angle = 0;          ///< not the nearest point that the other body sees
     std::int64_t pruned_occluded = 0;       ///< a body lies between the points
@@ -126,7 +126,7 @@ struct ContactState {
     std::int32_t body_a = 0, body_b = 0; ///< a < b
     Vec3 point;                          ///< m, world
     Vec3 normal;                         ///< unit, from a to b
-    double distance = 0;                 ///< m
+    double distance = 0;                 ///< m, along the normal
     /// On b, N s, world: what the contact carried in the last step, divided by the time step the mean force; a got its
     /// opposite. That of stages 3 and 7, of the last inner step times the number of substeps, without the blows of
     /// stage 1. What contacts of the pair carried that are none any more at its end is shared out to those that are.

@@ -372,14 +372,23 @@ Vec3 area_normal(const BodyMotion& body, std::int32_t t) {
     return cross(f[1] - f[0], f[2] - f[0]);
 }
 
-/// The side of a body on whose rim the foot of a contact's vertex is: the triangles around the foot that face the
-/// vertex to within kOtherDirection, all in one plane that does so to within theta. Its normal, in the sense of
-/// `normal`; zero where there is none. A vertex a hair outside such a side has a normal that is tilted by that hair
-/// over the distance: one cube flush on another of its size is turned by it, ever faster, up to 0.5 rad/s.
-Vec3 side_below(const BodyMotion& body, const Vec3& vertex, std::int32_t face, const Vec3& normal, double angle_cos) {
+/// The flat side of a body that the foot of a contact's vertex is on.
+struct FlatSide {
+    enum class At : std::uint8_t { none, inside, rim, beyond };
+    At at = At::none;
+    Vec3 normal; ///< unit, in the sense of the contact's; of a rim, or beyond it
+};
+
+/// On the rim: the triangles around the foot that face the vertex to within kOtherDirection are all in one plane, and
+/// that does so to within theta; beyond it, where it does not. A vertex a hair outside such a side has a normal that is
+/// tilted by that hair over the distance: one cube flush on another of its size is turned by it, ever faster, up to 0.5
+/// rad/s.
+FlatSide side_below(const BodyMotion& body, const Vec3& vertex, std::int32_t face, const Vec3& normal,
+                    double angle_cos) {
+    using At = FlatSide::At;
     const auto f = corners(body, face);
     const auto foot = closest_vertex_triangle(vertex, f[0], f[1], f[2]).barycentric;
-    if (foot[0] > 0 && foot[1] > 0 && foot[2] > 0) return {};
+    if (foot[0] > 0 && foot[1] > 0 && foot[2] > 0) return {At::inside, normal};
     const Topology& topology = body.shape->topology;
     const auto place = [&](std::int32_t t, std::size_t k) {
         return topology.place[at(body.shape->mesh.triangles[at(t)][k])];
@@ -392,16 +401,17 @@ Vec3 side_below(const BodyMotion& body, const Vec3& vertex, std::int32_t face, c
         return has(0) && has(1) && has(2);
     };
     const std::size_t corner = foot[0] > 0 ? 0 : foot[1] > 0 ? 1 : 2;
-    Vec3 side{};
+    FlatSide side;
     for (const std::int32_t t : topology.around_vertex(body.shape->mesh.triangles[at(face)][corner])) {
         if (!has_foot(t)) continue;
         const Vec3 n = area_normal(body, t);
         const double along = dot(normal, n), size = length(n);
         if (!(std::abs(along) >= kOtherDirection * size) || size == 0) continue;
-        if (!(std::abs(along) >= angle_cos * size)) return {};
         const Vec3 unit = (along < 0 ? -1 : 1) / size * n;
-        if (side != Vec3{} && !(length_sq(cross(side, unit)) <= kOnePlane * kOnePlane)) return {};
-        if (side == Vec3{}) side = unit;
+        if (side.at == At::none)
+            side = {std::abs(along) >= angle_cos * size ? At::rim : At::beyond, unit};
+        else if (!(length_sq(cross(side.normal, unit)) <= kOnePlane * kOnePlane))
+            return {};
     }
     return side;
 }
@@ -409,15 +419,24 @@ Vec3 side_below(const BodyMotion& body, const Vec3& vertex, std::int32_t face, c
 /// The point with the direction in which its bodies touch, and the distance along it: a corner that is a hair outside
 /// would else be farther than the others, by hair^2 / 2 gap, and its body be tilted until it is not. Cubes without
 /// friction that stand 1e-6 m aside of each other were driven away at 7e-8 m/s^2.
-ProximityPoint contact_point(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& p, double angle_cos) {
+ProximityPoint contact_point(const FlatSide& side, const ProximityPoint& p) {
     ProximityPoint point = p;
-    Vec3 side{};
-    if (p.features.kind == FeatureKind::vertex_face) side = side_below(b, p.a, p.features.b, p.normal, angle_cos);
-    if (p.features.kind == FeatureKind::face_vertex) side = side_below(a, p.b, p.features.a, p.normal, angle_cos);
-    if (side == Vec3{}) return point;
-    point.normal = side;
-    point.distance = dot(side, p.b - p.a);
+    point.flat = side.at == FlatSide::At::inside || side.at == FlatSide::At::rim;
+    if (side.at != FlatSide::At::rim) return point;
+    point.normal = side.normal;
+    point.distance = dot(side.normal, p.b - p.a);
     return point;
+}
+FlatSide flat_side(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& p, double angle_cos) {
+    switch (p.features.kind) {
+    case FeatureKind::vertex_face: return side_below(b, p.a, p.features.b, p.normal, angle_cos);
+    case FeatureKind::face_vertex: return side_below(a, p.b, p.features.a, p.normal, angle_cos);
+    case FeatureKind::edge_edge: break;
+    }
+    return {};
+}
+ProximityPoint contact_point(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& p, double angle_cos) {
+    return contact_point(flat_side(a, b, p, angle_cos), p);
 }
 
 /// Bodies that touch at one point alone slide or roll from it, within a step, onto features that do not face each other
@@ -490,7 +509,8 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
     const std::size_t first = out.size();
     for (const ProximityPoint& p : scratch.found)
         if (admissible(a, b, p, angle_cos, scratch)) out.push_back(contact_point(a, b, p, angle_cos));
-    scratch.counters.end_points += static_cast<std::int64_t>(drop_same_places(a, b, proximity, angle_cos, first, out));
+    scratch.counters.end_points +=
+        static_cast<std::int64_t>(drop_same_places(a, b, proximity, angle_cos, first, scratch, out));
     if (out.size() == first + 1 && scratch.found.size() > 1) add_other_directions(a, b, angle_cos, scratch, out);
     return result;
 }
@@ -503,14 +523,15 @@ bool renew_contact_points(const BodyMotion& a, const BodyMotion& b, double proxi
     for (const FeaturePair& f : features) {
         const ClosestPoints p = closest(a, b, f);
         const bool near = p.distance_sq < proximity * proximity && p.interior;
-        const Vec3 normal = near ? direction_between(p.b - p.a, largest, p.e, p.f) : Vec3{};
-        if (normal == Vec3{}) {
+        const ProximityPoint point{f, p.a, p.b, near ? direction_between(p.b - p.a, largest, p.e, p.f) : Vec3{},
+                                   std::sqrt(p.distance_sq)};
+        const FlatSide side = point.normal == Vec3{} ? FlatSide{} : flat_side(a, b, point, angle_cos);
+        if (point.normal == Vec3{} || side.at == FlatSide::At::beyond) {
             out.resize(first);
             return false;
         }
-        const double apart = std::sqrt(p.distance_sq);
-        out.push_back(contact_point(a, b, {f, p.a, p.b, normal, apart}, angle_cos));
-        distance = std::min(distance, apart);
+        out.push_back(contact_point(side, point));
+        distance = std::min(distance, point.distance);
     }
     std::ranges::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), {},
                       [](const ProximityPoint& p) { return feature_key(p.features); });

@@ -27,6 +27,7 @@ struct ProximityPoint {
     Vec3 a, b;           ///< closest points on the two bodies, world, m
     Vec3 normal;         ///< unit, from a to b; of a contact point, that of the flat side it is within theta of
     double distance = 0; ///< m, |b - a|; of a contact point, its part along the normal
+    bool flat = false;   ///< of a contact point of a vertex: the normal is that of the flat side that it is on
 };
 
 struct PruneCounters {
@@ -49,6 +50,7 @@ struct ProximityScratch {
     std::vector<ProximityPoint> found, others;
     FeatureBuffer candidates;
     SliceScratch slices;
+    std::vector<std::uint8_t> repeats;               ///< flags of points
     std::array<std::vector<std::int32_t>, 2> around; ///< triangles of the two bodies that may decide about a point
 };
 
@@ -72,7 +74,8 @@ ProximityResult find_proximities(const BodyMotion& a, const BodyMotion& b, doubl
 [[nodiscard]] bool admissible(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& point, double angle_cos,
                               ProximityScratch& scratch);
 
-/// Appends the contact points, the proximities that are admissible, to `out` in the order of their feature keys. Where
+/// Appends the contact points, the proximities that are admissible, one of each place (same_place.hpp), to `out` in the
+/// order of their feature keys. Where
 /// that is one alone, also the nearest in other directions up to 15 degrees from it, one in each: what stops the bodies
 /// where they slide from it.
 ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
@@ -80,7 +83,8 @@ ProximityResult find_contact_points(const BodyMotion& a, const BodyMotion& b, do
 
 /// The contact points of feature pairs that were contacts a little while ago: appends them to `out`, in the order of
 /// their feature keys, and sets `distance` to that of the nearest, m. False, and nothing appended, where one of them is
-/// none any more: not within `proximity`, or at the end of an edge of two.
+/// none any more: not within `proximity`, at the end of an edge of two, or of a vertex that left its flat side by more
+/// than theta, beyond which others carry what it did.
 [[nodiscard]] bool renew_contact_points(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
                                         std::span<const FeaturePair> features, double& distance,
                                         std::vector<ProximityPoint>& out);
@@ -98,8 +102,8 @@ struct PassingBodies {
     Vec3 across{}; ///< unit, from a to b: where they are known to touch; zero: nowhere. It changes no answer
 };
 
-/// As find_contact_points(), of the feature pairs alone that come nearer than the rest distance, which takes no time
-/// where there are none.
+/// As find_contact_points(), but for places, of the feature pairs alone that come nearer than the rest distance, which
+/// takes no time where there are none.
 void find_passing_points(const BodyMotion& a, const BodyMotion& b, const PassingBodies& passing, double proximity,
                          double angle_cos, ProximityScratch& scratch, std::vector<ProximityPoint>& out);
 

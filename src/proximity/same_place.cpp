@@ -36,27 +36,34 @@ class Corner {
 } // namespace
 
 std::size_t drop_same_places(const BodyMotion& a, const BodyMotion& b, double proximity, double angle_cos,
-                             std::size_t first, std::vector<ProximityPoint>& points) {
+                             std::size_t first, ProximityScratch& scratch, std::vector<ProximityPoint>& points) {
     const Corner corner(kOnePlace * proximity);
     const auto at_corner = [&](const ProximityPoint& p) {
         switch (p.features.kind) {
-        case FeatureKind::vertex_face: return false; // this one stays
+        case FeatureKind::vertex_face: return corner.of_face(b, p.features.b, p.b);
         case FeatureKind::face_vertex: return corner.of_face(a, p.features.a, p.a);
         case FeatureKind::edge_edge: break;
         }
         return corner.of_edge(a, p.features.a, p.a) || corner.of_edge(b, p.features.b, p.b);
     };
-    const auto from = points.begin() + static_cast<std::ptrdiff_t>(first);
-    auto end = from; // of those that stay
-    for (const ProximityPoint& p : std::span(from, points.end())) {
-        const auto says_the_same = [&](const ProximityPoint& kept) {
-            return kept.features.kind != FeatureKind::edge_edge && corner.one_place(kept.a, p.a) &&
-                   corner.one_place(kept.b, p.b) && dot(kept.normal, p.normal) >= angle_cos;
-        };
-        if (!at_corner(p) || std::none_of(from, end, says_the_same)) *end++ = p;
+    const std::span<ProximityPoint> found = std::span(points).subspan(first);
+    auto& repeats = scratch.repeats;
+    repeats.assign(found.size(), 0);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const ProximityPoint& p = found[i];
+        if (!at_corner(p)) continue;
+        for (std::size_t k = 0; k < found.size() && repeats[i] == 0; ++k) {
+            const ProximityPoint& q = found[k];
+            if (!q.flat || (p.flat && k >= i)) continue;
+            repeats[i] =
+                corner.one_place(q.a, p.a) && corner.one_place(q.b, p.b) && dot(q.normal, p.normal) >= angle_cos;
+        }
     }
-    const auto dropped = static_cast<std::size_t>(points.end() - end);
-    points.erase(end, points.end());
+    std::size_t end = first;
+    for (std::size_t i = 0; i < found.size(); ++i)
+        if (repeats[i] == 0) points[end++] = found[i];
+    const std::size_t dropped = points.size() - end;
+    points.resize(end);
     return dropped;
 }
 

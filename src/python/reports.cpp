@@ -64,7 +64,8 @@ void bind_sums(py::class_<StepReport>& type) {
 void bind_pruning(py::class_<StepReport>& type) {
     using R = StepReport;
     type.def_readonly("proximities", &R::proximities, "feature pairs within the proximity distance");
-    type.def_readonly("pruned_end_points", &R::pruned_end_points, "of them: ends of edges");
+    type.def_readonly("pruned_end_points", &R::pruned_end_points,
+                      "of them: ends of edges, what is in a flat face or at one place");
     type.def_readonly("pruned_same_direction", &R::pruned_same_direction,
                       "of them: farther faces in the same direction");
     type.def_readonly("pruned_angle", &R::pruned_angle, "of them: not the nearest point that the other body sees");

@@ -122,6 +122,7 @@ void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactS
 void solve_island(Island& island, const ContactBodies& bodies, const ContactSolveOptions& of_all, ContactScratch& s,
                   int thread = 0) {
     ContactSolveOptions options = of_all;
+    island.asked = island.tolerance;
     if (options.patience == 0 && options.warm_start)
         island.tolerance = std::max(island.tolerance, least_tolerance(island, options.tuning.of_load, s));
     options.tolerance = island.tolerance;
@@ -137,7 +138,10 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     // then stays: at rest.
     const double enough = aims_lower && small ? aim : island.tolerance;
     options.tolerance = aim;
-    if (small) leave_to_exact(island, options, s);
+    if (small)
+        leave_to_exact(island, options, s);
+    else if (island.rests)
+        options.patience *= tuning.patience_at_rest;
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.solved = island.solved || (options.tolerance == aim && island.residual <= enough);

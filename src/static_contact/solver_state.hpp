@@ -48,7 +48,7 @@ struct ContactSolveOptions {
     /// all of this off.
     int patience = 0;
     /// m/s. An island is at rest if its kinetic energy on entry is at most 1/2 m v^2 at this speed: what it has is what
-    /// gravity added. Then what is not solved yet is swept alone where it is a small part of a large island; sweeps aim
+    /// gravity added. Then what is not solved yet is swept alone where it is a small part of an island; sweeps aim
     /// at less than the tolerance (ContactTuning::aim_at_rest), over-constrained islands are given up early, and a
     /// shock pass stands only where it solves its levels. In motion nothing of this holds. 0: no island is at rest.
     double rest_speed = 0;
@@ -93,9 +93,10 @@ struct ContactScratch {
     };
     struct Island : IslandPlace {
         int iterations = 0;
-        double residual = 0;                      ///< m/s, of the final state
-        double tolerance = 0;                     ///< m/s
-        double exact_tolerance = 0;               ///< m/s, asked of an exact solve
+        double residual = 0;        ///< m/s, of the final state
+        double tolerance = 0;       ///< m/s
+        double asked = 0;           ///< m/s, the least tolerance of its contacts, by which they are parked
+        double exact_tolerance = 0; ///< m/s, asked of an exact solve
         double energy_before = 0, energy_pgs = 0; ///< J, kinetic; the latter of unsolved ones
         double speed = 0;                         ///< m/s, at which its mass has its energy before the solve
         std::int64_t visits = 0;

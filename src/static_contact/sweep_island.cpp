@@ -134,7 +134,8 @@ class IslandSweeps {
               std::span(s.violated).subspan(at(island.first_packet), at(island.end_packet - island.first_packet))),
           jams_(options.patience > 0 && island.rests &&
                 at(island.end - island.first) > at(tuning().pairs_of_jam) * bodies_.size()),
-          may_use_parts_(island.rests && tuning().part_divisor > 0 && !may_solve_exactly(island, options, s)),
+          may_use_parts_(island.rests && tuning().part_divisor > 0 &&
+                         (is_large(island, s) || !may_solve_exactly(island, options, s))),
           packs_parts_(!island.rests && options.patience > 0 && tuning().packed_divisor > 0 && is_large(island, s)),
           course_{.fall = FallOfResidual(options, jams_)},
           sharing_(sharing),
@@ -305,8 +306,8 @@ class IslandSweeps {
         bool hold = true;
         for (std::size_t lane = 0; lane < kPacketLanes; ++lane) { // those without a pair repeat another's bodies
             const ContactScratch::Change &a = s_.change[at(p.a[lane])], &b = s_.change[at(p.b[lane])];
-            const double least =
-                tuning().parked_room * tuning().parked_margin * options_.tolerance - reach * (a.turn + b.turn);
+            const double margin = tuning().parked_margin * std::min(options_.tolerance, island_.asked);
+            const double least = tuning().parked_room * margin - reach * (a.turn + b.turn);
             hold &= least > 0 && length_sq(b.linear - a.linear) < least * least;
         }
         return hold;

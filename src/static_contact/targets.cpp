@@ -160,9 +160,10 @@ class PairTargets {
         if (!tolerance_given(s)) return s.tolerance_share * default_tolerance(c, set_.rest[i]);
         const double given =
             s.static_tolerance >= 0 ? s.static_tolerance : s.tolerance_share * default_tolerance(c, set_.rest[i]);
-        return std::max(given, input_.tuning.of_load * length(input_.carried[i]) * normal_mass(c));
+        if (!s.warm_start) return given;
+        return std::max(given, input_.tuning.of_load * dot(c.normal, input_.carried[i]) * normal_mass(c));
     }
-    /// 1/kg: W_nn.
+    /// 1/kg: W_nn, or more where axes are locked.
     [[nodiscard]] double normal_mass(const Contact& c) const {
         double mass = 0;
         for (const std::int32_t body : {c.a, c.b}) {

@@ -101,6 +101,34 @@ SceneDescription brick_wall(const Settings& settings, int courses, int bricks) {
     return scene;
 }
 
+/// Cubes of 1 m in rows, each on two of the row below.
+SceneDescription pyramid(const Settings& settings, int rows, double friction) {
+    const TriangleMesh mesh = make_box(1, 1, 1);
+    const double pitch = 1 + rest_gap(mesh);
+    SceneDescription scene = make_scene_with(settings);
+    const auto cube = add_shape(scene, mesh, 600);
+    for (int row = 0; row < rows; ++row)
+        for (int i = 0; i < rows - row; ++i)
+            add_body(scene, cube, BodyType::dynamic,
+                     {(i - 0.5 * (rows - row - 1)) * pitch, 0, 0.5 + row * pitch + rest_gap(mesh)}, friction, 0);
+    add_ground(scene, 60, friction, 0);
+    return scene;
+}
+
+/// With bodies enough that sweeps alone solve it.
+void falls_asleep(SceneDescription scene) {
+    scene.settings.sleeping = true;
+    Motion motion(scene);
+    std::int64_t asleep = -1;
+    motion.run(5, [&](const StepReport& r) {
+        if (asleep < 0 && r.sleeping == static_cast<std::int64_t>(motion.world().size()) - 1) asleep = r.step;
+    });
+    motion.print("asleep in step %lld, moved by %.3g m", static_cast<long long>(asleep), motion.farthest());
+    EXPECT_GE(asleep, 0);
+    EXPECT_LT(motion.farthest(), 0.01);
+    expect_no_rise(motion);
+}
+
 /// 44 bricks in eight courses under a beam as long as the wall. The last body is the ground.
 SceneDescription wall_under_beam(const Settings& settings, double bricks_of_beam) {
     SceneDescription scene = brick_wall(settings, 8, 5);
@@ -193,6 +221,19 @@ std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(
         sleeps_only_when_carried(stack);
         rests_awake(stack);
     });
+    for (const int rows : {14, 16})
+        for (const int friction : {10, 50})
+            add_runs("Stacks",
+                     "PyramidOf" + std::to_string(rows) + "RowsFriction0_" + std::to_string(friction) + "Sleeps",
+                     {{"balanced", 24}}, rows == 16,
+                     [=](const Run& r) { falls_asleep(pyramid(r.settings(), rows, 0.01 * friction)); });
+    for (const int courses : {10, 12, 14})
+        add_runs("Stacks", "WallOf" + std::to_string(courses) + "CoursesSleeps", {{"balanced", 24}}, courses == 12,
+                 [=](const Run& r) {
+                     SceneDescription scene = brick_wall(r.settings(), courses, 8);
+                     add_ground(scene, 10, 0.6, 0);
+                     falls_asleep(scene);
+                 });
     const auto wall = [](const Run& r) {
         SceneDescription scene = brick_wall(r.settings(), 10, 5);
         add_ground(scene, 10, 0.6, 0);

@@ -223,12 +223,28 @@ TEST(ContactPoints, CornersAtOnePlaceAreOneContact) {
     EXPECT_EQ(on_cube(0, 0, rotation_from_vector({0, 0, 0.1})).size(), 8u); // all edges cross
 }
 
+// Tips of cones have no flat side, and a corner a hair beside one is seen along a tilted line: what stays at the place
+// is the tip on the corner's flat side, whichever body comes first.
+TEST(ContactPoints, OfAPlaceTheContactOnAFlatSideStays) {
+    const TriangleMesh cone{{{0, 0, 0}, {0.1, 0, -0.01}, {0, 0.1, -0.01}, {-0.1, 0, -0.01}, {0, -0.1, -0.01}},
+                            {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {1, 3, 2}, {1, 4, 3}}};
+    for (const double hair : {1e-9, 2e-7, 3e-6}) { // the tip inside of the plate's corner by that
+        const Placed tip{cone, {}}, plate{make_box(1, 1, 0.1), {0.5 - hair, 0.5 - hair, 0.055}};
+        for (const bool tip_first : {true, false}) {
+            const auto points = tip_first ? contact_points(tip, plate) : contact_points(plate, tip);
+            ASSERT_EQ(points.size(), 1u) << hair << tip_first;
+            EXPECT_LT(length(points[0].normal - Vec3{0, 0, tip_first ? 1.0 : -1.0}), 1e-14) << hair << tip_first;
+        }
+    }
+}
+
 // Two sides that meet at a corner are two contacts, though at one place.
 TEST(ContactPoints, CornersInOtherDirectionsStay) {
     // A cube in the corner of a floor and a wall, its lower edge's ends at the ends of theirs.
     const TriangleMesh corner{{{0, -0.5, 0}, {0, 0.5, 0}, {1, 0.5, 0}, {1, -0.5, 0}, {0, 0.5, 1}, {0, -0.5, 1}},
                               {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {0, 4, 5}}};
-    const auto points = contact_points({corner, {}}, {make_box(0.8, 1, 0.8), {0.405, 0, 0.405}});
+    constexpr double kGap = 1e-6; // so near that points on floor and wall are at one place
+    const auto points = contact_points({corner, {}}, {make_box(0.8, 1, 0.8), {0.4 + kGap, 0, 0.4 + kGap}});
     EXPECT_EQ(count_along(points, {0, 0, 1}), 4);
     EXPECT_EQ(count_along(points, {1, 0, 0}), 4);
 }
@@ -257,6 +273,34 @@ TEST(ContactPoints, EdgeBetweenFacetsOfARoundBodyIsNoRim) {
         EXPECT_LT(length(points[0].normal - normalized(points[0].b - points[0].a)), 1e-12);
         EXPECT_LT(length(points[0].normal - way), 1e-9);
     }
+}
+
+// One contact of each corner of two flush cubes is known. Where one has slid so far that a corner is seen along a line
+// beyond theta, others carry what it did, and all have to be searched for.
+TEST(ContactPoints, OnesThatLeftTheirSideAreSearchedFor) {
+    constexpr double kGap = 0.005;
+    const auto renewed = [&](double slid) {
+        const Pair flush({make_box(1, 1, 1), {}}, {make_box(1, 1, 1), {0, 0, 1 + kGap}});
+        const Pair now({make_box(1, 1, 1), {}}, {make_box(1, 1, 1), {slid, slid, 1 + kGap}});
+        ProximityScratch scratch;
+        std::vector<ProximityPoint> points;
+        (void)find_contact_points(flush.trajectories.at_start(0), flush.trajectories.at_start(1), kProximity, kAngleCos,
+                                  {}, scratch, points);
+        EXPECT_EQ(points.size(), 4u);
+        std::vector<FeaturePair> features;
+        for (const ProximityPoint& p : points) features.push_back(p.features);
+        points.clear();
+        double distance = 0;
+        const bool all = renew_contact_points(now.trajectories.at_start(0), now.trajectories.at_start(1), kProximity,
+                                              kAngleCos, features, distance, points);
+        for (const ProximityPoint& p : points) EXPECT_LT(length(p.normal - Vec3{0, 0, 1}), 1e-14) << slid;
+        EXPECT_EQ(points.size(), all ? 4u : 0u);
+        return all;
+    };
+    EXPECT_TRUE(renewed(0));
+    EXPECT_TRUE(renewed(0.03 * kGap));  // 2.4 degrees
+    EXPECT_FALSE(renewed(0.04 * kGap)); // 3.2
+    EXPECT_FALSE(renewed(0.15 * kGap));
 }
 
 TEST(ContactPoints, OnesThatAreKnownAreFoundAgain) {

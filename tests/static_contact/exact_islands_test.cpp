@@ -250,6 +250,27 @@ TEST(ExactIslands, NoToleranceIsBelowTheRoundingOfLoads) {
     EXPECT_EQ(solved_again(of_load, 50).first, kTolerance); // the default one, far above
 }
 
+// A light body beside such a column, which its floor pushes up against the heavy one's underside. That contact carries
+// nothing, is parked by the tolerance that was asked for, and must not be believed to hold by the raised one.
+TEST(ExactIslands, WhatIsParkedIsSeenBesideHeavyLoads) {
+    ContactWorld w = make_column(8, 0.4);
+    w.inv_mass.back() = 1e-9;
+    const std::int32_t heavy = 8, light = w.add_body(1, {}, {2, 0, 1});
+    w.velocity.back() = {0, 0, -0.4};
+    w.add_contact(0, light, {2, 0, 0.5}, kUp, 0);
+    w.add_contact(heavy, light, {2, 0, 1.5}, -kUp, 0, -1e3);
+    ContactSolveOptions options = exact_at(1e-12);
+    options.iterations = 10000;
+    (void)w.solve(options);
+    for (int body = 1; body <= light; ++body) w.velocity[static_cast<std::size_t>(body)] = {0, 0, -0.4};
+    w.contacts[8].target = 5e-5;
+    w.contacts[9].target = -1e-6;
+    const ContactSolveStats stats = w.solve(options);
+    const auto speed = [&](std::int32_t body) { return w.velocity[static_cast<std::size_t>(body)].z; };
+    EXPECT_LT(speed(light) - speed(heavy), 1e-5); // 5e-5 where nobody looks
+    EXPECT_GE(stats.residual, speed(light) - speed(heavy) - 1e-6);
+}
+
 TEST(ExactIslands, ThreadsAndOtherIslandsChangeNoBit) {
     const ContactWorld start = make_random(4, 48, 6, 0.4, true);
     ContactWorld alone = start;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "static_contact/contact_systems.hpp"
+#include "static_contact/sweep_island.hpp"
 
 namespace flotilla {
 namespace {
@@ -125,6 +126,34 @@ TEST(UnsolvedPart, ThreadsAndVectorsChangeNoBit) {
         options.iterations = 500;
         options.rest_speed = 0.8;
         expect_same_bits(start, options);
+    }
+}
+
+// Too small for several threads together, each has one, and that one's memory of parts.
+TEST(UnsolvedPart, SmallIslandsSideBySideChangeNoBit) {
+    constexpr int kIslands = 24;
+    ContactWorld w;
+    for (int k = 0; k < kIslands; ++k) {
+        const ContactWorld one = make_floor_with_tower(7, 16 + k % 3, 0.3);
+        const auto first = static_cast<std::int32_t>(w.position.size());
+        const Vec3 shift{100.0 * k, 0, 0};
+        for (std::size_t i = 0; i < one.position.size(); ++i) {
+            (void)w.add_body(i == 0 ? 0 : 1, {0.2, 0.2, 0.2}, one.position[i] + shift);
+            w.velocity.back() = one.velocity[i];
+        }
+        for (const Contact& c : one.contacts)
+            w.add_contact(first + c.a, first + c.b, c.point + shift, c.normal, c.friction);
+    }
+    for (const int patience : {0, 50}) {
+        ContactSolveOptions options = at_rest();
+        options.iterations = 3000;
+        options.tolerance = 1e-4;
+        options.rest_speed = 0.8;
+        options.patience = patience;
+        ContactWorld once = w;
+        EXPECT_EQ(once.solve(options).islands, kIslands);
+        for (const ContactScratch::Island& island : once.scratch.islands) EXPECT_FALSE(is_large(island, once.scratch));
+        expect_same_bits(w, options);
     }
 }
 
