@@ -50,7 +50,7 @@ constexpr Row kRows[] = {
     {"patience: none", [](ContactTuning& t) { t.patience = 1 << 20; }},
     {"patience: 100", [](ContactTuning& t) { t.patience = 100; }},
     {"patience: 25", [](ContactTuning& t) { t.patience = 25, t.patience_share = 40; }},
-    {"patience at rest: 1", [](ContactTuning& t) { t.patience_at_rest = 1; }},
+    {"patience at rest: as in motion", [](ContactTuning& t) { t.patient_at_rest = false; }},
     {"jams: none", [](ContactTuning& t) { t.looks_at_jam = 0; }},
     {"aim: at the tolerance", [](ContactTuning& t) { t.aim_at_rest = t.aim_in_motion = 1; }},
     {"aim: an eighth", [](ContactTuning& t) { t.aim_at_rest = 0.125; }},

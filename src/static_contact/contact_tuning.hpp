@@ -42,12 +42,10 @@ struct ContactTuning {
     /// sweeps where that is more, since a caller that allows many means it. Row: patience.
     int patience = 50, patience_share = 20;
     double least_fall = 0.8;
-    /// So many times the patience for an island at rest that no exact solve follows: what it is left with is there
-    /// again in the next step, and walls and pyramids of 100 to 200 bricks, whose slow modes keep the residual where it
-    /// is for longer, swayed for ever at up to 0.5 m/s. Of thirteen pyramids of 91 to 210 boxes 12 sleep in 120 steps,
-    /// in a third of the time in which 5 do with 1; 10 or 20 are no better. 1,002 boats take 10 % longer while they
-    /// settle. Row: patience at rest.
-    int patience_at_rest = 4;
+    /// An island at rest that no exact solve follows is not given up so: what it is left with is there again in the next
+    /// step, and walls, tables and pyramids of 100 to 200 boxes, whose slow modes keep the residual where it is for
+    /// longer, swayed for ever at up to 0.5 m/s. Row: patience at rest.
+    bool patient_at_rest = true;
     /// An over-constrained island (a jam): bodies that touch so many others that their impulses are not determined hand
     /// load round for ever. One evaluation after the other finds the residual where it was, to the share `stands`, and
     /// more than `fewer` of the violated pairs. So many evaluations in a row end a solve in an island with more than so

@@ -140,8 +140,8 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     options.tolerance = aim;
     if (small)
         leave_to_exact(island, options, s);
-    else if (island.rests)
-        options.patience *= tuning.patience_at_rest;
+    else if (island.rests && options.patience > 0 && tuning.patient_at_rest)
+        options.patience = std::max(options.patience, options.iterations);
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
         island.solved = island.solved || (options.tolerance == aim && island.residual <= enough);
