@@ -115,6 +115,27 @@ SceneDescription pyramid(const Settings& settings, int rows, double friction) {
     return scene;
 }
 
+/// Eight bricks of 2 by 1 by 1 m a course with 4 cm between them, every second course shifted by half a brick between two
+/// cubes.
+SceneDescription loose_wall(const Settings& settings, int courses) {
+    constexpr int kBricks = 8;
+    constexpr double kPitch = 2.04, kGap = 0.0062, kFriction = 0.4;
+    SceneDescription scene = make_scene_with(settings);
+    const auto brick = add_shape(scene, make_box(2, 1, 1), 1200), cube = add_shape(scene, make_box(1, 1, 1), 600);
+    const auto add = [&](std::int32_t shape, double x, int course) {
+        add_body(scene, shape, BodyType::dynamic, {x, 0, 0.5 + kGap + course * (1 + kGap)}, kFriction, 0);
+    };
+    for (int course = 0; course < courses; ++course) {
+        const bool shifted = course % 2 == 1;
+        for (int i = 0; i < kBricks - (shifted ? 1 : 0); ++i) add(brick, kPitch * (i + (shifted ? 0.5 : 0.0)), course);
+        if (!shifted) continue;
+        add(cube, -0.5, course);
+        add(cube, kPitch * (kBricks - 1) + 0.5, course);
+    }
+    add_ground(scene, 60, kFriction, 0);
+    return scene;
+}
+
 /// With bodies enough that sweeps alone solve it.
 void falls_asleep(SceneDescription scene) {
     scene.settings.sleeping = true;
@@ -227,6 +248,9 @@ std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(
                      "PyramidOf" + std::to_string(rows) + "RowsFriction0_" + std::to_string(friction) + "Sleeps",
                      {{"balanced", 24}}, rows == 16,
                      [=](const Run& r) { falls_asleep(pyramid(r.settings(), rows, 0.01 * friction)); });
+    for (const int courses : {12, 14, 16})
+        add_runs("Stacks", "LooseWallOf" + std::to_string(courses) + "CoursesSleeps", {{"balanced", 24}}, courses == 12,
+                 [=](const Run& r) { falls_asleep(loose_wall(r.settings(), courses)); });
     for (const int courses : {10, 12, 14})
         add_runs("Stacks", "WallOf" + std::to_string(courses) + "CoursesSleeps", {{"balanced", 24}}, courses == 12,
                  [=](const Run& r) {
