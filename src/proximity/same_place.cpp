@@ -2,7 +2,6 @@
 #include "proximity/same_place.hpp"
 
 #include <algorithm>
-#include <array>
 #include <span>
 
 #include "base/index.hpp"

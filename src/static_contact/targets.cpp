@@ -157,11 +157,10 @@ class PairTargets {
     [[nodiscard]] double tolerance(std::size_t i) const {
         const Settings& s = model_.settings;
         const Contact& c = set_.contacts[i];
-        if (!tolerance_given(s)) return s.tolerance_share * default_tolerance(c, set_.rest[i]);
-        const double given =
+        const double due =
             s.static_tolerance >= 0 ? s.static_tolerance : s.tolerance_share * default_tolerance(c, set_.rest[i]);
-        if (!s.warm_start) return given;
-        return std::max(given, input_.tuning.of_load * dot(c.normal, input_.carried[i]) * normal_mass(c));
+        if (!tolerance_given(s) || !s.warm_start) return due;
+        return std::max(due, input_.tuning.of_load * dot(c.normal, input_.carried[i]) * normal_mass(c));
     }
     /// 1/kg: W_nn, or more where axes are locked.
     [[nodiscard]] double normal_mass(const Contact& c) const {

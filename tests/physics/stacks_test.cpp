@@ -251,13 +251,6 @@ std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(
     for (const int courses : {12, 14, 16})
         add_runs("Stacks", "LooseWallOf" + std::to_string(courses) + "CoursesSleeps", {{"balanced", 24}}, courses == 12,
                  [=](const Run& r) { falls_asleep(loose_wall(r.settings(), courses)); });
-    for (const int courses : {10, 12, 14})
-        add_runs("Stacks", "WallOf" + std::to_string(courses) + "CoursesSleeps", {{"balanced", 24}}, courses == 12,
-                 [=](const Run& r) {
-                     SceneDescription scene = brick_wall(r.settings(), courses, 8);
-                     add_ground(scene, 10, 0.6, 0);
-                     falls_asleep(scene);
-                 });
     const auto wall = [](const Run& r) {
         SceneDescription scene = brick_wall(r.settings(), 10, 5);
         add_ground(scene, 10, 0.6, 0);

@@ -247,7 +247,7 @@ TEST(ExactIslands, NoToleranceIsBelowTheRoundingOfLoads) {
     EXPECT_GT(stats.residual, kTolerance);
     EXPECT_LT(stats.residual, raised);
     EXPECT_EQ(solved_again(0, 0).first, kTolerance);
-    EXPECT_EQ(solved_again(of_load, 50).first, kTolerance); // the default one, far above
+    EXPECT_EQ(solved_again(of_load, 50).first, kTolerance); // not asked for
 }
 
 // A light body beside such a column, which its floor pushes up against the heavy one's underside. That contact carries
