@@ -16,9 +16,8 @@
 namespace flotilla {
 namespace {
 
-/// Sweeps over the pairs that had an impulse, between two rounds over all pairs, at most: most further hits are theirs,
-/// and no list is made for them. Not measured.
-constexpr int kActiveSweeps = 8;
+/// Sweeps over the pairs that had an impulse which one division of the work serves.
+constexpr int kSweepsAtOnce = 8;
 
 /// The impulse of a contact with restitution, cut so that no energy is gained; nothing where it would do nothing.
 std::optional<Vec3> elastic_impulse(const StepView& view, const CandidatePair& pair, const ContactPoint& point) {
@@ -125,8 +124,8 @@ class SequentialCollisions {
         : view_(view), movers_(movers), book_(book), workers_(workers), scratch_(scratch) {}
 
     /// Algorithm 1: for all pairs that may collide or come near each other, resolve their hits; again, until none hits.
-    /// Between two rounds over all pairs, those that had an impulse are resolved several times over: most further hits
-    /// are theirs. Where that gains nothing the hits of an operation are joined, and it is tried again: a ring that
+    /// Between two rounds over all pairs, those that had an impulse are resolved until none of them hits: most further
+    /// hits are theirs, and no list is made for them. Where that gains nothing the hits of an operation are joined, and it is tried again: a ring that
     /// hits the peg in it on one side and, on its way from the start of the step, on the other would go to and fro for
     /// ever.
     StageCounters run() {
@@ -142,9 +141,7 @@ class SequentialCollisions {
             }
             add_active(list.pairs);
             note_progress();
-            if (sweeps_left() <= 0) break;
-            resolve(scratch_.active, std::min(kActiveSweeps, sweeps_left()));
-            note_progress();
+            resolve_active();
         }
         counters_.limit = true;
         return counters_;
@@ -203,6 +200,16 @@ class SequentialCollisions {
         count_hitting(count);
         counters_.sweeps += std::ssize(scratch_.hitting);
         return scratch_.hitting.size();
+    }
+
+    /// Goes over the pairs that had an impulse until none of them is open.
+    void resolve_active() {
+        while (sweeps_left() > 0 && goes_on()) {
+            const int rounds = std::min(kSweepsAtOnce, sweeps_left());
+            const std::size_t run = resolve(scratch_.active, rounds);
+            note_progress();
+            if (run < at(rounds)) return;
+        }
     }
 
     void count_hitting(std::size_t rounds) {

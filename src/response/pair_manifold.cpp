@@ -25,10 +25,14 @@ void PairManifold::start(const Impulsive& a, const Impulsive& b, double gap) {
     hits_.clear();
 }
 
-void PairManifold::set_masses(Hit& hit) const {
-    const Mat3 k = collision_matrix(a_, b_, hit.point.arm_a, hit.point.arm_b);
+void PairManifold::set_effects(Hit& hit) const {
+    const Vec3 &arm_a = hit.point.arm_a, &arm_b = hit.point.arm_b;
+    const Mat3 k = collision_matrix(a_, b_, arm_a, arm_b);
     hit.mass_normal = normal_mobility(a_, b_, hit.point, k);
     hit.mass_tangent = k.m[0] + k.m[4] + k.m[8]; // its trace: no less than its largest eigenvalue
+    hit.own = k;
+    hit.turn_a = a_.inverse_inertia * cross_matrix(arm_a);
+    hit.turn_b = b_.inverse_inertia * cross_matrix(arm_b);
 }
 
 PairManifold::Velocities PairManifold::applied() const {
@@ -52,7 +56,7 @@ PairManifold::Hit PairManifold::make_hit(const ContactPoint& point, double resti
                                          const Velocities& applied) const {
     Hit hit;
     hit.point = point;
-    set_masses(hit);
+    set_effects(hit);
     hit.point.relative_velocity -= change(point, applied);
     hit.target = std::max(0.0, -restitution * dot(point.normal, hit.point.relative_velocity));
     return hit;
@@ -66,9 +70,9 @@ void PairManifold::add(const ContactPoint& point, double restitution, const Vec3
 
 void PairManifold::push(const Hit& hit, const Vec3& impulse, Velocities& v) const {
     v.linear_a -= velocity_change(a_, impulse);
-    v.angular_a -= a_.inverse_inertia * cross(hit.point.arm_a, impulse);
+    v.angular_a -= hit.turn_a * impulse;
     v.linear_b += velocity_change(b_, impulse);
-    v.angular_b += b_.inverse_inertia * cross(hit.point.arm_b, impulse);
+    v.angular_b += hit.turn_b * impulse;
 }
 
 Vec3 PairManifold::relative(const Hit& hit, const Velocities& v) {
@@ -83,18 +87,18 @@ double PairManifold::sweep(Velocities& v) {
         const Vec3& n = hit.point.normal;
         const Vec3 u = relative(hit, v);
         const double old = dot(n, hit.next), normal = std::max(0.0, old + (hit.target - dot(n, u)) / hit.mass_normal);
-        if (normal != old) push(hit, (normal - old) * n, v);
-        hit.next += (normal - old) * n;
+        if (!(normal > 0) && hit.next == Vec3{}) continue;
         worst = std::max(worst, std::abs(normal - old) * hit.mass_normal);
         // Down the gradient of the energy of the slip, onto the disc of Coulomb's law.
-        const Vec3 slip = relative(hit, v), tangential = slip - dot(n, slip) * n;
-        Vec3 wanted = hit.next - normal * n - tangential / hit.mass_tangent;
+        const Vec3 slip = u + hit.own * ((normal - old) * n), tangential = slip - dot(n, slip) * n;
+        const Vec3 friction = hit.next - old * n;
+        Vec3 wanted = friction - tangential / hit.mass_tangent;
         const double size = length(wanted), bound = hit.point.friction * normal;
         if (size > bound) wanted = (bound / size) * wanted;
-        const Vec3 change = wanted - (hit.next - normal * n);
-        push(hit, change, v);
-        hit.next += change;
-        worst = std::max(worst, length(change) * hit.mass_tangent);
+        worst = std::max(worst, length(wanted - friction) * hit.mass_tangent);
+        const Vec3 next = normal * n + wanted;
+        push(hit, next - hit.next, v);
+        hit.next = next;
     }
     return worst;
 }

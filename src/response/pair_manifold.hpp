@@ -50,6 +50,8 @@ class PairManifold {
         Vec3 impulse{};                           ///< N s, on b, applied
         Vec3 next{};                              ///< the same, as solved
         double mass_normal = 0, mass_tangent = 0; ///< 1/kg, of the point: along the normal, and no less than any other
+        Mat3 own{};                               ///< 1/kg, what an impulse changes of its relative velocity
+        Mat3 turn_a{}, turn_b{};                  ///< 1/(kg m), what one changes of the angular velocities
     };
     /// What impulses change.
     struct Velocities {
@@ -62,7 +64,7 @@ class PairManifold {
     /// What of the velocities changes at the point, b against a, m/s.
     [[nodiscard]] static Vec3 change(const ContactPoint& point, const Velocities& v);
     [[nodiscard]] static Vec3 relative(const Hit& hit, const Velocities& v);
-    void set_masses(Hit& hit) const;
+    void set_effects(Hit& hit) const;
     [[nodiscard]] double sweep(Velocities& v);
     [[nodiscard]] double energy_share() const;
 
