@@ -162,6 +162,55 @@ void for_crossings(const std::vector<Segment>& rim_a, const std::vector<Segment>
     }
 }
 
+/// The face of a body's hull, or the edge, that lands on a plane as a whole, as the normal of a plane through it.
+class Sole {
+  public:
+    /// What of a body lands with the point `from` on the plane with the normal `up`; the body's vertices near the plane
+    /// are `feet`. From the plane it is the first to be met, turned about that point and then about the edge that was
+    /// met, each by no more than `slope`. Feet within `reach` (m) of the point or the edge say nothing of that.
+    Sole(const Vec3& from, const Vec3& up, const std::vector<Vec3>& feet, double slope, double reach)
+        : from_(from), normal_(up) {
+        double least = slope;
+        Vec3 edge;
+        for (const Vec3& x : feet) {
+            const Vec3 way = x - from;
+            const double height = dot(up, way), level = length(way - height * up);
+            if (!(level > reach) || !(height <= least * level)) continue;
+            least = height / level;
+            edge = way;
+        }
+        if (edge == Vec3{}) return;
+        const Vec3 along = normalized(edge), upright = normalized(up - dot(up, along) * along);
+        const Vec3 aside = cross(along, upright);
+        normal_ = upright;
+        least = slope;
+        for (const Vec3& x : feet) {
+            const double level = dot(aside, x - from), height = dot(upright, x - from);
+            if (!(std::abs(level) > reach) || !(height <= least * std::abs(level))) continue;
+            least = height / std::abs(level);
+            normal_ = normalized(upright - (height / level) * aside);
+        }
+    }
+    [[nodiscard]] bool has(const Vec3& x, double flat) const { return std::abs(dot(normal_, x - from_)) <= flat; }
+
+  private:
+    Vec3 from_, normal_;
+};
+
+/// Leaves of what is near the plane what lands with `from`: what lies on one face which is so level that the whole body,
+/// were it as wide as its `radius` (m), would be within the reach. The rest meets the plane later. A ball of a fine mesh
+/// has a hundred vertices within its rest distance of a floor, and a rebound of each would turn it as a foot of that
+/// width does.
+void keep_sole(const Vec3& from, const Vec3& up, double radius, double reach, Footprint& print) {
+    // Of the rest distance. Rounding of a mesh's coordinates in single precision is a tenth of that.
+    constexpr double kFlat = 1.0 / 1024;
+    if (print.feet.empty()) return;
+    const Sole sole(from, up, print.feet, reach / radius, reach);
+    const auto off = [&](const Vec3& x) { return !sole.has(x, kFlat * reach); };
+    std::erase_if(print.feet, off);
+    std::erase_if(print.rim, [&](const Segment& s) { return off(s.p) || off(s.q); });
+}
+
 Box box_of(const std::vector<Vec3>& points) {
     Box box;
     for (const Vec3& x : points) box = extended(box, x);
@@ -215,6 +264,8 @@ void find_simultaneous_hits(const StepView& view, std::array<Footprint, 2>& prin
     const Plane plane_a{-first.normal, -dot(first.normal, point_a)}, plane_b{first.normal, dot(first.normal, point)};
     find_footprints({a_then, b_then}, {plane_a, plane_b}, {body_a.inverse_mass > 0, body_b.inverse_mass > 0},
                     {reach, gap + reach}, prints);
+    keep_sole(point_a, -first.normal, a.shape->radius, reach, print_a);
+    keep_sole(point, first.normal, b.shape->radius, reach, print_b);
     for (const Vec3& x : print_a.feet) add_if(x, [&] { return touches(b_then, x, gap + reach); });
     for (const Vec3& x : print_b.feet) add_if(x, [&] { return touches(a_then, x, gap + reach); });
     for_crossings(print_a.rim, print_b.rim, gap + reach, [&](const Vec3& x) { add_if(x, [] { return true; }); });

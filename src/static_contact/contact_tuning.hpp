@@ -85,6 +85,11 @@ struct ContactTuning {
     /// corners close to each other carry rocked for ever, at 16 tolerances; where nothing sleeps it does so at what
     /// this lets pass. Row: settling.
     double settle_above = 1, settle_to = 1.0 / 64;
+    /// Where those are too many for a part and the island is slower than so many of its tolerances, at which bodies
+    /// fall asleep, the whole goes on to this share of what sweeps aim at: what contacts are left with adds up along
+    /// the rows of a pyramid, whose top sinks at twenty times that, and each step begins with it and leaves as much
+    /// again. Row: settling of the whole.
+    double settle_whole_below = 16, settle_whole_to = 1.0 / 8;
     /// In `look_every`: what the rounds of parts after one evaluation may cost, in sweeps of the whole.
     int part_waits = 4;
     /// In a large island in motion the part is packed anew, of pairs with a violation above the tolerance and this

@@ -171,7 +171,7 @@ class IslandSweeps {
     // extrapolation added; so the state is evaluated now and then where sweeps do meet some.
     AfterSweep after_sweep(double worst) {
         ++course_.whole;
-        known_ = worst <= options_.tolerance || course_.whole % tuning().look_every == 0;
+        known_ = worst <= aim_ || course_.whole % tuning().look_every == 0;
         bool used_parts = false;
         if (known_) {
             if (packs_parts_) choose_above(worst);
@@ -184,7 +184,7 @@ class IslandSweeps {
             const bool settled = settle();
             used_parts |= settled;
             // What settling changes at the border of its part is within the tolerance, mostly.
-            if (course_.left.residual <= (settled ? island_.tolerance : options_.tolerance)) return AfterSweep::done;
+            if (course_.left.residual <= (settled ? island_.tolerance : aim_)) return AfterSweep::done;
         } else if (course_.whole == tuning().peek) {
             activate_violated();
         }
@@ -192,7 +192,10 @@ class IslandSweeps {
         return course_.fall.rose() || used_parts ? AfterSweep::restart : AfterSweep::go_on;
     }
 
-    [[nodiscard]] bool gives_up() const { return course_.stalls() || course_.fall.jams(); }
+    [[nodiscard]] bool gives_up() const {
+        const bool solved = aim_ < options_.tolerance; // nothing contradicts itself
+        return course_.stalls() || (!solved && course_.fall.jams());
+    }
 
     /// Evaluates the residual, and activates violated parked contacts.
     void evaluate() {
@@ -330,8 +333,8 @@ class IslandSweeps {
         if (swept) course_.parts_from = course_.whole + tuning().look_every;
         return swept;
     }
-    /// Once, where an island at rest is solved: sweeps what still moves to less than the tolerance. Returns whether
-    /// anything does.
+    /// Once, where an island at rest is solved: sweeps what still moves to less than the tolerance, or has the whole
+    /// swept on where that is most of it. Returns whether a part was swept.
     bool settle() {
         if (settled_ || !may_use_parts_ || options_.patience == 0 || tuning().settle_above <= 0) return false;
         if (!(course_.left.residual <= options_.tolerance)) return false;
@@ -339,12 +342,15 @@ class IslandSweeps {
         const int most = options_.iterations - course_.sweeps() - tuning().look_every;
         if (most <= 0) return false;
         settled_ = true;
-        bool moves = false;
-        engine_.timed(0, choice_group(engine_), [&] { moves = mark_moving(island_, tuning(), s_, part()); });
-        if (!moves) return false;
+        IslandMotion motion;
+        engine_.timed(0, choice_group(engine_), [&] { motion = mark_moving(island_, tuning(), s_, part()); });
+        if (!motion.any) return false;
         ContactSolveOptions finer = options_;
         finer.tolerance *= tuning().settle_to;
-        if (!sweep_marked(most, finer)) return false;
+        if (!sweep_marked(most, finer)) {
+            if (motion.mean <= tuning().settle_whole_below * island_.tolerance) aim_ *= tuning().settle_whole_to;
+            return false;
+        }
         evaluate();
         course_.saw_after_part(seen_left());
         course_.fall.begin_again(course_.tries(), course_.left);
@@ -454,6 +460,7 @@ class IslandSweeps {
     bool may_use_parts_;               ///< whether what is not solved may be swept alone
     bool packs_parts_;                 ///< whether it may be, and is packed anew: in motion
     Course course_;
+    double aim_ = options_.tolerance;          ///< m/s, the residual at which sweeps of the whole end
     double chosen_above_ = options_.tolerance; ///< m/s: violations that evaluations mark
     bool known_ = false;                       ///< course_.left is that of the last sweep
     bool settled_ = false;                     ///< what moves was swept alone

@@ -2,6 +2,7 @@
 #include "static_contact/unsolved_part.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/index.hpp"
 
@@ -59,19 +60,22 @@ bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tu
     return mark_violated(at(island.first_packet), at(island.end_packet), most_packets(island, tuning), s, part);
 }
 
-bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& s,
-                 UnsolvedPart& part) {
+IslandMotion mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& s,
+                         UnsolvedPart& part) {
+    const double limit = tuning.settle_above * island.tolerance;
     bool any = false;
+    double mass = 0, energy = 0; // twice that
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
         const std::size_t body = at(s.island_bodies[at(k)]);
-        const double limit = tuning.settle_above * island.tolerance;
         // Twice the energy, by the harmonic mean of the principal inertias (list_island_bodies).
         const double twice = s.weight[body].linear * length_sq(s.velocity[body].linear) +
                              s.weight[body].angular * length_sq(s.velocity[body].angular);
         part.near[body] = twice > s.weight[body].linear * limit * limit ? 1 : 0;
         any |= part.near[body] != 0;
+        mass += s.weight[body].linear;
+        energy += twice;
     }
-    return any;
+    return {any, std::sqrt(energy / mass)};
 }
 
 void find_touching(std::size_t first, std::size_t end, const ContactScratch& s, UnsolvedPart& part) {

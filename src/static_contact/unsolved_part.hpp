@@ -20,9 +20,14 @@ void reserve_unsolved(const ContactScratch::Island& island, const ContactTuning&
 /// are too many batches of the island's.
 bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tuning, bool anew,
                    const ContactScratch& scratch, UnsolvedPart& part);
+/// How an island moves.
+struct IslandMotion {
+    bool any = false; ///< whether a body was marked
+    double mean = 0;  ///< m/s, at which the island's mass has its energy
+};
 /// Marks the movable bodies of the island that move by more than ContactTuning::settle_above of its tolerances, by
-/// their energy with the harmonic mean of their principal inertias; false where there are none.
-bool mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& scratch,
+/// their energy with the harmonic mean of their principal inertias.
+IslandMotion mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& scratch,
                  UnsolvedPart& part);
 /// Finds those of the packets [first, end) that have a marked body.
 void find_touching(std::size_t first, std::size_t end, const ContactScratch& scratch, UnsolvedPart& part);
