@@ -49,6 +49,7 @@ OfBoth change_of_hit(const StepView& view, const Worker& worker, const Candidate
 /// How all operations of a round take their hits.
 struct HitRules {
     const Touching& touching;
+    const Grounds& grounds;
     bool join = false; ///< all hits of an operation together, whenever they come
 };
 
@@ -105,7 +106,7 @@ bool collide(const StepView& view, const HitRules& rules, Movers& movers, Worker
     record.processed.withdraw();
     worker.manifold.clear();
     for (int i = 0; i < view.model.settings.collision_pair_iterations; ++i) {
-        if (!find_hits(view, worker, record)) return i > 0;
+        if (!find_hits(view, worker, record, &rules.grounds)) return i > 0;
         if (!respond(view, rules, movers, worker, pair)) {
             commit(view.trajectories, record, Verdict::settled); // stage 5 takes it
             ++worker.counters.settled;
@@ -168,6 +169,7 @@ class SequentialCollisions {
             close_early(view_, workers_, list,
                         [&](PairRecord& pair, Worker& worker) { return close_calm(view_, worker, pair); });
         counters_.pairs += static_cast<std::int64_t>(list.num_closed());
+        scratch_.grounds.list(view_, list.pairs, workers_.team, book_.lists.chunk_places);
         return list;
     }
 
@@ -190,7 +192,8 @@ class SequentialCollisions {
             [&](std::size_t i, int round, Worker& worker) {
                 const std::size_t r = at(round);
                 take_largest_push(worker); // of operations before
-                if (collide(view_, {scratch_.touching, join_}, movers_, worker, list[i])) ++worker.hitting[r];
+                if (collide(view_, {scratch_.touching, scratch_.grounds, join_}, movers_, worker, list[i]))
+                    ++worker.hitting[r];
                 worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));
                 ++worker.work[r];
             }};

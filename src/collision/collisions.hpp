@@ -8,6 +8,7 @@
 #pragma once
 
 #include "collision/accumulated.hpp"
+#include "collision/grounds.hpp"
 
 namespace flotilla {
 
@@ -19,6 +20,7 @@ struct CollisionScratch {
     std::vector<double> hardest;      ///< sequential: N s, the largest impulse, by sweep
     HitLists hits;                    ///< accumulated
     Touching touching;
+    Grounds grounds; ///< sequential
 };
 
 StageCounters handle_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,

@@ -166,7 +166,7 @@ CollisionFinding find_collision(const StepView& view, Worker& worker, const Pair
     return out;
 }
 
-bool find_hits(const StepView& view, Worker& worker, PairRecord& pair) {
+bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Grounds* grounds) {
     const CollisionFinding found = find_collision(view, worker, pair, pair.cache);
     commit(view.trajectories, pair, found.verdict);
     if (found.processed) pair.processed.set();
@@ -174,8 +174,13 @@ bool find_hits(const StepView& view, Worker& worker, PairRecord& pair) {
     if (!found.urgent) return false;
     worker.hits.push_back(*found.urgent);
     worker.landing = found.landing;
-    find_simultaneous_hits(view, worker.footprints, {found.hit, pair.a, pair.b}, *found.urgent, pair.lengths.rest,
-                           worker.hits);
+    const ClusterHit hit{found.hit, pair.a, pair.b};
+    find_simultaneous_hits(view, worker.footprints, hit, *found.urgent, pair.lengths.rest, worker.hits);
+    if (grounds == nullptr) return true;
+    const bool a_stands = view.clusters[view.clusters.of(at(pair.a))].infinite();
+    grounds->beside(view, a_stands ? pair.b : pair.a, a_stands ? pair.a : pair.b, worker.grounds);
+    for (const std::int32_t ground : worker.grounds)
+        find_simultaneous_hits_on(view, worker.footprints, hit, ground, *found.urgent, pair.lengths.rest, worker.hits);
     return true;
 }
 

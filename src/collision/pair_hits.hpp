@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "collision/grounds.hpp"
 #include "pair/examine.hpp"
 #include "pair/pair_table.hpp"
 #include "pair/step_view.hpp"
@@ -45,8 +46,9 @@ struct CollisionFinding {
                                               PairCache& cache);
 
 /// find_collision(), recorded; fills worker.hits with what calls for an impulse, the earliest first, and what hits at
-/// the same time, and worker.landing. Returns whether there is any.
-bool find_hits(const StepView& view, Worker& worker, PairRecord& pair);
+/// the same time, and worker.landing. Returns whether there is any. `grounds`: what hits these at the same time is added
+/// to what hits one of them; null: nothing is.
+bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Grounds* grounds = nullptr);
 
 /// The same ahead of the pair's turn, recorded where nothing calls for an impulse: what its turn would do if it came
 /// now. Returns whether that was so.

@@ -9,6 +9,7 @@
 #include "geometry/closest.hpp"
 #include "geometry/rounding.hpp"
 #include "pair/body_at.hpp"
+#include "pair/impulses.hpp"
 
 namespace flotilla {
 namespace {
@@ -233,29 +234,27 @@ void find_footprints(const std::array<BodyAt, 2>& bodies, const std::array<Plane
         if (moves[k]) find_rim(bodies[k], planes[k], reach, prints[k].rim);
 }
 
-} // namespace
-
-void find_simultaneous_hits(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
-                            const ContactPoint& first, double reach, std::vector<ContactPoint>& out) {
+/// `shapes`: whose surfaces touch; but for a ground in its place that of the bodies of the hit.
+void find_hits_of(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
+                  const std::array<std::int32_t, 2>& shapes, const ContactPoint& first, double reach,
+                  std::vector<ContactPoint>& out) {
     const double t = hit.hit.toi;
-    const BodyMotion a = view.trajectories.motion(at(hit.a)), b = view.trajectories.motion(at(hit.b));
+    const BodyMotion a = view.trajectories.motion(at(shapes[0])), b = view.trajectories.motion(at(shapes[1]));
     const BodyAt a_then(a, t), b_then(b, t);
-    const auto center = [&](const BodyMotion& body, std::int32_t id) { // from which the arms of the hit are
+    const auto center = [&](std::int32_t id) { // from which the arms of the hit are
         const bool stays = hit.hit.hit && view.clusters[view.clusters.of(at(id))].infinite();
-        return stays ? view.trajectories.start_pose(at(id)).com : body.pose(t).com;
+        return stays ? view.trajectories.start_pose(at(id)).com : view.trajectories.motion(at(id)).pose(t).com;
     };
-    const Vec3 com_a = center(a, hit.a), com_b = center(b, hit.b), point_a = com_a + first.arm_a,
-               point = com_b + first.arm_b;
-    const double gap = length(point - point_a);
+    const Vec3 com_a = center(hit.a), com_b = center(hit.b), point_a = com_a + first.arm_a, point = com_b + first.arm_b;
+    const double gap = length(point - point_a), friction = pair_friction(view.model, shapes[0], shapes[1]);
     const Impulsive body_a = view.clusters.impulsive(view.clusters.of(at(hit.a)));
     const Impulsive body_b = view.clusters.impulsive(view.clusters.of(at(hit.b)));
-    const std::size_t before = out.size();
     const auto known = [&](const Vec3& x) {
-        return std::any_of(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
+        return std::any_of(out.begin(), out.end(),
                            [&](const ContactPoint& p) { return length_sq(p.arm_b - (x - com_b)) <= reach * reach; });
     };
     const auto add_if = [&](const Vec3& x, auto&& meets) {
-        ContactPoint p{first.normal, x - com_a, x - com_b, {}, first.friction};
+        ContactPoint p{first.normal, x - com_a, x - com_b, {}, friction};
         p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
         if (!(dot(p.relative_velocity, p.normal) < 0) || length_sq(x - point) <= 4 * reach * reach) return;
         if (!known(x) && meets()) out.push_back(p);
@@ -269,6 +268,20 @@ void find_simultaneous_hits(const StepView& view, std::array<Footprint, 2>& prin
     for (const Vec3& x : print_a.feet) add_if(x, [&] { return touches(b_then, x, gap + reach); });
     for (const Vec3& x : print_b.feet) add_if(x, [&] { return touches(a_then, x, gap + reach); });
     for_crossings(print_a.rim, print_b.rim, gap + reach, [&](const Vec3& x) { add_if(x, [] { return true; }); });
+}
+
+} // namespace
+
+void find_simultaneous_hits(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
+                            const ContactPoint& first, double reach, std::vector<ContactPoint>& out) {
+    find_hits_of(view, prints, hit, {hit.a, hit.b}, first, reach, out);
+}
+
+void find_simultaneous_hits_on(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
+                               std::int32_t ground, const ContactPoint& first, double reach,
+                               std::vector<ContactPoint>& out) {
+    const bool a_stands = view.clusters[view.clusters.of(at(hit.a))].infinite();
+    find_hits_of(view, prints, hit, {a_stands ? ground : hit.a, a_stands ? hit.b : ground}, first, reach, out);
 }
 
 } // namespace flotilla

@@ -19,5 +19,9 @@ namespace flotilla {
 /// scratch.
 void find_simultaneous_hits(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
                             const ContactPoint& first, double reach, std::vector<ContactPoint>& out);
+/// The same on `ground`, a body that stands still, in place of that of the two which does; with its friction.
+void find_simultaneous_hits_on(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
+                               std::int32_t ground, const ContactPoint& first, double reach,
+                               std::vector<ContactPoint>& out);
 
 } // namespace flotilla

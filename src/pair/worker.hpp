@@ -52,6 +52,7 @@ struct alignas(64) Worker {
     std::vector<ContactPoint> hits;        ///< at one time
     std::optional<Landing> landing{};      ///< of the first of them
     std::array<Footprint, 2> footprints{}; ///< of two bodies that hit
+    std::vector<std::int32_t> grounds;     ///< on which one of them may land as well
     std::vector<FoundHit> found;
     StageCounters counters;
     std::vector<std::int64_t> work;    ///< operations run, by round of a sweep

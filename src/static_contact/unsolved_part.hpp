@@ -27,8 +27,8 @@ struct IslandMotion {
 };
 /// Marks the movable bodies of the island that move by more than ContactTuning::settle_above of its tolerances, by
 /// their energy with the harmonic mean of their principal inertias.
-IslandMotion mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning, const ContactScratch& scratch,
-                 UnsolvedPart& part);
+IslandMotion mark_moving(const ContactScratch::Island& island, const ContactTuning& tuning,
+                         const ContactScratch& scratch, UnsolvedPart& part);
 /// Finds those of the packets [first, end) that have a marked body.
 void find_touching(std::size_t first, std::size_t end, const ContactScratch& scratch, UnsolvedPart& part);
 /// Copies to the part those that were found in the island. False where there are none, or too many.
