@@ -242,7 +242,7 @@ std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(
         sleeps_only_when_carried(stack);
         rests_awake(stack);
     });
-    for (const int rows : {14, 16})
+    for (const int rows : {14, 16, 20, 24})
         for (const int friction : {10, 50})
             add_runs("Stacks",
                      "PyramidOf" + std::to_string(rows) + "RowsFriction0_" + std::to_string(friction) + "Sleeps",
