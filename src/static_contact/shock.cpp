@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "base/index.hpp"
@@ -183,6 +184,50 @@ bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& opt
     return true;
 }
 
+/// What of the impulse a contact with normal `n`, towards what it pushes, can give.
+Vec3 nearest_in_cone(const Vec3& n, double friction, const Vec3& impulse) {
+    const double normal = dot(n, impulse);
+    const Vec3 along = impulse - normal * n;
+    const double size = length(along);
+    if (size <= friction * normal) return impulse;
+    if (friction * size <= -normal) return {};
+    const double pressure = (normal + friction * size) / (1 + friction * friction);
+    return pressure * n + (size > 0 ? friction * pressure / size : 0.0) * along;
+}
+
+/// Whether contacts with bodies of infinite mass can have given the island the momentum by which the pass changed it.
+/// A frozen body takes any from what slides on it, and hands none on: a stack that slides would stand still.
+/// The impulses nearest to that momentum are found contact after contact.
+bool ground_gives(const ContactScratch::Island& island, Tangents tangents, ContactScratch& s) {
+    constexpr double kLeft = 0x1p-8, kLeastFall = 0.99; // of the momentum; of what is left, by a round
+    constexpr int kRounds = 100;
+    const double of_pyramid = tangents == Tangents::random ? std::numbers::sqrt2 : 1; // in its corners
+    Vec3 momentum;
+    for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
+        const std::size_t body = at(s.island_bodies[at(k)]);
+        momentum += s.weight[body].linear * (s.velocity[body].linear - s.start_velocity[body].linear);
+    }
+    s.ground_impulses.assign(s.rows.size(), {});
+    Vec3 left = momentum;
+    for (int round = 0; round < kRounds; ++round) {
+        const double before = length(left);
+        for (std::int32_t k = island.first; k < island.end; ++k) {
+            const ContactBlock& block = s.blocks[at(k)];
+            if (s.movable[at(block.a)] == s.movable[at(block.b)]) continue;
+            for (std::int32_t r = block.first; r < block.end; ++r) {
+                const ContactRow& row = s.rows[at(r)];
+                const Vec3 n = s.movable[at(block.b)] != 0 ? row.normal : -row.normal;
+                const Vec3 wanted = s.ground_impulses[at(r)] + left;
+                s.ground_impulses[at(r)] = nearest_in_cone(n, of_pyramid * row.local.friction, wanted);
+                left = wanted - s.ground_impulses[at(r)];
+            }
+        }
+        if (length(left) <= kLeft * length(momentum)) return true;
+        if (length(left) > kLeastFall * before) return false;
+    }
+    return false;
+}
+
 } // namespace
 
 bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
@@ -195,7 +240,7 @@ bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies
         return prescribed_at_rest(island, scratch) && kinetic_energy(island, bodies, options.team, scratch) >
                                                           std::max(island.energy_before, island.energy_pgs);
     };
-    if (solved && !adds_energy()) {
+    if (solved && !adds_energy() && ground_gives(island, options.tangents, scratch)) {
         island.residual = residual;
         return true;
     }

@@ -14,11 +14,12 @@ namespace flotilla {
 
 /// Runs the pass on one island whose PGS state is in `scratch`. Does nothing and returns false where no body of
 /// infinite mass touches the island. The pass is not a solution of the contact law, so it is undone (false as well) in
-/// two cases:
+/// three cases:
 ///  - a level of a resting island ended above the tolerance. Bodies jammed between frozen ones have no solution at all;
 ///    in a resting pile of 10,000 boats levels ended at up to twelve times what PGS had left, and with such passes it
 ///    never came to rest: 0.7 J for ever, where PGS alone leaves 0.003 J. A stack's levels end below the tolerance.
 ///    In motion passes stand, where they are asked for (ContactSolveOptions::shock_in_motion).
+///  - it took or gave momentum that no impulses of the contacts with bodies of infinite mass could.
 ///  - every prescribed body rests, and the kinetic energy came out above both that of PGS and that before the solve.
 /// Adds to the island's visits; sets its residual where the pass stands: that of the contacts with the pass's impulses
 /// and PGS's bounds of friction.

@@ -235,6 +235,7 @@ struct ContactScratch {
     std::vector<std::int32_t> exact_body;                  ///< per body in contact: its number in its island's problem
     std::vector<std::int32_t> level_order, level_of_block; ///< of one island: blocks by level
     LargeVector<ContactBlock> shock_blocks;                ///< of one level
+    std::vector<Vec3> ground_impulses;                     ///< N s, by contact, on the movable body
     LargeVector<ContactRow> shock_rows;
     std::vector<PacketGroup> shock_groups; ///< of one level
     LargeVector<BodyVelocity> before_shock;
