@@ -46,8 +46,8 @@ struct CollisionFinding {
                                               PairCache& cache);
 
 /// find_collision(), recorded; fills worker.hits with what calls for an impulse, the earliest first, and what hits at
-/// the same time, and worker.landing. Returns whether there is any. `grounds`: what hits these at the same time is added
-/// to what hits one of them; null: nothing is.
+/// the same time, and worker.landing. Returns whether there is any. `grounds`: to a hit on one of these is added what
+/// hits the others at the same time; null: nothing is.
 bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Grounds* grounds = nullptr);
 
 /// The same ahead of the pair's turn, recorded where nothing calls for an impulse: what its turn would do if it came

@@ -198,10 +198,10 @@ class Sole {
     Vec3 from_, normal_;
 };
 
-/// Leaves of what is near the plane what lands with `from`: what lies on one face which is so level that the whole body,
-/// were it as wide as its `radius` (m), would be within the reach. The rest meets the plane later. A ball of a fine mesh
-/// has a hundred vertices within its rest distance of a floor, and a rebound of each would turn it as a foot of that
-/// width does.
+/// Leaves of what is near the plane what lands with `from`: what lies on one face, or edge, which is so level that it
+/// would be within the reach were it as wide as the body, of `radius` (m). The rest meets the plane later. A ball of a
+/// fine mesh has a hundred vertices within its rest distance of a floor, and a rebound of each would turn it as a foot
+/// of that width does.
 void keep_sole(const Vec3& from, const Vec3& up, double radius, double reach, Footprint& print) {
     // Of the rest distance. Rounding of a mesh's coordinates in single precision is a tenth of that.
     constexpr double kFlat = 1.0 / 1024;
