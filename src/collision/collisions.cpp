@@ -126,9 +126,9 @@ class SequentialCollisions {
 
     /// Algorithm 1: for all pairs that may collide or come near each other, resolve their hits; again, until none hits.
     /// Between two rounds over all pairs, those that had an impulse are resolved until none of them hits: most further
-    /// hits are theirs, and no list is made for them. Where that gains nothing the hits of an operation are joined, and it is tried again: a ring that
-    /// hits the peg in it on one side and, on its way from the start of the step, on the other would go to and fro for
-    /// ever.
+    /// hits are theirs, and no list is made for them. Where that gains nothing the hits of an operation are joined, and
+    /// it is tried again: a ring that hits the peg in it on one side and, on its way from the start of the step, on the
+    /// other would go to and fro for ever.
     StageCounters run() {
         scratch_.active.clear();
         while (sweeps_left() > 0 && goes_on()) {
