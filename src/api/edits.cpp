@@ -310,7 +310,7 @@ BodyId World::Impl::operator()(const edits::SetType& edit) {
     const std::size_t i = place(edit.body);
     BodyDescription body = now.bodies[i];
     if (edit.type == BodyType::kinematic)
-        throw InputError("body " + in_quotes(body.name) + " becomes kinematic by a script (SetScript)");
+        throw InputError("body " + in_quotes(body.name) + " becomes kinematic by a script (set_script)");
     if (edit.type == body.type) return edit.body;
     body = alone_at(stepper->state().pose[i], std::move(body));
     body.type = edit.type;

@@ -28,7 +28,8 @@ concept DoubleTuple = sizeof(T) % sizeof(double) == 0 && std::is_trivially_copya
 template <DoubleTuple T>
 inline constexpr std::size_t kDoubles = sizeof(T) / sizeof(double);
 
-/// An array of shape (kDoubles<T>), from anything that numpy makes one of; false where it is none.
+/// An array of shape (kDoubles<T>), from anything that numpy makes one of; false where it is none. Throws TypeError
+/// where it has another length, which "incompatible function arguments" would not tell.
 template <DoubleTuple T>
 bool load_doubles(py::handle source, T& value) {
     if (py::isinstance<py::str>(source)) return false;
@@ -37,7 +38,10 @@ bool load_doubles(py::handle source, T& value) {
         PyErr_Clear();
         return false;
     }
-    if (array.ndim() != 1 || static_cast<std::size_t>(array.size()) != kDoubles<T>) return false;
+    if (array.ndim() != 1) return false;
+    if (static_cast<std::size_t>(array.size()) != kDoubles<T>)
+        throw py::type_error("a vector of " + std::to_string(array.size()) + " numbers, where " +
+                             std::to_string(kDoubles<T>) + " are due");
     std::memcpy(static_cast<void*>(&value), array.data(), sizeof(T));
     return true;
 }

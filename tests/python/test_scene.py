@@ -117,6 +117,8 @@ def test_every_field_of_a_body_reads_back(plate):
         scene.add_body(shape, locked=("rw",))
     with pytest.raises(TypeError):
         slider.force = "up"
+    with pytest.raises(TypeError, match="2 numbers, where 3 are due"):
+        slider.force = (1, 2)
     with pytest.raises(flotilla.InputError):
         lid.keyframes = [(0,)]
     scene.add_body(shape, name="heavy", position=(0, 0, 5), force=(float("inf"), 0, 0))
