@@ -131,6 +131,7 @@ class SequentialCollisions {
     /// other would go to and fro for ever.
     StageCounters run() {
         scratch_.active.clear();
+        scratch_.grounds.start();
         while (sweeps_left() > 0 && goes_on()) {
             const FrozenList list = pairs_to_resolve();
             if (list.num_open == 0 || resolve(list.pairs, 1) == 0) {
@@ -169,7 +170,7 @@ class SequentialCollisions {
             close_early(view_, workers_, list,
                         [&](PairRecord& pair, Worker& worker) { return close_calm(view_, worker, pair); });
         counters_.pairs += static_cast<std::int64_t>(list.num_closed());
-        scratch_.grounds.list(view_, list.pairs, workers_.team, book_.lists.chunk_places);
+        scratch_.grounds.add(view_, list.pairs, workers_.team, book_.lists.chunk_places);
         return list;
     }
 

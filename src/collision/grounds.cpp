@@ -11,36 +11,42 @@ namespace flotilla {
 namespace {
 
 bool stands(const StepView& view, std::int32_t body) {
-    const Impulsive i = view.clusters.impulsive(body);
-    return i.inverse_mass == 0 && i.inverse_inertia == Mat3{} && i.velocity == Vec3{} && i.angular_velocity == Vec3{} &&
-           view.trajectories.still(at(body));
+    const Cluster& cluster = view.clusters[view.clusters.of(at(body))];
+    if (!cluster.infinite() || !view.trajectories.still(at(body))) return false;
+    const Impulsive i = view.clusters.impulsive(view.clusters.of(at(body)));
+    return i.inverse_inertia == Mat3{} && i.velocity == Vec3{} && i.angular_velocity == Vec3{};
 }
 
 } // namespace
 
-void Grounds::list(const StepView& view, std::span<const ListedPair> pairs, Team& team,
-                   std::vector<std::size_t>& chunks) {
+void Grounds::add(const StepView& view, std::span<const ListedPair> pairs, Team& team,
+                  std::vector<std::size_t>& chunks) {
     constexpr std::size_t kGrain = 512;
     const auto lands = [&](std::size_t i) { return stands(view, pairs[i].pair.a) != stands(view, pairs[i].pair.b); };
-    const auto landing = [&](std::size_t i) {
+    const auto support = [&](std::size_t i) {
         const CandidatePair& p = pairs[i].pair;
-        return stands(view, p.a) ? Landing{p.b, p.a} : Landing{p.a, p.b};
+        return stands(view, p.a) ? Support{p.b, p.a} : Support{p.a, p.b};
     };
-    landings_.clear();
-    compact_if({&team, "grounds", kGrain, chunks}, pairs.size(), lands, landings_, 0, landing);
-    std::sort(landings_.begin(), landings_.end());
+    const std::size_t before = supports_.size();
+    compact_if({&team, "grounds", kGrain, chunks}, pairs.size(), lands, supports_, before, support);
+    if (supports_.size() == before) return;
+    std::sort(supports_.begin(), supports_.end());
+    supports_.erase(std::unique(supports_.begin(), supports_.end()), supports_.end());
 }
 
-void Grounds::beside(const StepView& view, std::int32_t body, std::int32_t ground,
-                     std::vector<std::int32_t>& out) const {
+void Grounds::beside(const StepView& view, std::int32_t a, std::int32_t b, std::vector<std::int32_t>& out) const {
     out.clear();
-    const auto first = std::lower_bound(landings_.begin(), landings_.end(), Landing{body, -1});
+    if (!view.clusters[view.clusters.of(at(a))].infinite() && !view.clusters[view.clusters.of(at(b))].infinite())
+        return;
+    const bool a_stands = view.clusters[view.clusters.of(at(a))].infinite();
+    const std::int32_t body = a_stands ? b : a, ground = a_stands ? a : b;
     bool known = false;
-    for (auto l = first; l != landings_.end() && l->body == body; ++l) {
-        known |= l->ground == ground;
-        if (l->ground != ground && !view.model.ignores(body, l->ground) &&
-            pair_restitution(view.model, body, l->ground) == pair_restitution(view.model, body, ground))
-            out.push_back(l->ground);
+    const auto first = std::lower_bound(supports_.begin(), supports_.end(), Support{body, -1});
+    for (auto s = first; s != supports_.end() && s->body == body; ++s) {
+        known |= s->ground == ground;
+        if (s->ground != ground &&
+            pair_restitution(view.model, body, s->ground) == pair_restitution(view.model, body, ground))
+            out.push_back(s->ground);
     }
     if (!known) out.clear();
 }

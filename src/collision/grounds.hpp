@@ -19,18 +19,20 @@ namespace flotilla {
 
 class Grounds {
   public:
-    /// From the pairs of a sweep. `chunks`: scratch.
-    void list(const StepView& view, std::span<const ListedPair> pairs, Team& team, std::vector<std::size_t>& chunks);
-    /// What a body may land on besides `ground`, which it hit, with the same restitution; ascending. None where that
-    /// does not stand still.
-    void beside(const StepView& view, std::int32_t body, std::int32_t ground, std::vector<std::int32_t>& out) const;
+    /// Forgets all, for another step.
+    void start() { supports_.clear(); }
+    /// Adds those of the pairs of a list; later lists of a step leave out what is apart by then. `chunks`: scratch.
+    void add(const StepView& view, std::span<const ListedPair> pairs, Team& team, std::vector<std::size_t>& chunks);
+    /// What the one of two bodies that moves may land on besides the other, which stands still, with the same
+    /// restitution; ascending. None where neither stands still.
+    void beside(const StepView& view, std::int32_t a, std::int32_t b, std::vector<std::int32_t>& out) const;
 
   private:
-    struct Landing {
+    struct Support {
         std::int32_t body, ground;
-        friend auto operator<=>(const Landing&, const Landing&) = default;
+        friend auto operator<=>(const Support&, const Support&) = default;
     };
-    std::vector<Landing> landings_; ///< ascending
+    std::vector<Support> supports_; ///< ascending
 };
 
 } // namespace flotilla

@@ -174,13 +174,10 @@ bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Gro
     if (!found.urgent) return false;
     worker.hits.push_back(*found.urgent);
     worker.landing = found.landing;
-    const ClusterHit hit{found.hit, pair.a, pair.b};
-    find_simultaneous_hits(view, worker.footprints, hit, *found.urgent, pair.lengths.rest, worker.hits);
-    if (grounds == nullptr) return true;
-    const bool a_stands = view.clusters[view.clusters.of(at(pair.a))].infinite();
-    grounds->beside(view, a_stands ? pair.b : pair.a, a_stands ? pair.a : pair.b, worker.grounds);
-    for (const std::int32_t ground : worker.grounds)
-        find_simultaneous_hits_on(view, worker.footprints, hit, ground, *found.urgent, pair.lengths.rest, worker.hits);
+    worker.grounds.clear();
+    if (grounds != nullptr) grounds->beside(view, pair.a, pair.b, worker.grounds);
+    find_simultaneous_hits(view, worker.footprints, {found.hit, pair.a, pair.b}, *found.urgent, pair.lengths.rest,
+                           worker.grounds, worker.hits);
     return true;
 }
 

@@ -52,12 +52,14 @@ bool any_near(const BodyAt& body, const Box& box, double reach, Found&& found) {
     return false;
 }
 
-/// Whether the body is within `reach` (m) of x.
-bool touches(const BodyAt& body, const Vec3& x, double reach) {
+/// Whether the body is within `reach` (m) of x in front of it, along n or against it by less than 45 degrees: a wall
+/// beside a corner holds nothing up.
+bool touches(const BodyAt& body, const Vec3& x, const Vec3& n, double reach) {
     return any_near(body, {x, x}, reach, [&](std::int32_t triangle) {
         const Triangle& f = body.shape().mesh.triangles[at(triangle)];
-        return closest_vertex_triangle(x, body.vertex(f[0]), body.vertex(f[1]), body.vertex(f[2])).distance_sq <=
-               reach * reach;
+        const auto nearest = closest_vertex_triangle(x, body.vertex(f[0]), body.vertex(f[1]), body.vertex(f[2]));
+        const double ahead = dot(n, x - nearest.point);
+        return nearest.distance_sq <= reach * reach && 2 * ahead * ahead >= nearest.distance_sq;
     });
 }
 
@@ -93,13 +95,15 @@ struct Heights {
 };
 
 /// The vertices of a body that stands on the plane which are near it. None where the body does not stand on the plane
-/// but reaches through it, and through what is beyond. All vertices are tested: an impulse has moved all of them
-/// before.
+/// but reaches through it, and through what is beyond. All vertices are tested but those within a flat face, whose
+/// corners say as much: an impulse has moved all of them before.
 void find_feet(const BodyAt& body, const Plane& plane, const Reach& reach, std::vector<Vec3>& feet) {
     const Heights heights(body, plane);
     const std::vector<Vec3>& local = body.shape().mesh.vertices;
+    const Topology& topology = body.shape().topology;
     for (std::size_t v = 0; v < local.size(); ++v) {
-        if (heights.at_least(local[v]) > reach.above || body.shape().topology.vertex_owner[v] < 0) continue;
+        if (heights.at_least(local[v]) > reach.above || topology.salient_vertex[v] == 0 || topology.vertex_owner[v] < 0)
+            continue;
         const Vec3 x = body.vertex(static_cast<std::int32_t>(v));
         const double height = dot(plane.normal, x) - plane.offset;
         if (height > reach.above) continue;
@@ -163,33 +167,40 @@ void for_crossings(const std::vector<Segment>& rim_a, const std::vector<Segment>
     }
 }
 
+/// How level something has to be to land as a whole.
+struct Level {
+    double slope; ///< by which a face may rise from the plane
+    double reach; ///< m; within it of a point or an edge no slope is measured
+    double flat;  ///< m, by which places on one face may miss it
+};
+
 /// The face of a body's hull, or the edge, that lands on a plane as a whole, as the normal of a plane through it.
 class Sole {
   public:
     /// What of a body lands with the point `from` on the plane with the normal `up`; the body's vertices near the plane
-    /// are `feet`. From the plane it is the first to be met, turned about that point and then about the edge that was
-    /// met, each by no more than `slope`. Feet within `reach` (m) of the point or the edge say nothing of that.
-    Sole(const Vec3& from, const Vec3& up, const std::vector<Vec3>& feet, double slope, double reach)
+    /// are `feet`. The plane is turned up about that point until it meets the first foot, then about the edge to that
+    /// foot until it meets the next. Of feet at the same slope but for `flat` the farther one tells more.
+    Sole(const Vec3& from, const Vec3& up, const std::vector<Vec3>& feet, const Level& level)
         : from_(from), normal_(up) {
-        double least = slope;
+        double least = level.slope;
         Vec3 edge;
         for (const Vec3& x : feet) {
             const Vec3 way = x - from;
-            const double height = dot(up, way), level = length(way - height * up);
-            if (!(level > reach) || !(height <= least * level)) continue;
-            least = height / level;
+            const double height = dot(up, way), across = length(way - height * up);
+            if (!(across > level.reach) || !(height + level.flat <= least * across)) continue;
+            least = (height + level.flat) / across;
             edge = way;
         }
         if (edge == Vec3{}) return;
         const Vec3 along = normalized(edge), upright = normalized(up - dot(up, along) * along);
         const Vec3 aside = cross(along, upright);
         normal_ = upright;
-        least = slope;
+        least = level.slope;
         for (const Vec3& x : feet) {
-            const double level = dot(aside, x - from), height = dot(upright, x - from);
-            if (!(std::abs(level) > reach) || !(height <= least * std::abs(level))) continue;
-            least = height / std::abs(level);
-            normal_ = normalized(upright - (height / level) * aside);
+            const double across = dot(aside, x - from), height = dot(upright, x - from);
+            if (!(std::abs(across) > level.reach) || !(height + level.flat <= least * std::abs(across))) continue;
+            least = (height + level.flat) / std::abs(across);
+            normal_ = normalized(upright - (height / across) * aside);
         }
     }
     [[nodiscard]] bool has(const Vec3& x, double flat) const { return std::abs(dot(normal_, x - from_)) <= flat; }
@@ -198,16 +209,13 @@ class Sole {
     Vec3 from_, normal_;
 };
 
-/// Leaves of what is near the plane what lands with `from`: what lies on one face, or edge, which is so level that it
-/// would be within the reach were it as wide as the body, of `radius` (m). The rest meets the plane later. A ball of a
-/// fine mesh has a hundred vertices within its rest distance of a floor, and a rebound of each would turn it as a foot
-/// of that width does.
-void keep_sole(const Vec3& from, const Vec3& up, double radius, double reach, Footprint& print) {
-    // Of the rest distance. Rounding of a mesh's coordinates in single precision is a tenth of that.
-    constexpr double kFlat = 1.0 / 1024;
+/// Leaves of what is near the plane what lands with `from`: what lies on one face, or edge. The rest meets the plane
+/// later. A ball of a fine mesh has a hundred vertices within its rest distance of a floor, and a rebound of each would
+/// turn it as a foot of that width does.
+void keep_sole(const Vec3& from, const Vec3& up, const Level& level, Footprint& print) {
     if (print.feet.empty()) return;
-    const Sole sole(from, up, print.feet, reach / radius, reach);
-    const auto off = [&](const Vec3& x) { return !sole.has(x, kFlat * reach); };
+    const Sole sole(from, up, print.feet, level);
+    const auto off = [&](const Vec3& x) { return !sole.has(x, level.flat); };
     std::erase_if(print.feet, off);
     std::erase_if(print.rim, [&](const Segment& s) { return off(s.p) || off(s.q); });
 }
@@ -234,54 +242,101 @@ void find_footprints(const std::array<BodyAt, 2>& bodies, const std::array<Plane
         if (moves[k]) find_rim(bodies[k], planes[k], reach, prints[k].rim);
 }
 
-/// `shapes`: whose surfaces touch; but for a ground in its place that of the bodies of the hit.
-void find_hits_of(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
-                  const std::array<std::int32_t, 2>& shapes, const ContactPoint& first, double reach,
-                  std::vector<ContactPoint>& out) {
-    const double t = hit.hit.toi;
-    const BodyMotion a = view.trajectories.motion(at(shapes[0])), b = view.trajectories.motion(at(shapes[1]));
-    const BodyAt a_then(a, t), b_then(b, t);
-    const auto center = [&](std::int32_t id) { // from which the arms of the hit are
-        const bool stays = hit.hit.hit && view.clusters[view.clusters.of(at(id))].infinite();
-        return stays ? view.trajectories.start_pose(at(id)).com : view.trajectories.motion(at(id)).pose(t).com;
-    };
-    const Vec3 com_a = center(hit.a), com_b = center(hit.b), point_a = com_a + first.arm_a, point = com_b + first.arm_b;
-    const double gap = length(point - point_a), friction = pair_friction(view.model, shapes[0], shapes[1]);
-    const Impulsive body_a = view.clusters.impulsive(view.clusters.of(at(hit.a)));
-    const Impulsive body_b = view.clusters.impulsive(view.clusters.of(at(hit.b)));
-    const auto known = [&](const Vec3& x) {
-        return std::any_of(out.begin(), out.end(),
-                           [&](const ContactPoint& p) { return length_sq(p.arm_b - (x - com_b)) <= reach * reach; });
-    };
-    const auto add_if = [&](const Vec3& x, auto&& meets) {
-        ContactPoint p{first.normal, x - com_a, x - com_b, {}, friction};
-        p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
-        if (!(dot(p.relative_velocity, p.normal) < 0) || length_sq(x - point) <= 4 * reach * reach) return;
-        if (!known(x) && meets()) out.push_back(p);
-    };
-    auto& [print_a, print_b] = prints;
-    const Plane plane_a{-first.normal, -dot(first.normal, point_a)}, plane_b{first.normal, dot(first.normal, point)};
-    find_footprints({a_then, b_then}, {plane_a, plane_b}, {body_a.inverse_mass > 0, body_b.inverse_mass > 0},
-                    {reach, gap + reach}, prints);
-    keep_sole(point_a, -first.normal, a.shape->radius, reach, print_a);
-    keep_sole(point, first.normal, b.shape->radius, reach, print_b);
-    for (const Vec3& x : print_a.feet) add_if(x, [&] { return touches(b_then, x, gap + reach); });
-    for (const Vec3& x : print_b.feet) add_if(x, [&] { return touches(a_then, x, gap + reach); });
-    for_crossings(print_a.rim, print_b.rim, gap + reach, [&](const Vec3& x) { add_if(x, [] { return true; }); });
-}
+/// The points at which two bodies meet at the time of a hit. What lands as a whole is a face, or edge, so level that it
+/// would be within `reach` of the plane were it as wide as the smaller of the two.
+class MeetingPoints {
+  public:
+    MeetingPoints(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
+                  const ContactPoint& first, double reach, std::vector<ContactPoint>& out)
+        : view_(view), hit_(hit), first_(first), reach_(reach), prints_(prints), out_(out) {
+        const auto center = [&](std::int32_t id) { // from which the arms of the hit are
+            return hit.hit.hit && stays(id) ? view.trajectories.start_pose(at(id)).com
+                                            : view.trajectories.motion(at(id)).pose(hit.hit.toi).com;
+        };
+        com_ = {center(hit.a), center(hit.b)};
+        point_ = {com_[0] + first.arm_a, com_[1] + first.arm_b};
+        within_ = length(point_[1] - point_[0]) + reach;
+        planes_ = {Plane{-first.normal, -dot(first.normal, point_[0])},
+                   Plane{first.normal, dot(first.normal, point_[1])}};
+    }
+
+    void of_both() {
+        const BodyMotion a = view_.trajectories.motion(at(hit_.a)), b = view_.trajectories.motion(at(hit_.b));
+        const BodyAt a_then(a, hit_.hit.toi), b_then(b, hit_.hit.toi);
+        find_footprints({a_then, b_then}, planes_, {!stays(hit_.a), !stays(hit_.b)}, {reach_, within_}, prints_);
+        keep(0, a_then, b_then);
+        keep(1, b_then, a_then);
+        add(a_then, b_then, first_.friction);
+    }
+
+    /// After of_both(), whose footprint of the body that moves is that on all bodies that stand.
+    void on(std::int32_t ground) {
+        const std::size_t mover = stays(hit_.a) ? 1 : 0;
+        Footprint &own = prints_[mover], &below = prints_[1 - mover];
+        below.clear();
+        if (own.feet.size() < 2) return;
+        const BodyMotion moving = view_.trajectories.motion(at(mover == 0 ? hit_.a : hit_.b)),
+                         standing = view_.trajectories.motion(at(ground));
+        const Box where = box_of(own.feet);
+        if (!boxes_overlap(where, *standing.at0.box, within_)) return;
+        const BodyAt then(moving, hit_.hit.toi), ground_then(standing, hit_.hit.toi);
+        find_below(ground_then, planes_[1 - mover], {reach_, within_}, where, below);
+        if (!below.rim.empty() && own.rim.empty()) {
+            find_rim(then, planes_[mover], {reach_, within_}, own.rim);
+            keep(mover, then, ground_then);
+        }
+        keep(1 - mover, ground_then, then);
+        const double friction = pair_friction(view_.model, mover == 0 ? hit_.a : hit_.b, ground);
+        mover == 0 ? add(then, ground_then, friction) : add(ground_then, then, friction);
+    }
+
+  private:
+    [[nodiscard]] bool stays(std::int32_t id) const { return view_.clusters[view_.clusters.of(at(id))].infinite(); }
+
+    void keep(std::size_t side, const BodyAt& body, const BodyAt& other) {
+        constexpr double kFlat = 1.0 / 1024;  // of the rest distance
+        constexpr double kRounding = 0x1p-22; // of coordinates in single precision, as files have them, four times
+        const double width = std::min(body.shape().radius, other.shape().radius);
+        const double flat = std::max(kFlat * reach_, kRounding * max_abs_coordinate(body.shape().box));
+        keep_sole(point_[side], planes_[side].normal, {reach_ / width, reach_, flat}, prints_[side]);
+    }
+
+    void add(const BodyAt& a, const BodyAt& b, double friction) {
+        const Impulsive body_a = view_.clusters.impulsive(view_.clusters.of(at(hit_.a)));
+        const Impulsive body_b = view_.clusters.impulsive(view_.clusters.of(at(hit_.b)));
+        const auto add_if = [&](const Vec3& x, auto&& meets) {
+            ContactPoint p{first_.normal, x - com_[0], x - com_[1], {}, friction};
+            p.relative_velocity = point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
+            if (!(dot(p.relative_velocity, p.normal) < 0) || length_sq(x - point_[1]) <= 4 * reach_ * reach_) return;
+            if (!known(p) && meets()) out_.push_back(p);
+        };
+        for (const Vec3& x : prints_[0].feet) add_if(x, [&] { return touches(b, x, first_.normal, within_); });
+        for (const Vec3& x : prints_[1].feet) add_if(x, [&] { return touches(a, x, first_.normal, within_); });
+        for_crossings(prints_[0].rim, prints_[1].rim, within_, [&](const Vec3& x) { add_if(x, [] { return true; }); });
+    }
+    [[nodiscard]] bool known(const ContactPoint& point) const {
+        return std::any_of(out_.begin(), out_.end(),
+                           [&](const ContactPoint& p) { return length_sq(p.arm_b - point.arm_b) <= reach_ * reach_; });
+    }
+
+    const StepView& view_;
+    const ClusterHit& hit_;
+    const ContactPoint& first_;
+    double reach_, within_;           ///< m, of the planes; of the other body
+    std::array<Vec3, 2> com_, point_; ///< of the hit, on either body
+    std::array<Plane, 2> planes_;
+    std::array<Footprint, 2>& prints_;
+    std::vector<ContactPoint>& out_;
+};
 
 } // namespace
 
 void find_simultaneous_hits(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
-                            const ContactPoint& first, double reach, std::vector<ContactPoint>& out) {
-    find_hits_of(view, prints, hit, {hit.a, hit.b}, first, reach, out);
-}
-
-void find_simultaneous_hits_on(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
-                               std::int32_t ground, const ContactPoint& first, double reach,
-                               std::vector<ContactPoint>& out) {
-    const bool a_stands = view.clusters[view.clusters.of(at(hit.a))].infinite();
-    find_hits_of(view, prints, hit, {a_stands ? ground : hit.a, a_stands ? hit.b : ground}, first, reach, out);
+                            const ContactPoint& first, double reach, std::span<const std::int32_t> grounds,
+                            std::vector<ContactPoint>& out) {
+    MeetingPoints points(view, prints, hit, first, reach, out);
+    points.of_both();
+    for (const std::int32_t ground : grounds) points.on(ground);
 }
 
 } // namespace flotilla

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "pair/cluster_query.hpp"
@@ -17,11 +18,10 @@ namespace flotilla {
 /// all these what approaches, as contact points with the hit's normal; not the hit itself. Velocities are the rigid
 /// ones. Of the hit only the bodies and the time count: 1 for bodies that end the step near each other. `prints`:
 /// scratch.
+/// `grounds`: bodies that stand still, on which the body that moves may land as well where the other one of the hit
+/// stands still too; points on them have their friction.
 void find_simultaneous_hits(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
-                            const ContactPoint& first, double reach, std::vector<ContactPoint>& out);
-/// The same on `ground`, a body that stands still, in place of that of the two which does; with its friction.
-void find_simultaneous_hits_on(const StepView& view, std::array<Footprint, 2>& prints, const ClusterHit& hit,
-                               std::int32_t ground, const ContactPoint& first, double reach,
-                               std::vector<ContactPoint>& out);
+                            const ContactPoint& first, double reach, std::span<const std::int32_t> grounds,
+                            std::vector<ContactPoint>& out);
 
 } // namespace flotilla

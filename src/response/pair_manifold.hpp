@@ -48,7 +48,7 @@ class PairManifold {
         ContactPoint point{};                     ///< relative velocity: before all impulses
         double target = 0;                        ///< m/s, normal velocity wanted
         Vec3 impulse{};                           ///< N s, on b, applied
-        Vec3 next{};                              ///< the same, as solved
+        Vec3 next{}, last{};                      ///< the same, as solved; before the last sweep
         double mass_normal = 0, mass_tangent = 0; ///< 1/kg, of the point: along the normal, and no less than any other
         Mat3 own{};                               ///< 1/kg, what an impulse changes of its relative velocity
         Mat3 turn_a{}, turn_b{};                  ///< 1/(kg m), what one changes of the angular velocities
@@ -66,6 +66,8 @@ class PairManifold {
     [[nodiscard]] static Vec3 relative(const Hit& hit, const Velocities& v);
     void set_effects(Hit& hit) const;
     [[nodiscard]] double sweep(Velocities& v);
+    void carry_on(double share, Velocities& v);
+    void solve(Velocities& v);
     [[nodiscard]] double energy_share() const;
 
     Impulsive a_, b_;

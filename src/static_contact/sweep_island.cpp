@@ -348,7 +348,9 @@ class IslandSweeps {
         ContactSolveOptions finer = options_;
         finer.tolerance *= tuning().settle_to;
         if (!sweep_marked(most, finer)) {
-            if (motion.mean <= tuning().settle_whole_below * island_.tolerance) aim_ *= tuning().settle_whole_to;
+            const bool most_moves = !part().packets.empty();
+            if (most_moves && motion.mean <= tuning().settle_whole_below * island_.tolerance)
+                aim_ *= tuning().settle_whole_to;
             return false;
         }
         evaluate();

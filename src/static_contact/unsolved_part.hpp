@@ -23,7 +23,7 @@ bool mark_unsolved(const ContactScratch::Island& island, const ContactTuning& tu
 /// How an island moves.
 struct IslandMotion {
     bool any = false; ///< whether a body was marked
-    double mean = 0;  ///< m/s, at which the island's mass has its energy
+    double mean = 0;  ///< m/s, the speed at which the island's mass has its energy
 };
 /// Marks the movable bodies of the island that move by more than ContactTuning::settle_above of its tolerances, by
 /// their energy with the harmonic mean of their principal inertias.
