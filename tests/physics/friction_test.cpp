@@ -75,10 +75,9 @@ void stack_slides(const Run& run) {
     motion.run(2);
     const double due = 0.5 * slope.rate(kFriction) * motion.world().time() * motion.world().time();
     double mean = 0, farthest = 0, nearest = due;
-    for (std::int32_t b = 0; b <= kBoxes; ++b) {
+    for (std::size_t b = 0; b <= kBoxes; ++b) {
         if (b == 1) continue; // the slope
-        const double way =
-            dot(motion.body(b).position - scene.bodies[static_cast<std::size_t>(b)].position, slope.down());
+        const double way = dot(motion.body(b).position - scene.bodies[b].position, slope.down());
         mean += way / kBoxes;
         farthest = std::max(farthest, way);
         nearest = std::min(nearest, way);

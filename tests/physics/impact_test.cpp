@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Impacts: free fall, bounces, what lands flat, what hands a blow on.
+#include <numbers>
+
 #include "physics/physics.hpp"
 #include "physics/problems/falling_cube.hpp"
 #include "physics/problems/impact.hpp"
@@ -75,7 +77,7 @@ SceneDescription beam_over_posts(const Settings& settings, double e) {
 }
 
 // What lands on several bodies that stand still lands as on one: it does not turn, and rises as a point does.
-void lands_level(const Run& run, const SceneDescription& scene, std::int32_t body, double e) {
+void lands_level(const Run& run, const SceneDescription& scene, std::size_t body, double e) {
     Motion motion(scene);
     const double start = motion.body(body).center_of_mass.z, fall = std::sqrt(2 * 0.5 / kGravity);
     double lowest = start, rise = 0, tilt = 0;
@@ -88,6 +90,95 @@ void lands_level(const Run& run, const SceneDescription& scene, std::int32_t bod
     motion.print("rises by %.4f of %.4f m, tilted by %.3g degrees", rise, 0.5 * e * e, tilt);
     EXPECT_LT(tilt, 0.05);
     EXPECT_LT(rise, 0.5 * e * e + 0.02);
+    expect_no_rise(motion);
+}
+
+// Between a floor of two tiles and a ceiling, which it hits in turns within a step, a crate does not turn either.
+void stays_level_between_tiles_and_ceiling(const Run& run, double e) {
+    SceneDescription scene = make_scene_with(run.settings());
+    scene.gravity = {};
+    const auto crate = add_shape(scene, make_box(1, 1, 0.5), 250), tile = add_shape(scene, make_box(3, 3, 0.5), 1),
+               ceiling = add_shape(scene, make_box(6, 6, 0.5), 1);
+    add_body(scene, crate, BodyType::dynamic, {0.2, 0, 0.25 + 0.03}, 0, e).velocity = {0, 0, -6};
+    for (const double x : {-1.5005, 1.5005}) add_body(scene, tile, BodyType::fixed, {x, 0, -0.25}, 0, e);
+    add_body(scene, ceiling, BodyType::fixed, {0, 0, 0.5 + 0.07 + 0.25}, 0, e);
+    Motion motion(scene);
+    double spin = 0;
+    motion.run(4 * run.dt(),
+               [&](const StepReport&) { spin = std::max(spin, length(motion.body(0).angular_velocity)); });
+    motion.print("turns at up to %.3g rad/s", spin);
+    EXPECT_LT(spin, 1e-3);
+    expect_no_rise(motion);
+}
+
+// A box that falls at its rest distance beside a wall on a ledge under its far half is held up by the ledge alone.
+void falls_beside_a_wall(const Run& run) {
+    for (const double gap : {0.0025, 0.0035, 0.006}) {
+        SceneDescription scene = make_scene_with(run.settings());
+        const auto box = add_shape(scene, make_box(1, 1, 1), 500), wall = add_shape(scene, make_box(1, 4, 4), 1),
+                   ledge = add_shape(scene, make_box(0.3, 1, 0.5), 1);
+        add_body(scene, box, BodyType::dynamic, {0.5 + gap, 0, 0.5 + 0.3}, 0, 0.5);
+        add_body(scene, wall, BodyType::fixed, {-0.5, 0, 0}, 0, 0.5);
+        add_body(scene, ledge, BodyType::fixed, {1, 0, -0.25}, 0, 0.5);
+        Motion motion(scene);
+        motion.run(0.35);
+        const BodyState s = motion.body(0);
+        motion.print("%.3f m/s aside, %.3f rad/s", s.velocity.x, s.angular_velocity.y);
+        EXPECT_LT(s.angular_velocity.y, -0.2);
+        EXPECT_GT(s.velocity.x, 0.5);
+        expect_no_rise(motion);
+    }
+}
+
+// How far a mesh reaches beyond the posts on it, or a grid of coordinates in single precision far from its origin, is
+// nothing to the plate that lands on them.
+void lands_on_posts_of_any_mesh(const Run& run) {
+    for (const double base : {1.0, 100.0})
+        for (const double offset : {0.0, 100.0}) {
+            SceneDescription scene = make_scene_with(run.settings());
+            TriangleMesh plate = make_box(1, 1, 0.1);
+            for (Vec3& x : plate.vertices) {
+                x += Vec3{offset, offset, offset};
+                x = {static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)};
+            }
+            TriangleMesh posts = make_box(base, base, 0.1);
+            for (Vec3& x : posts.vertices) x.z -= 0.4;
+            for (const double x : {-0.4, 0.4})
+                for (const double y : {-0.4, 0.4}) {
+                    const auto first = static_cast<std::int32_t>(posts.vertices.size());
+                    const TriangleMesh post = make_box(0.05, 0.05, 0.2);
+                    for (const Vec3& v : post.vertices) posts.vertices.push_back(v + Vec3{x, y, -0.1});
+                    for (const Triangle& t : post.triangles)
+                        posts.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+                }
+            const auto falling = add_shape(scene, plate, 500), standing = add_shape(scene, posts, 1);
+            const Quat tilt = rotation_from_vector({1e-3, 0, 0});
+            BodyDescription& body = add_body(scene, falling, BodyType::dynamic, {}, 0.3, 0.5);
+            body.rotation = tilt;
+            body.position = Vec3{0, 0, 0.05 + 0.3} - rotate(tilt, {offset, offset, offset});
+            add_body(scene, standing, BodyType::fixed, {}, 0.3, 0.5);
+            Motion motion(scene);
+            double spin = 0;
+            motion.run(0.5, [&](const StepReport&) { spin = std::max(spin, length(motion.body(0).angular_velocity)); });
+            motion.print("turns at up to %.3g rad/s", spin);
+            EXPECT_LT(spin, 0.05);
+            expect_no_rise(motion);
+        }
+}
+
+// It lands on one narrow side of its mesh and does not roll off.
+void cylinder_lands_on_its_side(const Run& run, int sides) {
+    constexpr double kRadius = 0.3;
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto cylinder = add_solid(scene, make_cylinder(kRadius, 0.8, sides, 1), 300);
+    add_body(scene, cylinder, BodyType::dynamic, {0, 0, kRadius + 0.4}, 0.3, 0.5).rotation =
+        rotation_from_vector({0.5 * std::numbers::pi, 0, 0}) * rotation_from_vector({0, 0, std::numbers::pi / sides});
+    add_ground(scene, 6, 0.3, 0.5);
+    Motion motion(scene);
+    double spin = 0;
+    motion.run(0.5, [&](const StepReport&) { spin = std::max(spin, length(motion.body(0).angular_velocity)); });
+    motion.print("turns at up to %.3g rad/s", spin);
+    EXPECT_LT(spin, 0.03);
     expect_no_rise(motion);
 }
 
@@ -294,6 +385,15 @@ std::vector<Run> runs_of_impacts() {
         add_runs("Impact", "BeamLandsLevelOnPostsWithRestitution" + percent, runs_of_impacts(), true,
                  [=](const Run& r) { lands_level(r, beam_over_posts(r.settings(), 0.01 * e), 5, 0.01 * e); });
     }
+    for (const int e : {50, 90})
+        add_runs("Impact", "StaysLevelBetweenTilesAndCeilingWithRestitution" + std::to_string(e) + "Percent", runs(),
+                 true, [=](const Run& r) { stays_level_between_tiles_and_ceiling(r, 0.01 * e); });
+    add_runs("Impact", "BoxFallsBesideAWall", {{"balanced", 24}, {"balanced", 120}, {"accurate", 24}}, true,
+             falls_beside_a_wall);
+    add_runs("Impact", "PlateLandsOnPostsOfAnyMesh", runs_of_impacts(), true, lands_on_posts_of_any_mesh);
+    for (const int sides : {48, 64, 128})
+        add_runs("Impact", "CylinderOf" + std::to_string(sides) + "SidesLandsOnItsSide", runs(), true,
+                 [=](const Run& r) { cylinder_lands_on_its_side(r, sides); });
     for (const int subdivisions : {3, 4, 5})
         add_runs("Impact", "BallOf" + std::to_string(subdivisions) + "SubdivisionsBouncesAsASphere", runs_of_impacts(),
                  subdivisions == 4, [=](const Run& r) { ball_bounces_as_a_sphere(r, subdivisions); });
