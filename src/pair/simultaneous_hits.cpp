@@ -294,10 +294,10 @@ class MeetingPoints {
     [[nodiscard]] bool stays(std::int32_t id) const { return view_.clusters[view_.clusters.of(at(id))].infinite(); }
 
     void keep(std::size_t side, const BodyAt& body, const BodyAt& other) {
-        constexpr double kFlat = 1.0 / 1024;  // of the rest distance
-        constexpr double kRounding = 0x1p-22; // of coordinates in single precision, as files have them, four times
+        constexpr double kOneFace = 1.0 / 1024;    // of the rest distance
+        constexpr double kOfCoordinates = 0x1p-22; // of coordinates in single precision, as files have them, four times
         const double width = std::min(body.shape().radius, other.shape().radius);
-        const double flat = std::max(kFlat * reach_, kRounding * max_abs_coordinate(body.shape().box));
+        const double flat = std::max(kOneFace * reach_, kOfCoordinates * max_abs_coordinate(body.shape().box));
         keep_sole(point_[side], planes_[side].normal, {reach_ / width, reach_, flat}, prints_[side]);
     }
 
