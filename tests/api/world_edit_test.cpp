@@ -249,7 +249,7 @@ TEST(WorldEdit, TypesChange) {
     EXPECT_THAT(refusal<InputError>(w.world, [&] { w.world.set_type(floor, BodyType::dynamic); }),
                 HasSubstr("has no mass"));
     EXPECT_THAT(refusal<InputError>(w.world, [&] { w.world.set_type(crate, BodyType::kinematic); }),
-                HasSubstr("SetScript"));
+                HasSubstr("set_script"));
     w.world.set_type(crate, BodyType::dynamic);
     run(w, 60);
     EXPECT_NEAR(height(w.world, crate), kHalf + 0.01, 0.02);

@@ -123,7 +123,7 @@ std::size_t shown_pairs(const StepPictureReport& r) {
 }
 
 TEST_F(StepPictures, TellHowPairsWereProvedApart) {
-    const World world = stepped(boats_, 40);
+    const World world = stepped(boats_, 36);
     const StepPictureReport r = write_step_picture(world, output_, small(), PairLines::proofs);
     const std::string proofs = bytes_of(output_);
     EXPECT_NE(proofs, picture_of(world));
