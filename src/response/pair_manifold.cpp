@@ -12,7 +12,7 @@ namespace {
 constexpr int kSweeps = 300;
 /// Sweeps after which momentum begins. Before, impulses that are not determined come out shared evenly: without, a box
 /// that jaws press on was knocked out of rest.
-constexpr int kPlainSweeps = 30;
+constexpr int kPlainSweeps = 100;
 /// The share of the fastest relative velocity at which the sweeps stop. What they leave is spin, which makes corners of
 /// the next hits land one after the other: two boxes that fall on a floor and flat on each other (restitution 0.8,
 /// friction 0.4, 1/24 s) come to 3.1 rad/s with 1e-4 and no more than 30 sweeps, to 0.003 with this.
