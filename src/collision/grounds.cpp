@@ -36,16 +36,15 @@ void Grounds::add(const StepView& view, std::span<const ListedPair> pairs, Team&
 
 void Grounds::beside(const StepView& view, std::int32_t a, std::int32_t b, std::vector<std::int32_t>& out) const {
     out.clear();
-    if (!view.clusters[view.clusters.of(at(a))].infinite() && !view.clusters[view.clusters.of(at(b))].infinite())
-        return;
-    const bool a_stands = view.clusters[view.clusters.of(at(a))].infinite();
-    const std::int32_t body = a_stands ? b : a, ground = a_stands ? a : b;
+    const auto infinite = [&](std::int32_t body) { return view.clusters[view.clusters.of(at(body))].infinite(); };
+    if (!infinite(a) && !infinite(b)) return;
+    const std::int32_t body = infinite(a) ? b : a, ground = infinite(a) ? a : b;
+    const double restitution = pair_restitution(view.model, body, ground);
     bool known = false;
     const auto first = std::lower_bound(supports_.begin(), supports_.end(), Support{body, -1});
     for (auto s = first; s != supports_.end() && s->body == body; ++s) {
         known |= s->ground == ground;
-        if (s->ground != ground &&
-            pair_restitution(view.model, body, s->ground) == pair_restitution(view.model, body, ground))
+        if (s->ground != ground && pair_restitution(view.model, body, s->ground) == restitution)
             out.push_back(s->ground);
     }
     if (!known) out.clear();

@@ -207,12 +207,16 @@ bool ground_gives(const ContactScratch::Island& island, Tangents tangents, Conta
         const std::size_t body = at(s.island_bodies[at(k)]);
         momentum += s.weight[body].linear * (s.velocity[body].linear - s.start_velocity[body].linear);
     }
-    s.ground_impulses.assign(s.rows.size(), {});
+    const std::span<const ContactBlock> blocks =
+        std::span(s.blocks).subspan(at(island.first), at(island.end - island.first));
+    const auto locks = [](const ContactBlock& block) { return (block.locked_a | block.locked_b) != 0; };
+    if (std::any_of(blocks.begin(), blocks.end(), locks)) return true; // what locks give is not known
+    s.ground_impulses.resize(s.rows.size());
+    std::fill(s.ground_impulses.begin() + blocks.front().first, s.ground_impulses.begin() + blocks.back().end, Vec3{});
     Vec3 left = momentum;
     for (int round = 0; round < kRounds; ++round) {
         const double before = length(left);
-        for (std::int32_t k = island.first; k < island.end; ++k) {
-            const ContactBlock& block = s.blocks[at(k)];
+        for (const ContactBlock& block : blocks) {
             if (s.movable[at(block.a)] == s.movable[at(block.b)]) continue;
             for (std::int32_t r = block.first; r < block.end; ++r) {
                 const ContactRow& row = s.rows[at(r)];

@@ -42,9 +42,11 @@ TEST(EditedRuns, ResumeFromAnyStepWithTheSameBitsAtOtherThreadCounts) {
     for (std::size_t from = 0; from < kSteps; from += 7) {
         World resumed(tub(), snapshots[from], "scene", {1 + static_cast<int>(from % 3)});
         ASSERT_TRUE(resumed.snapshot() == snapshots[from]);
-        if (calm[from]) {
-            ASSERT_EQ(resumed.contacts(), contacts[from]);
-        }
+        std::vector<ContactState> again = resumed.contacts();
+        if (!calm[from])
+            for (std::vector<ContactState>* list : {&again, &contacts[from]})
+                for (ContactState& c : *list) c.impulse = {};
+        ASSERT_EQ(again, contacts[from]);
         std::size_t next = edits_before[from];
         for (std::size_t step = from; step < std::min<std::size_t>(from + 15, kSteps); ++step) {
             for (; next < edits_before[step]; ++next) resumed.apply(made[next]);
