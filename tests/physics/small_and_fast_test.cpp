@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: MIT
 // Small, thin and fast bodies, and steps that are large against them: only ratios may matter, never metres or seconds.
+#include <algorithm>
+#include <vector>
+
 #include "physics/physics.hpp"
 
 namespace flotilla::physics {
 namespace {
 
-/// Three cubes fall half a metre or more, which at a frame rate is many times their size.
-void three_cubes(const Run& run, double edge, double time_step, double time) {
-    Settings settings = run.settings();
-    settings.time_step = time_step;
-    SceneDescription scene = make_scene_with(settings);
-    const auto cube = add_solid(scene, make_box(edge, edge, edge), 1000);
-    Numbers numbers(2);
-    for (int i = 0; i < 3; ++i)
-        add_body(scene, cube, BodyType::dynamic, {0.3 * edge * i, 0, std::max(0.5, 1.5 * edge) + 2 * edge * i}, 0.3)
-            .rotation = numbers.rotation();
-    add_ground(scene, std::max(10.0, 100 * edge), 0.3);
-    Motion motion(scene);
+/// Three cubes fall half a metre or more, which at a frame rate is many times their size. Returns when the last of them
+/// rests, s.
+double time_to_rest(Motion& motion, double edge, double time) {
     // A body that hangs in the air while its velocity grows shows as a step whose way is not that of its velocity. One
     // that is higher than before was hit from below.
-    double hangs = 0;
+    const double time_step = motion.scene().settings.time_step;
+    double hangs = 0, moved = 0;
     Vec3 at = motion.body(0).center_of_mass, speed;
     motion.run(time, [&](const StepReport&) {
         const BodyState s = motion.body(0);
@@ -27,14 +22,37 @@ void three_cubes(const Run& run, double edge, double time_step, double time) {
         if (in_air && s.velocity.z < speed.z && speed.z < 0)
             hangs = std::max(hangs, 1 - (s.center_of_mass.z - at.z) / (speed.z * time_step));
         at = s.center_of_mass, speed = s.velocity;
+        if (motion.outcome().fastest_sizes > 1e-4) moved = motion.world().time();
     });
     double highest = 0;
     for (std::size_t i = 0; i < 3; ++i) highest = std::max(highest, motion.body(i).center_of_mass.z / edge);
-    motion.print("highest at %.3g edges, falls short of its speed by %.3g", highest, hangs);
-    expect_no_rise(motion);
-    expect_rest(motion);
+    motion.print("rests after %.3g s, highest at %.3g edges, falls short of its speed by %.3g", moved, highest, hangs);
     EXPECT_LT(highest, 3) << "edges";
     EXPECT_LT(hangs, 0.01);
+    return moved;
+}
+
+/// Nine starts, half of which rest by `time`: in a step of several times the square root of edge over gravity a cube
+/// turns over more than once, and how often it does so before it rests is chance.
+void three_cubes(const Run& run, double edge, double time_step, double time) {
+    Settings settings = run.settings();
+    settings.time_step = time_step;
+    Numbers numbers(2);
+    std::vector<double> rests;
+    for (int start = 0; start < 9; ++start) {
+        SceneDescription scene = make_scene_with(settings);
+        const auto cube = add_solid(scene, make_box(edge, edge, edge), 1000);
+        for (int i = 0; i < 3; ++i)
+            add_body(scene, cube, BodyType::dynamic, {0.3 * edge * i, 0, std::max(0.5, 1.5 * edge) + 2 * edge * i}, 0.3)
+                .rotation = numbers.rotation();
+        add_ground(scene, std::max(10.0, 100 * edge), 0.3);
+        Motion motion(scene);
+        rests.push_back(time_to_rest(motion, edge, 3 * time));
+        expect_no_rise(motion);
+        expect_rest(motion);
+    }
+    std::sort(rests.begin(), rests.end());
+    EXPECT_LT(rests[4], time) << "s, the median";
 }
 
 constexpr double kBar = 1e-3; // m, thickness of bars of 1 m
