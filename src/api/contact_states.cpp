@@ -82,12 +82,7 @@ void append(std::span<const Contact> contacts, const WarmImpulses& stages, const
             features.push_back(c.feature_key);
             out.push_back({c.a, c.b, c.point, c.normal, c.distance, {}, sleep, c.across});
         }
-        // Stage 3's are dropped where the failsafe acted (Stepper::held_velocities): there stage 7's half stands for
-        // both.
-        const auto acted_on = [&](std::int32_t i) { return stepper.failsafe_acted_on(static_cast<std::size_t>(i)); };
-        const bool dropped = halves && (acted_on(pair.first) || acted_on(pair.second));
-        const double factor = (dropped ? 2 : 1) * stepper.substeps();
-        set_impulses(starts.of(pair), ends.of(pair), features, factor, std::span(out).subspan(place));
+        set_impulses(starts.of(pair), ends.of(pair), features, stepper.substeps(), std::span(out).subspan(place));
     }
 }
 

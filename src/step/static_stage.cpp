@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Stages 3 and 7: contacts at one set of poses, and the solve that keeps them from approaching (section 4.3).
 #include <algorithm>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include "base/assert.hpp"
 #include "base/index.hpp"
@@ -101,8 +103,25 @@ void Stepper::final_static_contact(std::span<const Pose> end, std::span<Motion> 
     find_contacts_at_end(report);
     note_squeezed();
     static_contact(contacts_, next, end, ContactStage::final, report);
+    give_held_impulses();
     settle_energy(next, end, report);
     report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
+}
+
+/// What stage 3 gave to bodies that the failsafe acted on went with their velocities (held_velocities): stage 7's half
+/// of a step stands for both, for the next one and for who asks.
+void Stepper::give_held_impulses() {
+    if (model_.settings.velocity_update != VelocityUpdate::trapezoidal) return;
+    const auto held = [&](const WarmImpulse& w) {
+        return failsafe_bodies_[at(w.a)] != 0 || failsafe_bodies_[at(w.b)] != 0;
+    };
+    std::vector<WarmImpulse>& kept = state_.warm[ContactStage::kept];
+    const std::vector<WarmImpulse>& final = state_.warm[ContactStage::final];
+    const auto before = static_cast<std::ptrdiff_t>(kept.size());
+    std::copy_if(final.begin(), final.end(), std::back_inserter(kept), held);
+    std::inplace_merge(kept.begin(), kept.begin() + before, kept.end(), [](const WarmImpulse& x, const WarmImpulse& y) {
+        return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+    });
 }
 
 /// They are what stage 3 of the next step starts with.

@@ -121,10 +121,6 @@ class Stepper {
     [[nodiscard]] const std::vector<Contact>& sleeping_contacts() const { return sleeping_contacts_; }
     /// Cluster state and cost of every body in the last step; contacts are not counted.
     [[nodiscard]] const std::vector<BodyActivity>& activity() const { return activity_; }
-    /// Whether the failsafe moved, held or slowed down a body in the last step.
-    [[nodiscard]] bool failsafe_acted_on(std::size_t body) const {
-        return body < failsafe_bodies_.size() && failsafe_bodies_[body] != 0;
-    }
     /// Contact updates of sweeps in the last step, stages 3 and 7 together.
     [[nodiscard]] std::int64_t contact_visits() const { return contact_visits_; }
     [[nodiscard]] QueryCounters query_counters() const;
@@ -202,6 +198,7 @@ class Stepper {
     void final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report);
     void find_contacts_at_end(StepReport& report);
     void note_squeezed();
+    void give_held_impulses();
     /// Of stage 3 for what v^{n+1} keeps of it, which nothing raises to its rest distance; of stage 3; of stage 7.
     void static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses, ContactStage stage,
                         StepReport& report);
