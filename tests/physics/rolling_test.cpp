@@ -106,6 +106,36 @@ void rolls_alike_on_strips(const Run& run) {
     EXPECT_NEAR(many / one, 1, 0.005);
 }
 
+// A cylinder that is heavy on one side swings on its round one as a pendulum does, for ever but for what its sides take.
+void swings_on_its_round_side(const Run& run, int sides) {
+    constexpr double kRadius = 0.3, kOff = 0.1, kAngle = 0.4, kMass = 5, kTime = 3.6; // m, rad, kg, s
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_cylinder(kRadius, 0.4, sides);
+    const auto shape = add_solid(scene, mesh, 100), plane = add_shape(scene, make_plate(9, 9));
+    constexpr double kInertia = 0.4 * kMass * kRadius * kRadius;
+    ShapeDescription& s = scene.shapes[static_cast<std::size_t>(shape)];
+    s.mass_kind = MassKind::mass, s.mass_value = kMass;
+    s.inertia = diagonal({kInertia, kInertia, kInertia}), s.center_of_mass = Vec3{0, -kOff, 0};
+    const double side = 2 * kPi / sides, angle = side * std::round(kAngle / side);
+    add_body(scene, shape, BodyType::dynamic, {0, 0, kRadius + rest_gap(mesh)}, 1, 0).rotation =
+        rotation_from_vector({0, angle, 0}) * rotation_from_vector({kPi / 2, 0, 0});
+    add_body(scene, plane, BodyType::fixed, {}, 1, 0);
+    Motion motion(scene);
+    std::vector<double> farthest{0}; // rad, by half swing
+    double last = angle;
+    motion.run(kTime, [&](const StepReport&) {
+        const double now = -std::asin(rotate(motion.body(0).rotation, {1, 0, 0}).z);
+        if (last * now < 0) farthest.push_back(0);
+        farthest.back() = std::max(farthest.back(), std::abs(now));
+        last = now;
+    });
+    const double kept = farthest.size() > 3 ? farthest[3] / angle : 0;
+    motion.print("comes back to %.4f of its angle in the third half swing", kept);
+    EXPECT_GT(kept, 0.97);
+    EXPECT_LT(kept, 1.01);
+    expect_no_rise(motion);
+}
+
 TriangleMesh wide_cylinder_mesh() { return make_cylinder(kRollerRadius, 6 * kRollerRadius, 512); }
 
 [[maybe_unused]] const bool registered = [] {
@@ -124,6 +154,12 @@ TriangleMesh wide_cylinder_mesh() { return make_cylinder(kRollerRadius, 6 * kRol
     // Several steps to a side: the corner that lands next must not carry before it does.
     add_runs("Rolling", "Cylinder512KeepsItsSpeedInSmallSteps", {{"balanced", 480}}, true,
              [](const Run& r) { keeps_rolling(r, kCylinder, 0.5); });
+    add_runs("Rolling", "Cylinder2048HeavyOnOneSideSwings",
+             {{"balanced", 24}, {"balanced", 60}, {"balanced", 120}, {"accurate", 24}, {"reference", 24}}, true,
+             [](const Run& r) { swings_on_its_round_side(r, 2048); });
+    add_runs("Rolling", "Cylinder512HeavyOnOneSideSwings",
+             {{"balanced", 24}, {"balanced", 120}, {"accurate", 24}, {"reference", 24}}, true,
+             [](const Run& r) { swings_on_its_round_side(r, 512); });
     // Its tolerance, 25 times the others', must not hold up the side that lands next.
     add_runs("Rolling", "Cylinder512KeepsItsSpeedInPreview", {{"preview", 24}}, true,
              [](const Run& r) { keeps_rolling(r, kCylinder, 0.5); });
