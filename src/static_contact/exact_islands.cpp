@@ -145,14 +145,14 @@ void solve(Island& island, const ContactBodies& bodies, const ContactSolveOption
     e.swept = e.impulses;
     const bool stands = is_pressed(e) && rests_pressed(island);
     const ConeSolveStats stats =
-        solve_cone_program(e.bodies, e.contacts,
-                           {.tolerance = island.exact_tolerance,
-                            .max_iterations = kMostToTolerance,
-                            .enough = island.tolerance,
-                            .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations,
-                            .polish = newton_is_enough(island, options) ? kPolish : 0,
-                            .rests = island.rests || stands},
-                           e.impulses, e.scratch);
+        e.program.solve(e.bodies, e.contacts,
+                        {.tolerance = island.exact_tolerance,
+                         .max_iterations = kMostToTolerance,
+                         .enough = island.tolerance,
+                         .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations,
+                         .polish = newton_is_enough(island, options) ? kPolish : 0,
+                         .rests = island.rests || stands},
+                        e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;
     island.stands = stands;
     if (!stats.solved && !stats.yielded && !(stats.residual < island.residual)) return;
@@ -175,6 +175,13 @@ std::int32_t contacts_of(const Island& island, const ContactScratch& s) {
     return blocks.back().end - blocks.front().first;
 }
 
+std::int32_t contacts_in_need(const Island& island, const ContactScratch& s) {
+    constexpr auto kOfPair = static_cast<std::int32_t>(2 * kContactsAtOnce);
+    std::int32_t sum = 0;
+    for (const ContactBlock& block : blocks_of(island, s)) sum += std::min(block.end - block.first, kOfPair);
+    return sum;
+}
+
 bool may_solve_exactly(const Island& island, const ContactSolveOptions& options, const ContactScratch& s) {
     if (!options.exact || options.tangents == Tangents::random) return false;
     const std::int32_t contacts = contacts_of(island, s), bodies = island.end_body - island.first_body;
@@ -182,7 +189,7 @@ bool may_solve_exactly(const Island& island, const ContactSolveOptions& options,
     if (options.exact_few && !soon) return false;
     if (contacts <= kFewContacts || bodies <= options.tuning.bodies_factorised_soon) return true;
     const bool cheap = bodies <= kMostBodies || is_slender(island);
-    return island.rests && cheap && contacts <= kMostContacts;
+    return island.rests && cheap && contacts_in_need(island, s) <= kMostContacts;
 }
 
 bool is_slender(const Island& island) { return island.end - island.first <= island.end_body - island.first_body + 1; }

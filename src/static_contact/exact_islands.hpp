@@ -36,6 +36,8 @@ inline constexpr double kOfFactorisation = 72;
 [[nodiscard]] bool is_slender(const ContactScratch::Island& island);
 
 [[nodiscard]] std::int32_t contacts_of(const ContactScratch::Island& island, const ContactScratch& scratch);
+/// As many as an exact solve takes in as a rule (growing_program.hpp).
+[[nodiscard]] std::int32_t contacts_in_need(const ContactScratch::Island& island, const ContactScratch& scratch);
 
 /// Solves the unsolved islands that may be solved exactly, side by side. Their rows hold the impulses of the sweeps,
 /// and then the exact ones; velocities follow.

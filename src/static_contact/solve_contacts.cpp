@@ -95,7 +95,7 @@ double least_tolerance(const Island& island, double of_load, const ContactScratc
 void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactScratch& s) {
     const ContactTuning& tuning = options.tuning;
     const std::int32_t bodies = island.end_body - island.first_body;
-    const bool few = contacts_of(island, s) <= kFewContacts;
+    const bool few = contacts_in_need(island, s) <= kFewContacts;
     // One of many bodies that moves is left to the sweeps for as long as they get on: a factorisation costs a thousand
     // of them.
     const bool soon = island.rests || bodies <= tuning.bodies_factorised_soon;

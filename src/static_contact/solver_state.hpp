@@ -14,6 +14,7 @@
 #include "state/contact.hpp"
 #include "static_contact/contact_packets.hpp"
 #include "static_contact/contact_tuning.hpp"
+#include "static_contact/growing_program.hpp"
 #include "static_contact/interior_point.hpp"
 #include "static_contact/sweep_shares.hpp"
 
@@ -230,6 +231,7 @@ struct ContactScratch {
         std::vector<ConeContact> contacts;
         std::vector<Vec3> impulses, swept; ///< N s, contact frames; those of the sweeps
         ConeScratch scratch;
+        GrowingProgram program;
     };
     std::vector<ExactSolve> exact;                         ///< by thread
     std::vector<std::int32_t> exact_body;                  ///< per body in contact: its number in its island's problem

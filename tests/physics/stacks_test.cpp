@@ -214,6 +214,49 @@ void forces_in_a_stack(const Run& run) {
 
 std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(std::lround(std::log10(ratio)))); }
 
+/// A surface of revolution about z, of radii and heights from its middle outwards.
+TriangleMesh revolved(const std::vector<std::pair<double, double>>& profile, int sides) {
+    TriangleMesh mesh;
+    mesh.vertices.push_back({0, 0, profile[0].second});
+    const auto rings = static_cast<std::int32_t>(profile.size()) - 1;
+    for (int i = 0; i < sides; ++i)
+        for (std::int32_t k = 1; k <= rings; ++k) {
+            const auto [radius, height] = profile[static_cast<std::size_t>(k)];
+            const double angle = 2 * kPi * i / sides;
+            mesh.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), height});
+        }
+    for (std::int32_t i = 0; i < sides; ++i) {
+        const std::int32_t here = 1 + i * rings, next = 1 + (i + 1) % sides * rings;
+        mesh.triangles.push_back({0, here, next});
+        for (std::int32_t k = 0; k + 1 < rings; ++k) {
+            mesh.triangles.push_back({here + k, here + k + 1, next + k + 1});
+            mesh.triangles.push_back({here + k, next + k + 1, next + k});
+        }
+    }
+    return mesh;
+}
+
+// Crockery on each other, with hundreds of contacts a pair, few of which carry.
+void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, int pieces, double lift, double turn,
+                           double friction, double time) {
+    SceneDescription scene = make_scene_with(run.settings());
+    scene.settings.sleeping = true;
+    const auto shape = add_shape(scene, mesh, 6);
+    for (int k = 0; k < pieces; ++k)
+        add_body(scene, shape, BodyType::dynamic, {0, 0, 0.004 + lift * k}, friction, 0).rotation =
+            rotation_from_vector({0, 0, turn * k});
+    add_ground(scene, 4, friction, 0);
+    Motion motion(scene);
+    double slept = 0;
+    motion.run(time, [&](const StepReport& r) {
+        if (slept == 0 && r.sleeping == pieces) slept = r.time;
+    });
+    motion.print("asleep after %.3g s", slept);
+    EXPECT_GT(slept, 0);
+    expect_no_rise(motion);
+    expect_weight_on(motion, motion.world().size() - 1);
+}
+
 [[maybe_unused]] const bool registered = [] {
     const std::vector<Run> once = runs({24});
     for (const int boxes : {2, 3, 5, 10, 20, 50}) {
@@ -271,6 +314,13 @@ std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(
         add_runs("Stacks", std::string(name) + "WithoutFriction",
                  {{"preview", 24}, {"preview", 120}, {"balanced", 24}, {"balanced", 120}, {"accurate", 24}}, true,
                  [=](const Run& r) { flush_cubes_stay(r, aside); });
+    const TriangleMesh plate = revolved({{0, 0}, {0.07, 0}, {0.12, 0.02}}, 48);
+    const TriangleMesh cup =
+        revolved({{0, 0}, {0.032, 0}, {0.034, 0.025}, {0.036, 0.05}, {0.038, 0.075}, {0.04, 0.1}}, 24);
+    add_runs("Stacks", "TwentyPlatesFallAsleep", {{"balanced", 24}, {"balanced", 60}}, true,
+             [=](const Run& r) { crockery_falls_asleep(r, plate, 20, 0.008, 0.07, 0.2, 4); });
+    add_runs("Stacks", "CupsInEachOtherFallAsleep", {{"balanced", 24}, {"accurate", 24}}, true,
+             [=](const Run& r) { crockery_falls_asleep(r, cup, 4, 0.03, 0.1, 0.3, 4); });
     add_runs("Stacks", "ForcesAreThoseOfTheWeightAbove", runs(), true, forces_in_a_stack);
     return true;
 }();
