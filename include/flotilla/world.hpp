@@ -145,6 +145,7 @@ class World {
 
     /// The present body at a place, or with a name; InputError where there is none.
     [[nodiscard]] BodyId id(std::size_t index) const;
+    [[nodiscard]] std::vector<BodyId> ids() const; ///< of the num_bodies() that are present, by place
     /// How many bodies have occupied this place before the present one (BodyId::generation); InputError where there is
     /// no such place.
     [[nodiscard]] std::uint32_t generation(std::size_t index) const;

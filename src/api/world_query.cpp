@@ -37,6 +37,13 @@ BodyId World::id(std::size_t index) const {
     return impl_->id(index);
 }
 
+std::vector<BodyId> World::ids() const {
+    std::vector<BodyId> out;
+    for (std::size_t i = 0; i < size(); ++i)
+        if (impl_->now.present[i] != 0) out.push_back(impl_->id(i));
+    return out;
+}
+
 std::uint32_t World::generation(std::size_t index) const {
     impl_->check(index);
     return impl_->now.generation[index];

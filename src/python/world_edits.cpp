@@ -85,6 +85,8 @@ void bind_bodies(WorldClass& type) {
     type.def(
         "id", [](const PythonWorld& w, std::size_t index) { return w.world().id(index); }, py::arg("index"),
         "BodyId of the present body at a place.");
+    type.def_property_readonly(
+        "ids", [](const PythonWorld& w) { return w.world().ids(); }, "BodyId of all present bodies, by place");
     type.def(
         "find", [](const PythonWorld& w, const std::string& name) { return w.world().find(name); }, py::arg("name"),
         "BodyId of the body with a name.");

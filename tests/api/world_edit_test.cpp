@@ -73,6 +73,7 @@ TEST(WorldEdit, AddedBodiesFallAndRestOnWhatIsThere) {
     EXPECT_EQ(added, (BodyId{2, 0}));
     EXPECT_EQ(w.world.name(added), "second");
     EXPECT_EQ(w.world.num_bodies(), 3u);
+    EXPECT_EQ(w.world.ids(), (std::vector<BodyId>{{0, 0}, crate, added}));
     run(w, 90);
     EXPECT_NEAR(height(w.world, added), 1.5 + 0.02, 0.03);
     EXPECT_NEAR(height(w.world, crate), kHalf + 0.01, 0.02);

@@ -26,6 +26,7 @@ def test_bodies_come_and_go(world, plate):
     world.remove_body(first)
     assert not world.contains(first) and world.contains(named)
     assert len(world) == 4 and world.num_bodies == 3 and world.names[2] == "" and world.types[2] == ""
+    assert world.ids == [world.id(0), world.id(1), named]
     again = world.add_body(shape, position=(0, 0, 9))
     assert again.index == first.index and again.generation == 1 and again != first
     with pytest.raises(flotilla.InputError):

@@ -318,6 +318,7 @@ class World:
     memory: Final[MemoryUse]
     gravity: Final[NDArray[float64]]
     energy: Final[float]
+    ids: Final[list[BodyId]]
     num_bodies: Final[int]
 
 class RunTotals:
