@@ -85,7 +85,7 @@ bool respond(const StepView& view, const HitRules& rules, Movers& movers, Worker
     if (worker.manifold.empty() || !together())
         worker.manifold.start(view.clusters.impulsive(pair.a), view.clusters.impulsive(pair.b), landing.gap);
     const bool alone = worker.manifold.empty() && worker.hits.size() == 1;
-    if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.changes)) {
+    if (!alone && worker.manifold.resolve(worker.hits, restitution, worker.first_within, worker.changes)) {
         push_all(view, rules.touching, movers, worker, pair);
         return true;
     }

@@ -166,6 +166,26 @@ CollisionFinding find_collision(const StepView& view, Worker& worker, const Pair
     return out;
 }
 
+namespace {
+
+/// Whether the features of a hit are in the middle of a flat side: a corner of none, or an edge that only its
+/// triangulation has.
+bool is_flat(const StepView& view, const PairRecord& pair, const FeaturePair& f) {
+    const auto corner = [&](std::int32_t body, std::int32_t v) {
+        return view.model.shape_of(at(body)).topology.salient_vertex[at(v)] != 0;
+    };
+    const auto edge = [&](std::int32_t body, std::int32_t e) {
+        return view.model.shape_of(at(body)).topology.salient_edge[at(e)] != 0;
+    };
+    switch (f.kind) {
+    case FeatureKind::vertex_face: return !corner(pair.a, f.a);
+    case FeatureKind::face_vertex: return !corner(pair.b, f.b);
+    default: return !edge(pair.a, f.a) || !edge(pair.b, f.b);
+    }
+}
+
+} // namespace
+
 bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Grounds* grounds) {
     const CollisionFinding found = find_collision(view, worker, pair, pair.cache);
     commit(view.trajectories, pair, found.verdict);
@@ -178,6 +198,8 @@ bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Gro
     if (grounds != nullptr) grounds->beside(view, pair.a, pair.b, worker.grounds);
     find_simultaneous_hits(view, worker.footprints, {found.hit, pair.a, pair.b}, *found.urgent, pair.lengths.rest,
                            worker.grounds, worker.hits);
+    constexpr std::size_t kSpan = 4; // three that may span it, and itself
+    worker.first_within = found.hit.hit && worker.hits.size() >= kSpan && is_flat(view, pair, found.hit.features);
     return true;
 }
 

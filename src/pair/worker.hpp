@@ -50,6 +50,7 @@ struct alignas(64) Worker {
     PairManifold manifold; ///< of the operation under way
     std::vector<PairManifold::Change> changes;
     std::vector<ContactPoint> hits;        ///< at one time
+    bool first_within = false;             ///< the first of them is within what the others span
     std::optional<Landing> landing{};      ///< of the first of them
     std::array<Footprint, 2> footprints{}; ///< of two bodies that hit
     std::vector<std::int32_t> grounds;     ///< on which one of them may land as well

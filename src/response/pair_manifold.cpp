@@ -85,10 +85,10 @@ Vec3 PairManifold::relative(const Hit& hit, const Velocities& v) {
 }
 
 /// Returns the largest change of a velocity.
-double PairManifold::sweep(Velocities& v) {
+double PairManifold::sweep(bool all, Velocities& v) {
     double worst = 0;
     for (Hit& hit : hits_) {
-        if (!(hit.mass_normal > 0)) continue;
+        if (!(hit.mass_normal > 0) || (hit.within && !all)) continue;
         const Vec3& n = hit.point.normal;
         const Vec3 u = relative(hit, v);
         const double old = dot(n, hit.next), normal = std::max(0.0, old + (hit.target - dot(n, u)) / hit.mass_normal);
@@ -118,18 +118,24 @@ void PairManifold::carry_on(double share, Velocities& v) {
     }
 }
 
-/// Sweeps with Nesterov's momentum, which begins anew where a sweep changes more than the one before: feet that stand
-/// close to each other, as the corners of a narrow side, turn a body by hardly anything that a sweep sees.
 void PairManifold::solve(Velocities& v) {
-    double fastest = 0, before = std::numeric_limits<double>::infinity();
+    double fastest = 0;
     for (Hit& hit : hits_) {
         fastest = std::max(fastest, length(hit.point.relative_velocity));
         hit.next = hit.last = hit.impulse;
     }
+    if (std::ranges::any_of(hits_, &Hit::within)) sweep_on(false, fastest, v);
+    sweep_on(true, fastest, v);
+}
+
+/// Sweeps with Nesterov's momentum, which begins anew where a sweep changes more than the one before: feet that stand
+/// close to each other, as the corners of a narrow side, turn a body by hardly anything that a sweep sees.
+void PairManifold::sweep_on(bool all, double fastest, Velocities& v) {
+    double before = std::numeric_limits<double>::infinity();
     int age = 0;
     for (int i = 0; i < kSweeps; ++i) {
         carry_on(age > 0 ? (age - 1.0) / (age + 2.0) : 0, v);
-        const double worst = sweep(v);
+        const double worst = sweep(all, v);
         if (worst <= kTolerance * fastest) break;
         age = worst > before || i < kPlainSweeps ? 0 : age + 1;
         before = worst;
@@ -149,10 +155,12 @@ double PairManifold::energy_share() const {
     return curvature > -2 * slope ? -2 * slope / curvature : 1.0;
 }
 
-bool PairManifold::resolve(std::span<const ContactPoint> points, double restitution, std::vector<Change>& changes) {
+bool PairManifold::resolve(std::span<const ContactPoint> points, double restitution, bool within,
+                           std::vector<Change>& changes) {
     const std::size_t before = hits_.size();
     Velocities v = applied();
     for (const ContactPoint& point : points) hits_.push_back(make_hit(point, restitution, v));
+    hits_[before].within = within;
     solve(v);
     const double share = energy_share();
     const auto pushed = [](const Hit& hit) { return dot(hit.next, hit.point.normal) > 0; };

@@ -40,8 +40,11 @@ class PairManifold {
     /// More hits, at one time, with the velocities after all impulses so far. Fills `changes` with what the impulses of
     /// all hits change by. False, and nothing is changed, where none of the new ones gets an impulse. That the first
     /// gets none is no fault: of a bar that lands flat across a rail the edge next to its centre throws it off the
-    /// other one.
-    [[nodiscard]] bool resolve(std::span<const ContactPoint> points, double restitution, std::vector<Change>& changes);
+    /// other one. `within`: the first is in the middle of a flat side whose corners are the others: it follows from
+    /// these, which carry the body at rest as well and brake its spin. Swept as the others are it took all of the load
+    /// of a disc that fell flat, which lost no spin.
+    [[nodiscard]] bool resolve(std::span<const ContactPoint> points, double restitution, bool within,
+                               std::vector<Change>& changes);
 
   private:
     struct Hit {
@@ -52,6 +55,7 @@ class PairManifold {
         double mass_normal = 0, mass_tangent = 0; ///< 1/kg, of the point: along the normal, and no less than any other
         Mat3 own{};                               ///< 1/kg, what an impulse changes of its relative velocity
         Mat3 turn_a{}, turn_b{};                  ///< 1/(kg m), what one changes of the angular velocities
+        bool within = false;                      ///< swept once the others are solved
     };
     /// What impulses change.
     struct Velocities {
@@ -65,9 +69,10 @@ class PairManifold {
     [[nodiscard]] static Vec3 change(const ContactPoint& point, const Velocities& v);
     [[nodiscard]] static Vec3 relative(const Hit& hit, const Velocities& v);
     void set_effects(Hit& hit) const;
-    [[nodiscard]] double sweep(Velocities& v);
+    [[nodiscard]] double sweep(bool all, Velocities& v);
     void carry_on(double share, Velocities& v);
     void solve(Velocities& v);
+    void sweep_on(bool all, double fastest, Velocities& v);
     [[nodiscard]] double energy_share() const;
 
     Impulsive a_, b_;

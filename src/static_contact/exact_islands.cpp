@@ -176,7 +176,7 @@ std::int32_t contacts_of(const Island& island, const ContactScratch& s) {
 }
 
 std::int32_t contacts_in_need(const Island& island, const ContactScratch& s) {
-    constexpr auto kOfPair = static_cast<std::int32_t>(2 * kContactsAtOnce);
+    constexpr auto kOfPair = static_cast<std::int32_t>(3 * kContactsAtOnce);
     std::int32_t sum = 0;
     for (const ContactBlock& block : blocks_of(island, s)) sum += std::min(block.end - block.first, kOfPair);
     return sum;

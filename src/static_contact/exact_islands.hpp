@@ -18,7 +18,7 @@ inline constexpr double kOfSpeed = 0x1p-36;
 /// the sweeps would. Larger ones are where more sweeps leave them above what they aim at; slender ones at rest and
 /// those of a few bodies are so at once: a ball on 1,400 contacts takes the time of the sweeps in preset balanced, and
 /// sweeps left it unsolved in four of five steps.
-inline constexpr std::int32_t kFewContacts = 256;
+inline constexpr auto kFewContacts = static_cast<std::int32_t>(kContactsAsTheyAre);
 
 /// Problems that have a solution take ten to forty factorisations; the others end with what was found.
 inline constexpr int kMostFactorisations = 40;

@@ -33,9 +33,12 @@ void GrowingProgram::choose_first(std::span<const ConeContact> contacts, std::sp
         if (contacts[i].pressed) chosen_[i] = 1;
 }
 
-/// The one of the largest load; then, one by one, the one whose push differs most from those that are chosen.
+/// The one of the largest load; then, one by one, the one whose push differs most from those that are chosen; and some
+/// by their places in the list.
 void GrowingProgram::choose_of_pair(std::span<const ConeContact> contacts, std::span<const Vec3> impulses,
                                     std::size_t first, std::size_t end) {
+    const std::size_t count = end - first;
+    for (std::size_t k = 0; k < kContactsAtOnce; ++k) chosen_[first + count * k / kContactsAtOnce] = 1;
     double size = 0; // m^2
     std::size_t next = first;
     for (std::size_t i = first; i < end; ++i) {
@@ -59,20 +62,18 @@ void GrowingProgram::choose_of_pair(std::span<const ConeContact> contacts, std::
 }
 
 /// Of the estimate what others carry along their normals goes to the nearest that is chosen.
-void GrowingProgram::gather_loads(std::span<const ConeContact> contacts, std::span<Vec3> impulses) const {
-    for (std::size_t p = 0; p + 1 < pairs_.size(); ++p)
+void GrowingProgram::gather_loads(std::span<const ConeContact> contacts, std::span<Vec3> impulses) {
+    for (std::size_t p = 0; p + 1 < pairs_.size(); ++p) {
+        part_.clear();
+        for (std::size_t i = pairs_[p]; i < pairs_[p + 1]; ++i)
+            if (chosen_[i] != 0) part_.push_back(i);
         for (std::size_t i = pairs_[p]; i < pairs_[p + 1]; ++i) {
             if (chosen_[i] != 0 || impulses[i] == Vec3{}) continue;
-            double least = std::numeric_limits<double>::infinity();
-            std::size_t nearest = i;
-            for (std::size_t k = pairs_[p]; k < pairs_[p + 1]; ++k) {
-                const double distance = length_sq(arm_of(contacts[k]) - arm_of(contacts[i]));
-                if (chosen_[k] != 0 && distance < least) least = distance, nearest = k;
-            }
-            const double load = impulses[i].x;
+            const auto distance = [&](std::size_t k) { return length_sq(arm_of(contacts[k]) - arm_of(contacts[i])); };
+            impulses[*std::ranges::min_element(part_, {}, distance)].x += impulses[i].x;
             impulses[i] = {};
-            impulses[nearest].x += load;
         }
+    }
 }
 
 ConeSolveStats GrowingProgram::solve_part(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts,
@@ -118,7 +119,7 @@ void GrowingProgram::take_in(double limit) {
 ConeSolveStats GrowingProgram::solve(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts,
                                      const ConeSolveOptions& options, std::span<Vec3> impulses, ConeScratch& scratch) {
     list_pairs(contacts);
-    if (contacts.size() <= 2 * kContactsAtOnce * (pairs_.size() - 1)) {
+    if (contacts.size() <= std::max(kContactsAsTheyAre, 4 * kContactsAtOnce * (pairs_.size() - 1))) {
         chosen_.assign(contacts.size(), 1);
         return solve_part(bodies, contacts, options, impulses, scratch);
     }

@@ -3,11 +3,10 @@
 //
 // Bodies that rest on each other by finely meshed sides have hundreds of contacts. Few of them carry, and the others
 // follow: along one normal those inside the hull of the rest, for whatever they could push is a mean of what the rest
-// pushes. So a solve begins with a few contacts of each pair, whose pushes are as different as there are, and takes in
-// those that its result leaves approaching, until nothing does: a solution of all contacts, in which most have no load.
-// Six to ten are enough for most pairs. The problem is then also easier, since hardly anything is redundant: eight
-// nested cups of 24 sides (1,000 contacts), whose solves ended at 1e-3 m/s after 40 to 80 factorisations, end at 1e-6
-// and less.
+// pushes. So a solve begins with some contacts of each pair, half of them those whose pushes are as different as there
+// are, and takes in those that its result leaves approaching, until nothing does: a solution of all contacts, in which
+// most have no load. The problem is then also easier, since little is redundant: eight nested cups of 24 sides (1,000
+// contacts), whose solves ended at 1e-3 m/s after 40 to 80 factorisations, end at 1e-6 and less.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +18,12 @@
 
 namespace flotilla {
 
-/// Contacts of a pair that the solve begins with, and that it takes in at once. Eight and four, four and eight, twelve
-/// and eight take up to twice the time for some of the nested cups and less for none.
+/// Contacts of a pair that are taken in at once. The solve begins with as many that are far from each other, and as
+/// many more by turns: no law says how flat sides share their load, all contacts would share it evenly, and the
+/// farthest alone brake a side that spins at its rim.
 inline constexpr std::size_t kContactsAtOnce = 8;
+/// Up to so many contacts in all are solved as they are, in some milliseconds.
+inline constexpr std::size_t kContactsAsTheyAre = 256;
 
 class GrowingProgram {
   public:
@@ -38,7 +40,7 @@ class GrowingProgram {
     void choose_first(std::span<const ConeContact> contacts, std::span<const Vec3> impulses);
     void choose_of_pair(std::span<const ConeContact> contacts, std::span<const Vec3> impulses, std::size_t first,
                         std::size_t end);
-    void gather_loads(std::span<const ConeContact> contacts, std::span<Vec3> impulses) const;
+    void gather_loads(std::span<const ConeContact> contacts, std::span<Vec3> impulses);
     ConeSolveStats solve_part(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts,
                               const ConeSolveOptions& options, std::span<Vec3> impulses, ConeScratch& scratch);
     [[nodiscard]] double largest_approach_of_others() const;

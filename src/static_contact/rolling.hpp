@@ -12,8 +12,9 @@
 // plastic impacts say, 17.5 sides on, at 1/480 s, and a side short of it at 1/120 s; with the load where it is in the
 // mean, and the landing with it, each of them took half to all of what it should.
 //
-// Where a side takes less than four steps the body rolls as if it were round, with the load right below the middle of
-// its curvature, which a surface through its contacts tells; what comes down next is left to the next step. At the
+// Where a side takes less than four steps, and there are contacts enough for a surface through them, the body rolls as
+// if it were round, without the impacts of its sides: the load is right below the middle of its curvature, and what
+// comes down next is left to the next step. At the
 // places to which arcs bring the points the load is ahead of that by up to the way of the step, in stages 3 and 7
 // alike: no matter where the axle is above it, but a body that is heavy on one side and swings on its round one loses
 // half the square of its frequency times the step in each. A cylinder of 2,048 sides and 0.3 m, its mass 0.1 m below

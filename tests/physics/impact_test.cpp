@@ -262,6 +262,27 @@ void plate_lands_on_a_block(const Run& run, double e) {
 }
 
 // Boxes that land flat on one another, edge on edge, in the air and on the ground, keep flat.
+// The middle of a disc that falls flat is among what hits, at the same time as its corners; they carry it and brake its
+// spin, in the impact as afterwards: by 2 mu g / R for a rim, less the sides.
+void spinning_disc_lands(const Run& run, int sides) {
+    constexpr double kRadius = 0.5, kDrop = 0.05, kFriction = 0.3, kSpin = 10, kTime = 1.0 / 3;
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_cylinder(kRadius, 0.05, sides);
+    const auto disc = add_solid(scene, mesh, 1000);
+    add_body(scene, disc, BodyType::dynamic, {0, 0, 0.025 + kDrop + rest_gap(mesh)}, kFriction, 0).angular_velocity = {
+        0, 0, kSpin};
+    add_ground(scene, 10, kFriction, 0);
+    Motion motion(scene);
+    motion.run(kTime);
+    const double side = kPi / sides,
+                 of_polygon = (2 + std::cos(2 * side)) / 3; // of R^2 / 2, the radius of gyration's square
+    const double lost = kSpin - motion.body(0).angular_velocity.z,
+                 due = kFriction * kGravity * motion.world().time() * 2 / (kRadius * of_polygon);
+    motion.print("loses %.4g of its spin, due %.4g rad/s", lost, due);
+    EXPECT_NEAR(lost / due, 1, 0.02);
+    expect_no_rise(motion);
+}
+
 void boxes_land_flat(const Run& run, double e) {
     double spin = 0, aside = 0;
     for (const double gap : {0.01, 0.02, 0.03, 0.05, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2}) {
@@ -369,6 +390,10 @@ std::vector<Run> runs_of_impacts() {
     for (const int e : {0, 50, 90})
         add_runs("Impact", "CrateLandsFlatWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,
                  [=](const Run& r) { lands_flat(r, 0.01 * e); });
+    for (const int sides : {12, 24})
+        add_runs("Impact", "SpinningDiscOf" + std::to_string(sides) + "Lands",
+                 {{"preview", 24}, {"balanced", 24}, {"balanced", 120}, {"accurate", 24}}, true,
+                 [=](const Run& r) { spinning_disc_lands(r, sides); });
     for (const int e : {50, 80}) {
         const std::string percent = std::to_string(e) + "Percent";
         add_runs("Impact", "BarLandsAcrossARailWithRestitution" + percent, runs_of_impacts(), true,

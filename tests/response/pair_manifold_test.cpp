@@ -40,7 +40,7 @@ struct Pair {
     Vec3 relative(const ContactPoint& p) const { return point_velocity(b, p.arm_b) - point_velocity(a, p.arm_a); }
     bool resolve(std::vector<ContactPoint> points, double restitution) {
         for (ContactPoint& p : points) p.relative_velocity = relative(p);
-        if (!manifold.resolve(points, restitution, changes)) return false;
+        if (!manifold.resolve(points, restitution, false, changes)) return false;
         for (const PairManifold::Change& c : changes) push(c.point, c.impulse);
         return true;
     }

@@ -18,7 +18,8 @@ struct Problem {
     std::vector<ConeContact> contacts;
     std::vector<Vec3> impulses;
 
-    /// Discs of 1 kg and 1 m on each other's rims, of so many contacts each; `free`: m/s, of the lowest, along its normal and tangents.
+    /// Discs of 1 kg and 1 m on each other's rims, of so many contacts each. `free`: m/s, of the lowest, along its normal
+    /// and tangents.
     Problem(int discs, int rim, double friction, const Vec3& free) {
         for (int k = 0; k < discs; ++k) {
             bodies.push_back({1, diagonal({4, 4, 2}), 0});
