@@ -137,6 +137,7 @@ ConeSolveStats GrowingProgram::solve(std::span<const ConeBody> bodies, std::span
         if (!(others > limit) || round == kMostRounds) {
             stats.iterations = iterations;
             stats.residual = std::max(stats.residual, others);
+            stats.yielded = stats.yielded && !(others > limit); // else what is not taken in was not asked to yield
             stats.solved = stats.solved && others <= std::max(options.tolerance, stats.rounding);
             return stats;
         }

@@ -140,7 +140,7 @@ std::optional<double> lowest_place(std::span<const Contact> contacts, const Roll
 
 /// Steps of a side up to which a body rolls as if it were round. One that swings on a side of 512 corners (rolling.hpp)
 /// came back to 0.349, 0.389, 0.404 and 0.405 of 0.4 rad in the third half swing at 1/120 s with one, two, four and
-/// eight, due 0.400; of 64 corners at 1/60 s to 0.314, 0.314, 0.314 and 0.430, due 0.350.
+/// eight, due 0.400.
 constexpr double kRoundSteps = 4;
 /// Sides that the contacts of such a body span. With fewer another set of them each step makes it hop: cylinders of 64
 /// and 96 sides and 0.1 m at 1 m/s by 1.7 mm at 1/24 s and by 0.8 mm at 1/60 s, where 0.06 and 0.2 are usual.
