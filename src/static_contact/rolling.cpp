@@ -2,6 +2,7 @@
 #include "static_contact/rolling.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -142,25 +143,46 @@ std::optional<double> lowest_place(std::span<const Contact> contacts, const Roll
 /// came back to 0.349, 0.389, 0.404 and 0.405 of 0.4 rad in the third half swing at 1/120 s with one, two, four and
 /// eight, due 0.400.
 constexpr double kRoundSteps = 4;
-/// Sides that the contacts of such a body span. With fewer another set of them each step makes it hop: cylinders of 64
-/// and 96 sides and 0.1 m at 1 m/s by 1.7 mm at 1/24 s and by 0.8 mm at 1/60 s, where 0.06 and 0.2 are usual.
-constexpr double kLeastSides = 6;
+/// Corners that the contacts of such a body span, one behind the other. With fewer another set of them each step makes
+/// it hop: cylinders of 64 and 96 sides and 0.1 m at 1 m/s by 1.7 mm at 1/24 s and by 0.8 mm at 1/60 s, where 0.06 and
+/// 0.2 are usual.
+constexpr int kLeastCorners = 7;
+
+/// The contacts of a pair from the first to the last along the way.
+struct Span {
+    double from, to; ///< m
+    int corners = 0; ///< sixteenths of it that have any
+
+    [[nodiscard]] double side() const { return (to - from) / (corners - 1); } ///< m, or more
+};
+Span span_of(std::span<const Contact> contacts, const RollingPair& pair, std::size_t carrier) {
+    constexpr int kParts = 16;
+    Span span{pair.place(carrier), pair.place(carrier)};
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+        if (pair.alike(i)) span.from = std::min(span.from, pair.place(i)), span.to = std::max(span.to, pair.place(i));
+    if (!(span.to > span.from)) return span;
+    unsigned found = 0;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const double part = kParts * (pair.place(i) - span.from) / (span.to - span.from);
+        if (pair.alike(i)) found |= 1u << std::min(static_cast<int>(part), kParts - 1);
+    }
+    span.corners = std::popcount(found);
+    return span;
+}
 
 /// A body that rolls as if it were round: the load is right below the middle of its curvature now, and what comes down
-/// next is left to the next step. False where its contacts are not those of a round side.
-bool roll_round(std::span<const Contact> contacts, const RollingPair& pair, std::size_t carrier, double side,
+/// next is left to the next step. `way`: m, of the step. False where its contacts are not those of a round side.
+bool roll_round(std::span<const Contact> contacts, const RollingPair& pair, std::size_t carrier, double way,
                 const RollingMotion& motion, std::span<ArcContact> arcs) {
-    const auto carries = [&](std::size_t i) { return pair.alike(i) && pair.carries(i); };
-    double last = pair.place(carrier), from = last, to = last;
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-        if (!pair.alike(i)) continue;
-        from = std::min(from, pair.place(i)), to = std::max(to, pair.place(i));
-        if (carries(i)) last = std::max(last, pair.place(i));
-    }
-    if (!(to - from >= kLeastSides * side)) return false;
+    const Span span = span_of(contacts, pair, carrier);
+    if (span.corners < kLeastCorners || !(span.side() < kRoundSteps * way)) return false;
     const std::optional<double> lowest = lowest_place(contacts, pair, carrier, motion.along);
     if (!lowest) return false;
-    if (!(*lowest >= pair.place(carrier) - side && *lowest <= last + side)) return false;
+    const auto carries = [&](std::size_t i) { return pair.alike(i) && pair.carries(i); };
+    double last = pair.place(carrier);
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+        if (carries(i)) last = std::max(last, pair.place(i));
+    if (!(*lowest >= pair.place(carrier) - span.side() && *lowest <= last + span.side())) return false;
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         if (pair.ahead(i, carrier)) arcs[i].approach = left_to_the_next_step(motion);
         if (!carries(i)) continue;
@@ -194,9 +216,7 @@ void share_load(std::span<const Contact> contacts, std::size_t lowest, const Rol
     const double side = landing.contact != carrier ? pair.place(carrier) - pair.place(landing.contact) : way;
     // What gravity adds to the turn on the arm of a side: bodies that rest on their corners, or spin, do not roll.
     const bool rolls = motion.gravity * side * dt < motion.arm * motion.arm * pair.tilt();
-    if (rolls && landing.contact != carrier && side < kRoundSteps * way &&
-        roll_round(contacts, pair, carrier, side, motion, arcs))
-        return;
+    if (rolls && landing.contact != carrier && roll_round(contacts, pair, carrier, way, motion, arcs)) return;
     if (lands && motion.speed * time + side < way) return; // over several sides in the step
     if (!rolls) return standing.on_all(arcs);
     const double near = 0.5 * side;
