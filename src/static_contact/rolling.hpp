@@ -14,12 +14,11 @@
 //
 // Where a side takes less than four steps, and there are contacts enough for a surface through them, the body rolls as
 // if it were round, without the impacts of its sides: the load is right below the middle of its curvature, and what
-// comes down next is left to the next step. At the
-// places to which arcs bring the points the load is ahead of that by up to the way of the step, in stages 3 and 7
-// alike: no matter where the axle is above it, but a body that is heavy on one side and swings on its round one loses
-// half the square of its frequency times the step in each. A cylinder of 2,048 sides and 0.3 m, its mass 0.1 m below
-// the middle, let go at 0.4 rad, came back to 0.11 in the third half swing at 1/24 s, to 0.23 at 1/60 s and to 0.31 at
-// 1/120 s, and comes back to 0.397 at each.
+// comes down next is left to the next step. At the places to which arcs bring the points the load is ahead of that by
+// up to the way of the step, in stages 3 and 7 alike: no matter where the axle is above it, but a body that is heavy on
+// one side and swings on its round one loses half the square of its frequency times the step in each. A cylinder of
+// 2,048 sides and 0.3 m, its mass 0.1 m below the middle, let go at 0.4 rad, came back to 0.11 in the third half swing
+// at 1/24 s, to 0.23 at 1/60 s and to 0.31 at 1/120 s, and comes back to 0.397 and more at each.
 //
 // A side of eight steps and more needs no mean: its corner stands (standing.hpp) until the step in which the next one
 // lands. Stage 7 of the step before leaves that to come, and what it brings is taken where it lands. As its load then
