@@ -13,4 +13,10 @@ struct BodyPair {
     friend constexpr auto operator<=>(const BodyPair&, const BodyPair&) = default;
 };
 
+/// Before, in a list that is sorted by bodies.
+template <class PairOfBodies>
+constexpr bool by_bodies(const PairOfBodies& x, const PairOfBodies& y) {
+    return BodyPair{x.a, x.b} < BodyPair{y.a, y.b};
+}
+
 } // namespace flotilla

@@ -113,11 +113,7 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         }
         if (real < planned || taken > allowed) report.warnings |= kReboundLost;
     }
-    for (auto& impulses : state_.warm)
-        std::erase_if(impulses, [&](const WarmImpulse& w) {
-            return failsafe_bodies_[static_cast<std::size_t>(w.a)] != 0 ||
-                   failsafe_bodies_[static_cast<std::size_t>(w.b)] != 0;
-        });
+    for (auto& impulses : state_.warm) std::erase_if(impulses, [&](const WarmImpulse& w) { return of_failsafe(w); });
 }
 
 } // namespace flotilla

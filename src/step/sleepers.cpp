@@ -2,7 +2,6 @@
 // Who sleeps in a step (islands/sleeping.hpp), and what waits with those who do: their contacts and impulses.
 #include <algorithm>
 #include <iterator>
-#include <tuple>
 
 #include "base/index.hpp"
 #include "parallel/heap.hpp"
@@ -10,11 +9,6 @@
 
 namespace flotilla {
 namespace {
-
-template <class PairOfBodies>
-bool by_bodies(const PairOfBodies& x, const PairOfBodies& y) {
-    return std::tuple(x.a, x.b) < std::tuple(y.a, y.b);
-}
 
 /// Moves what is wanted of a list sorted by bodies to another one, pair by pair.
 template <class T, class Wanted>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <utility>
 
 #include "base/assert.hpp"
 #include "base/index.hpp"
@@ -111,17 +110,13 @@ void Stepper::final_static_contact(std::span<const Pose> end, std::span<Motion> 
 /// What stage 3 gave to bodies that the failsafe acted on went with their velocities (held_velocities): stage 7's half
 /// of a step stands for both, for the next one and for who asks.
 void Stepper::give_held_impulses() {
-    if (model_.settings.velocity_update != VelocityUpdate::trapezoidal) return;
-    const auto held = [&](const WarmImpulse& w) {
-        return failsafe_bodies_[at(w.a)] != 0 || failsafe_bodies_[at(w.b)] != 0;
-    };
+    const bool any = std::ranges::find(failsafe_bodies_, 1) != failsafe_bodies_.end();
+    if (!any || model_.settings.velocity_update != VelocityUpdate::trapezoidal) return;
     std::vector<WarmImpulse>& kept = state_.warm[ContactStage::kept];
     const std::vector<WarmImpulse>& final = state_.warm[ContactStage::final];
     const auto before = static_cast<std::ptrdiff_t>(kept.size());
-    std::copy_if(final.begin(), final.end(), std::back_inserter(kept), held);
-    std::inplace_merge(kept.begin(), kept.begin() + before, kept.end(), [](const WarmImpulse& x, const WarmImpulse& y) {
-        return std::pair(x.a, x.b) < std::pair(y.a, y.b);
-    });
+    std::ranges::copy_if(final, std::back_inserter(kept), [&](const WarmImpulse& w) { return of_failsafe(w); });
+    std::inplace_merge(kept.begin(), kept.begin() + before, kept.end(), by_bodies<WarmImpulse>);
 }
 
 /// They are what stage 3 of the next step starts with.

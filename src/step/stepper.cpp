@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
-#include <tuple>
 
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
@@ -105,10 +104,7 @@ bool Stepper::note_rest_distances() {
             list.push_back({c.a, c.b, c.distance});
     }
     if (std::ssize(list) == before) return false;
-    const auto by_bodies = [](const RestDistance& x, const RestDistance& y) {
-        return std::pair(x.a, x.b) < std::pair(y.a, y.b);
-    };
-    std::inplace_merge(list.begin(), list.begin() + before, list.end(), by_bodies);
+    std::inplace_merge(list.begin(), list.begin() + before, list.end(), by_bodies<RestDistance>);
     return true;
 }
 

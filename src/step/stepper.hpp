@@ -199,6 +199,11 @@ class Stepper {
     void find_contacts_at_end(StepReport& report);
     void note_squeezed();
     void give_held_impulses();
+    /// Whether the failsafe acted on a body of the pair in this step.
+    [[nodiscard]] bool of_failsafe(const WarmImpulse& w) const {
+        return failsafe_bodies_[static_cast<std::size_t>(w.a)] != 0 ||
+               failsafe_bodies_[static_cast<std::size_t>(w.b)] != 0;
+    }
     /// Of stage 3 for what v^{n+1} keeps of it, which nothing raises to its rest distance; of stage 3; of stage 7.
     void static_contact(ContactSet& contacts, std::span<Motion> motion, std::span<const Pose> poses, ContactStage stage,
                         StepReport& report);

@@ -2,6 +2,7 @@
 // Stacks come to rest and stay, whatever their height and mass ratios, and carry their weight.
 #include "physics/physics.hpp"
 #include "physics/problems/standing.hpp"
+#include "scene/household_meshes.hpp"
 
 namespace flotilla::physics {
 namespace {
@@ -214,28 +215,6 @@ void forces_in_a_stack(const Run& run) {
 
 std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(std::lround(std::log10(ratio)))); }
 
-/// A surface of revolution about z, of radii and heights from its middle outwards.
-TriangleMesh revolved(const std::vector<std::pair<double, double>>& profile, int sides) {
-    TriangleMesh mesh;
-    mesh.vertices.push_back({0, 0, profile[0].second});
-    const auto rings = static_cast<std::int32_t>(profile.size()) - 1;
-    for (int i = 0; i < sides; ++i)
-        for (std::int32_t k = 1; k <= rings; ++k) {
-            const auto [radius, height] = profile[static_cast<std::size_t>(k)];
-            const double angle = 2 * kPi * i / sides;
-            mesh.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), height});
-        }
-    for (std::int32_t i = 0; i < sides; ++i) {
-        const std::int32_t here = 1 + i * rings, next = 1 + (i + 1) % sides * rings;
-        mesh.triangles.push_back({0, here, next});
-        for (std::int32_t k = 0; k + 1 < rings; ++k) {
-            mesh.triangles.push_back({here + k, here + k + 1, next + k + 1});
-            mesh.triangles.push_back({here + k, next + k + 1, next + k});
-        }
-    }
-    return mesh;
-}
-
 // Crockery on each other, with hundreds of contacts a pair, few of which carry.
 void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, int pieces, double lift, double turn,
                            double friction, double time) {
@@ -253,6 +232,8 @@ void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, int pieces,
     });
     motion.print("asleep after %.3g s", slept);
     EXPECT_GT(slept, 0);
+    EXPECT_LT(slept, 1) << "s";
+    EXPECT_LT(motion.outcome().above, 8) << "steps whose contacts were left unsolved: 9 to 72 with all of them at once";
     expect_no_rise(motion);
     expect_weight_on(motion, motion.world().size() - 1);
 }
@@ -314,9 +295,9 @@ void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, int pieces,
         add_runs("Stacks", std::string(name) + "WithoutFriction",
                  {{"preview", 24}, {"preview", 120}, {"balanced", 24}, {"balanced", 120}, {"accurate", 24}}, true,
                  [=](const Run& r) { flush_cubes_stay(r, aside); });
-    const TriangleMesh plate = revolved({{0, 0}, {0.07, 0}, {0.12, 0.02}}, 48);
+    const TriangleMesh plate = library::revolve({{0, 0}, {0.07, 0}, {0.12, 0.02}}, 48);
     const TriangleMesh cup =
-        revolved({{0, 0}, {0.032, 0}, {0.034, 0.025}, {0.036, 0.05}, {0.038, 0.075}, {0.04, 0.1}}, 24);
+        library::revolve({{0, 0}, {0.032, 0}, {0.034, 0.025}, {0.036, 0.05}, {0.038, 0.075}, {0.04, 0.1}}, 24);
     add_runs("Stacks", "TwentyPlatesFallAsleep", {{"balanced", 24}, {"balanced", 60}}, true,
              [=](const Run& r) { crockery_falls_asleep(r, plate, 20, 0.008, 0.07, 0.2, 4); });
     add_runs("Stacks", "CupsInEachOtherFallAsleep", {{"balanced", 24}, {"accurate", 24}}, true,
