@@ -3,6 +3,7 @@
 // function of the list of pairs in its given order.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 
 namespace flotilla {
