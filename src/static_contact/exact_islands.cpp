@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/index.hpp"
+#include "static_contact/island_energy.hpp"
 
 namespace flotilla {
 namespace {
@@ -22,12 +23,13 @@ constexpr int kMostToTolerance = 80;
 /// whose impulses are not determined, cost one factorisation.
 constexpr double kPolish = 10;
 
-/// Many bodies in flight, above so many rest speeds, of which the sweeps leave no more than this share of their speed:
-/// Newton's steps are all that follows. Their problems are far from what the impulses of the step before say, the other
-/// methods take some forty factorisations for them, and the next step poses others. Of 1,323 stones that come to rest
-/// contact response, against stage 1, took 0.6 of the time without the least speed; but a household, fallen and nearly
-/// at rest, was then left above its tolerance in 93 of 120 steps, in place of 8 with it.
-constexpr double kFlight = 4, kOfFlight = 1.0 / 64;
+/// Many bodies that sweeps leave unsolved move among each other where they do so, in the mean, faster than this share of
+/// the rest speed and by more than a rest distance a step. Their problems are far from what the impulses of the step
+/// before say, the other methods take some forty factorisations for them, and the next step poses others: Newton's
+/// steps are all that follows the sweeps. What moves less settles, and the next step begins with what this one found:
+/// with no least speed but that of the rest distance a household, nearly at rest, was left above its tolerance in
+/// twice as many steps.
+constexpr double kMoves = 1.0 / 8;
 
 /// Impulses change the momentum of an island by the rounding of their sum, and what its bodies need is of the order of
 /// its mass times its contacts' largest free velocity; wedges multiply that by the inverse of their angle. Contacts all
@@ -134,8 +136,7 @@ bool is_pressed(const Exact& e) {
 /// Whether nothing but Newton's steps follows the sweeps.
 bool newton_is_enough(const Island& island, const ContactSolveOptions& options) {
     const bool many = island.end_body - island.first_body > options.tuning.bodies_factorised_soon;
-    const bool flies = options.patience > 0 && options.rest_speed > 0 && island.speed > kFlight * options.rest_speed;
-    return many && (options.exact_few || (flies && island.residual <= kOfFlight * island.speed));
+    return many && (options.exact_few || island.moves);
 }
 
 void solve(Island& island, const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s,
@@ -190,6 +191,14 @@ bool may_solve_exactly(const Island& island, const ContactSolveOptions& options,
     if (contacts <= kFewContacts || bodies <= options.tuning.bodies_factorised_soon) return true;
     const bool cheap = bodies <= kMostBodies || is_slender(island);
     return island.rests && cheap && contacts_in_need(island, s) <= kMostContacts;
+}
+
+bool moves_inside(const Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
+                  const ContactScratch& s) {
+    const bool many = island.end_body - island.first_body > options.tuning.bodies_factorised_soon;
+    if (!many || options.patience == 0 || is_slender(island) || !may_solve_exactly(island, options, s)) return false;
+    const double of_rest = island.tolerance / options.tuning.of_rest; // a rest distance a step, or what is less
+    return inner_speed(island, bodies, s) > std::max(kMoves * options.rest_speed, of_rest);
 }
 
 bool is_slender(const Island& island) { return island.end - island.first <= island.end_body - island.first_body + 1; }

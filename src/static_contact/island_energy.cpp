@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 
+#include <Eigen/Dense>
+
 #include "base/index.hpp"
 
 namespace flotilla {
@@ -60,6 +62,38 @@ double kinetic_energy(const ContactScratch::Island& island, const ContactBodies&
     };
     const std::span<double> sums = std::span(s.energy_sums).subspan(at(island.first_body));
     return sum_in_parts(team, "energy of bodies", at(island.end_body - island.first_body), sums, twice) / 2;
+}
+
+double inner_speed(const ContactScratch::Island& island, const ContactBodies& bodies, const ContactScratch& s) {
+    const auto movable =
+        std::span(s.island_bodies).subspan(at(island.first_body), at(island.end_body - island.first_body));
+    const auto place = [&](std::int32_t body) { return bodies.position[at(s.bodies[at(body)])]; };
+    double mass = 0;
+    Vec3 center, momentum;
+    for (const std::int32_t body : movable) {
+        const double m = s.weight[at(body)].linear;
+        mass += m;
+        center += m * place(body);
+        momentum += m * s.velocity[at(body)].linear;
+    }
+    center = center / mass;
+    const Vec3 common = momentum / mass;
+    double energy_twice = 0;
+    Eigen::Vector3d spin = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+    for (const std::int32_t body : movable) {
+        const ContactScratch::Weight& m = s.weight[at(body)];
+        const Vec3 r = place(body) - center, v = s.velocity[at(body)].linear - common;
+        const Vec3& w = s.velocity[at(body)].angular;
+        energy_twice += m.linear * length_sq(v) + m.angular * length_sq(w);
+        const Vec3 l = m.linear * cross(r, v) + m.angular * w;
+        const Eigen::Vector3d arm(r.x, r.y, r.z);
+        spin += Eigen::Vector3d(l.x, l.y, l.z);
+        inertia +=
+            (m.linear * length_sq(r) + m.angular) * Eigen::Matrix3d::Identity() - m.linear * arm * arm.transpose();
+    }
+    const double turning_twice = spin.dot(inertia.ldlt().solve(spin));
+    return std::sqrt(std::max(0.0, energy_twice - turning_twice) / mass);
 }
 
 double work_of_targets(const ContactScratch::Island& island, Team* team, ContactScratch& s) {

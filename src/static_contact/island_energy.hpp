@@ -12,6 +12,10 @@ namespace flotilla {
 /// J, with the velocities in `scratch`, of the island's movable bodies. Islands solved side by side have no team.
 [[nodiscard]] double kinetic_energy(const ContactScratch::Island& island, const ContactBodies& bodies, Team* team,
                                     ContactScratch& scratch);
+/// m/s, at which the island's mass has its kinetic energy, with the velocities in `scratch`, less that of the rigid
+/// motion with its momenta; inertias count by their traces.
+[[nodiscard]] double inner_speed(const ContactScratch::Island& island, const ContactBodies& bodies,
+                                 const ContactScratch& scratch);
 /// J, what normal impulses do at the speeds that the targets ask for.
 [[nodiscard]] double work_of_targets(const ContactScratch::Island& island, Team* team, ContactScratch& scratch);
 

@@ -115,6 +115,28 @@ void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactS
         std::min(options.iterations, soon ? before : std::max(before, sweeps_of_exact(island, tuning, s)));
 }
 
+// m/s, residuals.
+struct Aims {
+    double aim;    // at which sweeps end
+    double enough; // at which what they leave is solved
+};
+
+// How far an island is swept, by options of its own; `rests` is set.
+Aims take_aim(Island& island, ContactSolveOptions& options, const ContactScratch& s) {
+    const ContactTuning& tuning = options.tuning;
+    // A caller that asked for a tolerance has all sweeps for it, and wants no more.
+    const bool aims_lower = island.rests && options.patience > 0, small = may_solve_exactly(island, options, s);
+    const double aim = (!aims_lower ? 1 : small ? kExactShare : tuning.aim_at_rest) * island.tolerance;
+    options.tolerance = aim;
+    if (small)
+        leave_to_exact(island, options, s);
+    else if (aims_lower && tuning.patient_at_rest)
+        options.patience = std::max(options.patience, options.iterations);
+    // What sweeps leave within the tolerance is solved, but where an exact solve would leave next to nothing, which
+    // then stays: at rest.
+    return {aim, aims_lower && small ? aim : island.tolerance};
+}
+
 // A warm start adds energy where impulses of the past are too large, and so may momentum; sweeps that end unfinished do
 // not take all of it back. Sweeps go down 1/2 l W l + l (u - target), which is zero without impulses: where what is
 // prescribed rests, an island has gained no more energy than the work of its targets. One that came out with more is
@@ -125,33 +147,29 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     island.asked = island.tolerance;
     if (options.patience == 0 && options.warm_start)
         island.tolerance = std::max(island.tolerance, least_tolerance(island, options.tuning.of_load, s));
-    options.tolerance = island.tolerance;
     options.rest_speed = rest_speed_of(island, bodies, options.rest_speed, s);
-    const ContactTuning& tuning = options.tuning;
     island.energy_before = kinetic_energy(island, bodies, options.team, s);
     island.speed = mean_speed(island, s);
     island.rests = options.rest_speed > 0 && island.speed <= options.rest_speed;
-    // A caller that asked for a tolerance has all sweeps for it, and wants no more.
-    const bool aims_lower = island.rests && options.patience > 0, small = may_solve_exactly(island, options, s);
-    const double aim = (!aims_lower ? 1 : small ? kExactShare : tuning.aim_at_rest) * island.tolerance;
-    // What sweeps leave within the tolerance is solved, but where an exact solve would leave next to nothing, which
-    // then stays: at rest.
-    const double enough = aims_lower && small ? aim : island.tolerance;
-    options.tolerance = aim;
-    if (small)
-        leave_to_exact(island, options, s);
-    else if (island.rests && options.patience > 0 && tuning.patient_at_rest)
-        options.patience = std::max(options.patience, options.iterations);
+    const ContactSolveOptions of_island = options;
+    Aims aims = take_aim(island, options, s);
     const auto sweep_and_measure = [&](const SweepStart& start) {
         sweep_island(island, options, start, s);
-        island.solved = island.solved || (options.tolerance == aim && island.residual <= enough);
+        island.solved = island.solved || (options.tolerance == aims.aim && island.residual <= aims.enough);
         if (island.solved) return false;
         island.energy_pgs = kinetic_energy(island, bodies, options.team, s);
         return island.energy_pgs - island.energy_before >
                work_of_targets(island, options.team, s) +
-                   tuning.energy_rounding * (island.energy_pgs + island.energy_before);
+                   options.tuning.energy_rounding * (island.energy_pgs + island.energy_before);
     };
-    const bool gained = sweep_and_measure({options.warm_start, options.momentum, thread});
+    bool gained = sweep_and_measure({options.warm_start, options.momentum, thread});
+    island.moves = !island.solved && moves_inside(island, bodies, options, s);
+    if (island.moves && island.rests) { // what gravity added was not all
+        island.rests = false;
+        options = of_island;
+        aims = take_aim(island, options, s);
+        gained = sweep_and_measure({false, options.momentum, thread});
+    }
     if (!gained || !options.warm_start || !prescribed_at_rest(island, s)) return;
     island.cold = true;
     forget_warm_start(island, bodies, s);
