@@ -105,8 +105,6 @@ class LeafPairs::Separation {
     double error_;
 };
 
-namespace {
-
 /// The features of the open leaves whose boxes come within the reach.
 std::span<const FeaturePair> features_of(const BodyMotion& a, const BodyMotion& b, const CoarseReach& reach,
                                          FeatureBuffer& buffer) {
@@ -127,8 +125,6 @@ std::span<const FeaturePair> features_of(const BodyMotion& a, const BodyMotion& 
     for (std::size_t k = 0; k < 3; ++k) end = std::copy(selected.out[k], selected.out[k] + selected.count[k], end);
     return {buffer.pairs.data(), end};
 }
-
-} // namespace
 
 void LeafPairs::drop() {
     leaves_ = std::vector<NodeIds>(); // of {} a vector keeps its memory

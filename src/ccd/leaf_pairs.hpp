@@ -32,6 +32,11 @@ struct FeatureBuffer {
     std::vector<NodeIds> open;         ///< leaves that no direction keeps apart
 };
 
+/// The feature pairs of the leaves in `buffer.open` whose coarse boxes come within the reach. They stand in `buffer`, by
+/// kind, until its next use.
+[[nodiscard]] std::span<const FeaturePair> features_of(const BodyMotion& a, const BodyMotion& b,
+                                                       const CoarseReach& reach, FeatureBuffer& buffer);
+
 class LeafPairs {
   public:
     /// Finds all pairs of leaves whose boxes a motion within the reach's margin may bring together. False, and none,

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/index.hpp"
-#include "ccd/leaf_features.hpp"
+#include "ccd/leaf_pairs.hpp"
 #include "geometry/closest.hpp"
 #include "geometry/plane_test.hpp"
 #include "geometry/ray.hpp"
@@ -230,6 +230,14 @@ ClosestPoints closest(const BodyMotion& a, const BodyMotion& b, const FeaturePai
             face[1] - face[0],          face[2] - face[0]};
 }
 
+/// Of one body's feature at its start.
+CoarseBox box_of(const BodyMotion& body, const FeaturePair& f, bool first) {
+    const std::int32_t own = first ? f.a : f.b;
+    if (f.kind == FeatureKind::edge_edge) return coarse_edge(body, body.shape->topology.edges[at(own)]).at0;
+    if ((f.kind == FeatureKind::vertex_face) == first) return coarse_vertex(body, own).at0;
+    return coarse_triangle(body, body.shape->mesh.triangles[at(own)]).at0;
+}
+
 template <class Pair = AnyPair>
 class Finder {
   public:
@@ -285,16 +293,25 @@ class Finder {
     }
 
     void traverse() {
-        const auto meet = [&](const MovingCoarseBox& p, const MovingCoarseBox& q) {
-            return coarse_overlap(p.at0, q.at0, reach_) && pair_.may_meet(p.at0, q.at0);
+        constexpr std::size_t kLeaves = 256; // pairs whose features are looked at together
+        std::vector<NodeIds>& leaves = scratch_.candidates.open;
+        leaves.clear();
+        const auto examine_leaves = [&] {
+            if (!leaves.empty()) examine_all(features_of(a_, b_, reach_, scratch_.candidates));
+            leaves.clear();
         };
         bvh_detail::traverse(
             a_.shape->bvh, b_.shape->bvh, a_.at0.nodes, b_.at0.nodes,
-            [&](std::int32_t i, std::int32_t j, double&) { return meet(coarse_node(a_, i), coarse_node(b_, j)); },
+            [&](std::int32_t i, std::int32_t j, double&) {
+                return coarse_overlap(a_.at0.nodes[at(i)], b_.at0.nodes[at(j)], reach_) &&
+                       pair_.may_meet(a_.at0.nodes[at(i)], b_.at0.nodes[at(j)]);
+            },
             [&](double) { return !done(); },
             [&](std::int32_t i, std::int32_t j, double) {
-                for_each_leaf_feature_pair(a_, b_, i, j, meet, [&](const FeaturePair& f) { examine({&f, 1}); });
+                leaves.push_back({i, j});
+                if (leaves.size() == kLeaves) examine_leaves();
             });
+        examine_leaves();
     }
 
     [[nodiscard]] bool done() const { return first_only_ && result_.near; }
@@ -324,6 +341,7 @@ class Finder {
         }
         const Vec3 normal = direction_between(p.b - p.a, largest_, p.e, p.f);
         if (normal == Vec3{} || !pair_.meets(p.a, p.b, normal, distance)) return;
+        if (!pair_.may_meet(box_of(a_, f, true), box_of(b_, f, false))) return;
         scratch_.found.push_back({f, p.a, p.b, normal, distance});
     }
 
