@@ -77,7 +77,9 @@ class Accumulation {
             ++worker.counters.pairs;
             if (!find_hits(view_, worker, record)) return;
             for (const ContactPoint& point : worker.hits) worker.found.push_back({list[i].record, point});
-            worker.found[worker.found.size() - worker.hits.size()].landing = worker.landing;
+            FoundHit& first = worker.found[worker.found.size() - worker.hits.size()];
+            first.landing = worker.landing;
+            first.within = worker.first_within;
         });
         collect(workers_, counters_);
         for (const Worker& worker : workers_.each)
@@ -135,6 +137,7 @@ class Accumulation {
             to.restitution = pair_restitution(view_.model, hit.a, hit.b);
             to.least = least_approach(view_, hit.a, hit.b, f.record->lengths.rest);
             to.fresh = true;
+            to.within = f.within;
             to.found = static_cast<std::int32_t>(&f - lists_.found.data());
         }
         std::stable_sort(hits.begin(), hits.end(), by_bodies);

@@ -39,6 +39,7 @@ struct FoundHit {
     PairRecord* record = nullptr;
     ContactPoint point{};
     std::optional<Landing> landing{};
+    bool within = false; ///< Worker::first_within
 };
 
 /// What one thread has to itself.

@@ -192,15 +192,20 @@ class Island {
 
     /// Of what rebounds, or of all that was met so far.
     void run_sweeps(bool all) {
+        const auto is_within = [&](std::int32_t k) { return hits_[at(k)].met && hits_[at(k)].within; };
+        if (std::ranges::any_of(places_, is_within)) sweep_on(all, false);
+        sweep_on(all, true);
+        end_round();
+    }
+    void sweep_on(bool all, bool within) {
         turns_.clear();
         for (const std::int32_t k : places_) {
             const KeptHit& hit = hits_[at(k)];
-            if (hit.met && (hit.live || all)) turns_.push_back({k, hit.a, hit.b, hit.seen});
+            if (hit.met && (hit.live || all) && (within || !hit.within)) turns_.push_back({k, hit.a, hit.b, hit.seen});
         }
         for (int i = 0; i < kSweeps; ++i)
             if (!sweep(i % 2 != 0)) break;
         for (const Turn& turn : turns_) hits_[at(turn.hit)].seen = turn.seen;
-        end_round();
     }
 
     /// Whether an impulse changed.

@@ -35,6 +35,7 @@ struct KeptHit {
     double least = 0, gap = 0, room = 0; ///< m/s, m, m/s: the gap in a step
     bool met = false;                    ///< else it waits
     bool fresh = false;                  ///< to be met in the next round
+    bool within = false;                 ///< of what others span (PairManifold::resolve): solved once they are
     double target = 0;                   ///< m/s, of its rebound
     Vec3 impulse{};                      ///< N s, on b, all of this step
     Vec3 change{};                       ///< of it, in the last solve

@@ -392,7 +392,7 @@ std::vector<Run> runs_of_impacts() {
                  [=](const Run& r) { lands_flat(r, 0.01 * e); });
     for (const int sides : {12, 24})
         add_runs("Impact", "SpinningDiscOf" + std::to_string(sides) + "Lands",
-                 {{"balanced", 24}, {"balanced", 120}, {"accurate", 24}}, true,
+                 {{"preview", 24}, {"balanced", 24}, {"balanced", 120}, {"accurate", 24}}, true,
                  [=](const Run& r) { spinning_disc_lands(r, sides); });
     for (const int e : {50, 80}) {
         const std::string percent = std::to_string(e) + "Percent";
