@@ -17,25 +17,13 @@
 #include <span>
 #include <vector>
 
-#include "ccd/feature_listing.hpp"
+#include "ccd/leaf_features.hpp"
 #include "geometry/rounding.hpp"
 
 namespace flotilla {
 
 inline constexpr double kGapRounding = 0x1p-46; ///< of the largest coordinate
 inline constexpr double kLengthRoom = 1 - kLengthRounding;
-
-/// Buffers of what a list selects; one per thread, reused. They grow and never shrink.
-struct FeatureBuffer {
-    std::vector<FeaturePair> pairs;
-    std::vector<std::int32_t> meeting; ///< places of leaf pairs whose boxes meet
-    std::vector<NodeIds> open;         ///< leaves that no direction keeps apart
-};
-
-/// The feature pairs of the leaves in `buffer.open` whose coarse boxes come within the reach. They stand in `buffer`, by
-/// kind, until its next use.
-[[nodiscard]] std::span<const FeaturePair> features_of(const BodyMotion& a, const BodyMotion& b,
-                                                       const CoarseReach& reach, FeatureBuffer& buffer);
 
 class LeafPairs {
   public:

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "ccd/leaf_features.hpp"
 #include "ccd/separation.hpp"
+#include "ccd/triangle_features.hpp"
 #include "ccd/triangles_apart.hpp"
 #include "geometry/ccd_cubic.hpp"
 #include "geometry/ccd_hits.hpp"

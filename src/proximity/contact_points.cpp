@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/index.hpp"
-#include "ccd/leaf_pairs.hpp"
+#include "ccd/leaf_features.hpp"
 #include "geometry/closest.hpp"
 #include "geometry/plane_test.hpp"
 #include "geometry/ray.hpp"
@@ -297,7 +297,7 @@ class Finder {
         std::vector<NodeIds>& leaves = scratch_.candidates.open;
         leaves.clear();
         const auto examine_leaves = [&] {
-            if (!leaves.empty()) examine_all(features_of(a_, b_, reach_, scratch_.candidates));
+            if (!leaves.empty()) examine_all(features_of_leaves(a_, b_, reach_, scratch_.candidates));
             leaves.clear();
         };
         bvh_detail::traverse(

@@ -23,8 +23,8 @@ constexpr int kMostToTolerance = 80;
 /// whose impulses are not determined, cost one factorisation.
 constexpr double kPolish = 10;
 
-/// Many bodies that sweeps leave unsolved move among each other where they do so, in the mean, faster than this share of
-/// the rest speed and by more than a rest distance a step. Their problems are far from what the impulses of the step
+/// Many bodies that sweeps leave unsolved move among each other where they do so, in the mean, faster than this share
+/// of the rest speed and by more than a rest distance a step. Their problems are far from what the impulses of the step
 /// before say, the other methods take some forty factorisations for them, and the next step poses others: Newton's
 /// steps are all that follows the sweeps. What moves less settles, and the next step begins with what this one found:
 /// with no least speed but that of the rest distance a household, nearly at rest, was left above its tolerance in

@@ -30,8 +30,8 @@ inline constexpr double kOfFactorisation = 72;
 [[nodiscard]] bool may_solve_exactly(const ContactScratch::Island& island, const ContactSolveOptions& options,
                                      const ContactScratch& scratch);
 
-/// Whether an island of many bodies that its sweeps left unsolved moves, other than as a whole: it is not worth more than
-/// a few factorisations, and does not rest, whatever it had on entry beside gravity.
+/// Whether an island of many bodies that its sweeps left unsolved moves, other than as a whole: it is not worth more
+/// than a few factorisations, and does not rest, whatever it had on entry beside gravity.
 [[nodiscard]] bool moves_inside(const ContactScratch::Island& island, const ContactBodies& bodies,
                                 const ContactSolveOptions& options, const ContactScratch& scratch);
 
