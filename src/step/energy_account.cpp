@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/index.hpp"
+#include "state/loads.hpp"
 
 namespace flotilla {
 namespace {
@@ -166,24 +167,27 @@ std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::
     return overdrawn_;
 }
 
-std::span<const double> EnergyAccount::affordable(const Model& model, std::span<const Vec3> level,
-                                                  std::span<const Vec3> raised, std::span<const double> lift) {
+std::span<const double> EnergyAccount::affordable(const Model& model, std::span<const Pose> pose,
+                                                  std::span<const Motion> kept, std::span<const Motion> raised,
+                                                  std::span<const double> lift) {
+    const double dt = model.settings.time_step;
     shares_.assign(model.size(), 1);
     weigh_islands(model, lift);
     for (const std::int32_t body : model.active) {
         const std::size_t i = at(body);
         if (!model.bodies[i].movable()) continue;
         Balance& island = islands_[at(root(body))];
-        island.work += cost_of(model, i, level[i]);
-        island.gain += cost_of(model, i, raised[i]);
+        // Stage 7 takes away some of what stage 6 adds, and adds nothing.
+        const Motion end{kept[i].velocity + 0.5 * dt * acceleration(model, i),
+                         kept[i].momentum + 0.5 * dt * turning_torque(model, i)};
+        island.work += cost_of(model, i, dt * kept[i].velocity) + kinetic_energy(model, i, pose[i], end);
+        island.gain += cost_of(model, i, dt * (raised[i].velocity - kept[i].velocity));
     }
     for (const std::int32_t body : model.active) {
         if (!model.bodies[at(body)].movable()) continue;
         const Balance& island = islands_[at(root(body))];
-        const double budget = island.kinetic + island.most_lift;
-        if (island.grounded || island.gain <= budget) continue;
-        const double more = island.gain - island.work;
-        shares_[at(body)] = more > 0 ? std::clamp((budget - island.work) / more, 0.0, 1.0) : 0.0;
+        const double budget = island.most_lift + std::max(0.0, island.kinetic - island.work);
+        if (!island.grounded && island.gain > budget) shares_[at(body)] = budget / island.gain;
     }
     return shares_;
 }

@@ -45,17 +45,10 @@ void Stepper::mark_spent() {
     unpaid_ = level_;
 }
 
-/// Takes islands that stage 3 would raise by more than they have back towards what it found without raising them, as
+/// Takes islands that stage 3 would raise by more than they have for it back towards what it found without raising them, as
 /// far as they do not pay. Contacts ask for no approach that is faster than either.
 void Stepper::raise_as_far_as_paid(std::span<const Motion> kept, std::span<Motion> half) {
-    std::vector<Vec3>& level = level_way_;
-    level.resize(model_.size());
-    const double dt = model_.settings.time_step;
-    for (const std::int32_t i : model_.active) {
-        level[at(i)] = dt * kept[at(i)].velocity;
-        way_[at(i)] = dt * half[at(i)].velocity;
-    }
-    const std::span<const double> shares = energy_.affordable(model_, level, way_, state_.lift);
+    const std::span<const double> shares = energy_.affordable(model_, state_.pose, kept, half, state_.lift);
     for (const std::int32_t id : model_.active) {
         const std::size_t i = at(id);
         if (shares[i] == 1) continue;
@@ -85,28 +78,29 @@ void Stepper::mark_unpaid(std::size_t i) {
 /// raised by more than all their energy, which get half of their half velocities: a body that falls on others in the
 /// step pushes them up with all its speed from the start on, and they keep theirs to the end, so that they rise by
 /// m g dt v for the m v^2 / 2 that they got. A slower one pushes less, or does not get there yet. And they are bodies
-/// that the failsafe held, where no script blocks them: half the displacement is more than none. Before that held ones
-/// are left unraised: in a slot with less play than two rest distances no velocity brings a body to both, and what the
+/// that the failsafe held, where no script blocks them: half the displacement is more than none. Before that both are
+/// left unraised: in a slot with less play than two rest distances no velocity brings a body to both, and what the
 /// solve made of that is wider than the play.
 bool Stepper::slow_down(std::span<Motion> half) {
     const std::span<const std::int32_t> raised = overdrawn();
-    std::vector<std::int32_t> bodies(raised.begin(), raised.end()), unraised;
-    for (const std::int32_t body : model_.active) {
-        if (clusters_[clusters_.of(at(body))].rung != Rung::held) continue;
-        if (leave_unraised(at(body), half))
-            unraised.push_back(body);
-        else if (!energy_.touches_script(body))
-            bodies.push_back(body);
-    }
+    std::vector<std::int32_t> bodies(raised.begin(), raised.end());
+    bool any = !bodies.empty();
+    for (const std::int32_t body : model_.active)
+        if (clusters_[clusters_.of(at(body))].rung == Rung::held) bodies.push_back(body);
     std::sort(bodies.begin(), bodies.end());
     bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
     for (const std::int32_t body : bodies) {
-        if (std::binary_search(unraised.begin(), unraised.end(), body)) continue;
         const std::size_t i = at(body);
+        if (leave_unraised(i, half)) {
+            any = true;
+            continue;
+        }
+        if (!std::binary_search(raised.begin(), raised.end(), body) && energy_.touches_script(body)) continue;
         half[i] = {0.5 * half[i].velocity, 0.5 * half[i].momentum};
         slowed_[i] = 1;
+        any = true;
     }
-    return !bodies.empty() || !unraised.empty();
+    return any;
 }
 
 /// Gives a body the half velocity that stage 3 found before it raised anything, once in a step, and if that is another

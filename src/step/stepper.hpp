@@ -294,7 +294,6 @@ class Stepper {
     std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() halved its half velocity
     std::vector<std::uint8_t> level_;  ///< see mark_level() and mark_spent(); empty but in stage 3
     std::vector<std::uint8_t> unpaid_; ///< by body: of islands that cannot pay for being raised; empty: of none
-    std::vector<Vec3> level_way_;      ///< m, of raise_as_far_as_paid()
     ContactSearchScratch search_;
     /// With contacts at x^n. Stage 1 examined how they move from there, so that stage 7 misses no collision of theirs;
     /// left to a bounce in the next step, what passes a corner or a wire by less than the rest distance would keep the
