@@ -213,6 +213,27 @@ void forces_in_a_stack(const Run& run) {
     EXPECT_LT(worst, 0.01);
 }
 
+// Boxes that landed closer than their rest distances, and have no lift left to part. What slides on them does not pay
+// for it.
+void top_slides_off(const Run& run, int boxes) {
+    constexpr double kWidth = 0.2, kHeight = 0.02, kDrop = 0.002, kFriction = 0.2, kSettled = 1, kPulled = 0.3;
+    SceneDescription scene = make_scene_with(run.settings());
+    const auto shape = add_solid(scene, make_box(kWidth, kWidth, kHeight), 600);
+    for (int k = 0; k < boxes; ++k)
+        add_body(scene, shape, BodyType::dynamic, {0, 0, 0.5 * kHeight + 2e-4 + (kHeight + kDrop) * k}, kFriction, 0);
+    add_ground(scene, 4, kFriction, 0);
+    Motion motion(scene);
+    motion.run(kSettled);
+    const auto top = static_cast<std::size_t>(boxes - 1);
+    motion.world().set_force(motion.world().id(top), {2 * kFriction * motion.mass(top) * kGravity, 0, 0}, {});
+    const double from = motion.body(top).position.x, since = motion.world().time();
+    while (motion.world().time() < since + kPulled) motion.world().step(); // a Motion takes the work for a gain
+    const double time = motion.world().time() - since, way = motion.body(top).position.x - from,
+                 due = 0.5 * kFriction * kGravity * time * time;
+    motion.print("slides %.4g m, due %.4g", way, due);
+    EXPECT_NEAR(way / due, 1, 0.015);
+}
+
 std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(std::lround(std::log10(ratio)))); }
 
 // Crockery on each other, with hundreds of contacts a pair, few of which carry.
@@ -240,6 +261,10 @@ void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, int pieces,
 
 [[maybe_unused]] const bool registered = [] {
     const std::vector<Run> once = runs({24});
+    for (const int boxes : {5, 8})
+        add_runs("Stacks", "TopOf" + std::to_string(boxes) + "PressedBoxesSlidesOff",
+                 {{"preview", 60}, {"balanced", 24}, {"balanced", 60}, {"balanced", 120}, {"accurate", 60}}, true,
+                 [=](const Run& r) { top_slides_off(r, boxes); });
     for (const int boxes : {2, 3, 5, 10, 20, 50}) {
         const std::vector<double> equal(static_cast<std::size_t>(boxes), 1.0);
         add_runs("Stacks", std::to_string(boxes) + "BoxesRest", boxes <= 20 ? runs() : once, boxes <= 20,
