@@ -163,14 +163,16 @@ double Stepper::load_work(std::size_t i, const Motion& collided, const Pose& end
     return work_of_loads(model_, i, start.rotation, collided, end.com - start.com, trajectories_.turn(i));
 }
 
-/// Work that scripted bodies did by the impulses of the last solve, at `poses`, which the step's end keeps.
-void Stepper::add_script_work(std::span<const Motion> motion, std::span<const Pose> poses) {
+/// Work that scripted bodies did by the impulses of the last solve, at `poses`, which the step's end keeps: along the
+/// way that they go in the step, as gravity's work is. With the velocity at its end in stage 7 a lift that slows down
+/// would pay for less than the rise of what it carries.
+void Stepper::add_script_work(std::span<const Pose> poses) {
     if (!has_scripts_) return;
     for (std::size_t k = 0; k < static_.targets.contacts.size(); ++k) {
         const Contact& c = static_.targets.contacts[k];
         for (const std::int32_t body : {c.a, c.b}) {
             if (!model_.bodies[static_cast<std::size_t>(body)].scripted()) continue;
-            const Motion& m = motion[static_cast<std::size_t>(body)];
+            const Motion& m = clusters_.motion()[static_cast<std::size_t>(body)];
             const Vec3 v =
                 m.velocity + cross(m.momentum, point_on(c, body) - poses[static_cast<std::size_t>(body)].com);
             const Vec3 impulse = body == c.a ? static_.impulses[k] : -static_.impulses[k];
@@ -182,7 +184,7 @@ void Stepper::add_script_work(std::span<const Motion> motion, std::span<const Po
 /// The account of the step's energy, after stage 7 (energy_account.hpp).
 void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     join_contacts();
-    add_script_work(motion, end);
+    add_script_work(end);
     for (const std::int32_t i : model_.active)
         if (model_.bodies[at(i)].movable() && model_.bodies[at(i)].driven())
             energy_.add_loads(i, load_work(at(i), buffers_.collided[at(i)], end[at(i)]));

@@ -27,6 +27,31 @@ double speed_between(const RigidShape& shape, const Keyframe& a, const Keyframe&
     return way(shape, a.position, a.rotation, b.position, b.rotation) / (b.time - a.time);
 }
 
+/// Whether no keyframe is between the two times.
+bool in_one_piece(std::span<const Keyframe> keys, double from, double to) {
+    const auto after = [&](double time) {
+        return std::ranges::upper_bound(keys, time, {}, &Keyframe::time) - keys.begin();
+    };
+    return after(from) == after(to);
+}
+
+/// From one time of a body's clock to another.
+Motion mean_motion(const Model& model, std::size_t i, double from, double to) {
+    const Pose start = scripted_pose(model.shape_of(i), model.bodies[i], from);
+    const Pose end = scripted_pose(model.shape_of(i), model.bodies[i], to);
+    return {(end.com - start.com) / (to - from), turn_between(start, end) / (to - from)};
+}
+
+/// Between two steps, from their mean velocities, that of the step before and that of the step after both: the mean,
+/// kept between what the acceleration up to there and that from there on make of it. Where one even acceleration ends
+/// and another begins these two agree.
+Vec3 velocity_between(const Vec3& before, const Vec3& now, const Vec3& next, const Vec3& after) {
+    const Vec3 up_to = now + 0.5 * (now - before), from = next - 0.5 * (after - next);
+    const Vec3 change = max(min(up_to, from), min(0.5 * (now + next), max(up_to, from))) - now;
+    const double most = length(now - before), all = length(change);
+    return now + (all > most ? most / all : 1.0) * change;
+}
+
 /// The share of the step that a script's clock goes on by if nothing stops it. One that was stopped of late tries every
 /// 1, 2, 4 ... steps.
 double pace_of(const Model& model, const State& state, std::int32_t body) {
@@ -105,6 +130,29 @@ void Scripts::move(const Model& model, const State& state, Trajectories& traject
         } else {
             due_motion_[i] = motion;
         }
+    }
+}
+
+void Scripts::reach_end(const Model& model, const State& state, std::span<Motion> motion) {
+    const double dt = model.settings.time_step, now = static_cast<double>(state.step + 1) * dt;
+    for (const std::int32_t id : scripted_) {
+        const std::size_t i = at(id);
+        Motion &mean = due_motion_[i], &end = motion[i];
+        if (end.velocity != mean.velocity || end.momentum != mean.momentum) continue; // stopped
+        if (!speed_.empty() && due_[i] != now) continue;                              // behind
+        const bool turns_aside = mean.momentum != Vec3{} && model.shape_of(i).center_of_mass != Vec3{};
+        if (!turns_aside && in_one_piece(model.bodies[i].keyframes, due_[i] - dt, due_[i] + dt)) continue;
+        const Motion& before = state.motion[i];
+        Motion next{2.0 * mean.velocity - before.velocity, 2.0 * mean.momentum - before.momentum}, after = next;
+        // Where its script ends with this step, as that of one that is told step by step, it goes on as it did: nothing
+        // else is known.
+        if (std::abs(model.bodies[i].keyframes.back().time - due_[i]) >= 0.5 * dt) {
+            next = mean_motion(model, i, due_[i], due_[i] + dt);
+            after = mean_motion(model, i, due_[i] + dt, due_[i] + 2 * dt);
+        }
+        end.velocity = velocity_between(before.velocity, mean.velocity, next.velocity, after.velocity);
+        end.momentum = velocity_between(before.momentum, mean.momentum, next.momentum, after.momentum);
+        mean = end;
     }
 }
 

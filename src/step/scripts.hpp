@@ -9,6 +9,13 @@
 // is due, that is within a step's reach at twice the script's fastest speed: it catches up along the path, and where
 // the path comes back to where it stands (jaws that open again) it goes on from there. With `error` no body ever is
 // behind.
+//
+// Over a step a body goes with its mean velocity. At the end of the step, in stage 7, it has one between that and the
+// next step's, that of its path to second order: what stands on a body that accelerates evenly is so asked for half of
+// the change in stage 7 and for the other half in the next stage 3, which have half of a step's friction and gravity
+// each. With the mean velocity in stage 7 as well stage 3 would be asked for all of it. A body that starts at once, or
+// stops, does so between two steps: stage 7 changes its velocity by no more than it changed from the step before to
+// this one, and in stage 1 of the next it strikes with all of its speed.
 #pragma once
 
 #include <exception>
@@ -50,6 +57,9 @@ class Scripts {
     /// By body, of scripted ones: the motion that it would have in this step if none had stopped it of late; its
     /// momentum stands for the angular velocity, rad/s.
     [[nodiscard]] std::span<const Motion> due_motion() const { return due_motion_; }
+    /// Gives every scripted body in `motion`, and in due_motion(), its velocity at the end of the step in place of the
+    /// mean one; not those that something stops. Once in a step, after stage 5.
+    void reach_end(const Model& model, const State& state, std::span<Motion> motion);
     /// What the step leaves of it for the next, before the step is counted.
     void commit(const Model& model, const FailsafeStats& failsafe, State& state) const;
 

@@ -65,7 +65,7 @@ void Stepper::half_static_contact(std::span<const Motion> collided, std::span<Mo
     copy_active<Motion>(half, kept);
     mark_spent();
     static_contact(contacts_at_start(), kept, state_.pose, ContactStage::kept, report);
-    add_script_work(kept, state_.pose);
+    add_script_work(state_.pose);
     if (static_.targets.would_raise) {
         static_contact(contacts_at_start(), half, state_.pose, ContactStage::half, report);
         raise_as_far_as_paid(kept, half);

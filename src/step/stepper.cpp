@@ -284,9 +284,11 @@ void Stepper::new_velocities(std::span<const Motion> collided, std::span<const M
     const double accelerated = trapezoidal ? 0.5 : 0; // of the step
     copy_active<Motion>(from, next);
     accelerate(model_, (1 - accelerated) * model_.settings.time_step, next);
-    if (has_scripts_)
+    if (has_scripts_) {
         for (const std::int32_t i : model_.active)
             if (!model_.bodies[at(i)].movable()) next[at(i)] = clusters_.motion()[at(i)];
+        scripts_.reach_end(model_, state_, next);
+    }
     turn_momenta(from, accelerated, next);
     held_velocities(collided, next, end, report);
     drop_line_spin(end, next);
@@ -404,7 +406,7 @@ void Stepper::commit(std::span<const Motion> motion, std::span<const Pose> end, 
     for (const std::int32_t i : model_.active) turns_[at(i)] = trajectories_.turn(at(i));
     record_activity();
     for (const std::int32_t i : model_.active) {
-        state_.motion[at(i)] = motion[at(i)];
+        state_.motion[at(i)] = model_.bodies[at(i)].scripted() ? clusters_.motion()[at(i)] : motion[at(i)];
         state_.pose[at(i)] = end[at(i)];
     }
     proved_step_ = ++state_.step;

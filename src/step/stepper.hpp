@@ -210,7 +210,7 @@ class Stepper {
     ContactSolveStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
                                         std::span<const Pose> poses, ContactStage stage, const StepReport& report);
     [[nodiscard]] KnownImpulses known_impulses(ContactStage stage);
-    void add_script_work(std::span<const Motion> motion, std::span<const Pose> poses);
+    void add_script_work(std::span<const Pose> poses);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;
     [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
