@@ -60,6 +60,84 @@ void lift_carries(const Run& run) {
     EXPECT_LT(worst, of_solve + of_path);
 }
 
+constexpr double kStands = 0.25; // s, before a bed or a table moves
+
+/// A box on a bed that moves by `way`, m, of the time since kStands, until `time`. Its friction is 0.3.
+SceneDescription box_on_a_bed(const Run& run, double restitution, double time, const std::function<Vec3(double)>& way) {
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_box(0.2, 0.2, 0.1);
+    auto& bed = add_body(scene, add_shape(scene, make_box(40, 2, 0.1)), BodyType::kinematic, {0, 0, -0.05}, 0.3, 0);
+    const int inner = scene.settings.substeps;
+    for (int k = 0; k <= (time * run.rate + 2) * inner; ++k) {
+        const double at = k * run.dt() / inner;
+        bed.keyframes.push_back({at, Vec3{0, 0, -0.05} + way(std::max(0.0, at - kStands)), {}});
+    }
+    add_body(scene, add_solid(scene, mesh, 500), BodyType::dynamic, {0, 0, 0.05 + rest_gap(mesh)}, 0.3, restitution);
+    return scene;
+}
+
+/// m, of the box from where it was on the bed.
+Vec3 slip(Motion& motion) {
+    const Vec3 first = motion.scene().bodies[1].position - motion.scene().bodies[0].keyframes.front().position;
+    return motion.body(1).position - motion.body(0).position - first;
+}
+
+// A bed that accelerates by `share` of mu g takes what stands on it along, or what is beyond mu g leaves it behind.
+void bed_accelerates(const Run& run, double share) {
+    constexpr double kTime = 1.25, kHolds = 0.3 * kGravity, kMoves = kTime - kStands;
+    const double rate = share * kHolds;
+    Motion motion(box_on_a_bed(run, 0, kTime, [&](double t) { return Vec3{0.5 * rate * t * t, 0, 0}; }));
+    motion.run(kTime);
+    const double due = share < 1 ? 0 : -0.5 * (rate - kHolds) * kMoves * kMoves, is = slip(motion).x;
+    motion.print("slips by %.4g mm, due %.4g mm", 1e3 * is, 1e3 * due);
+    EXPECT_NEAR(is, due, 1e-4);
+}
+
+// The same bed, whose next place is told it step by step: nothing is known of its acceleration before it has begun.
+void bed_is_driven(const Run& run) {
+    constexpr double kTime = 1.25, kRate = 0.95 * 0.3 * kGravity;
+    Motion motion(box_on_a_bed(run, 0, kTime, [](double) { return Vec3{}; }));
+    motion.run(kTime, [&](const StepReport& r) {
+        const double next = r.time + run.dt(), t = std::max(0.0, next - kStands);
+        motion.world().set_script(motion.world().id(0), {{next, {0.5 * kRate * t * t, 0, -0.05}, {}}});
+    });
+    motion.print("slips by %.4g mm", 1e3 * slip(motion).x);
+    EXPECT_NEAR(slip(motion).x, 0, kRate * run.dt() * run.dt());
+}
+
+// A bed that goes down with less than gravity keeps what stands on it.
+void bed_sinks(const Run& run) {
+    constexpr double kTime = 0.75, kRate = 0.9 * kGravity;
+    Motion motion(box_on_a_bed(run, 0, kTime, [](double t) { return Vec3{0, 0, -0.5 * kRate * t * t}; }));
+    double most = 0;
+    motion.run(kTime, [&](const StepReport&) { most = std::max(most, std::abs(slip(motion).z)); });
+    motion.print("%.4g mm from the bed", 1e3 * most);
+    EXPECT_LT(most, 2e-5);
+}
+
+// So does one that shakes up and down.
+void bed_shakes(const Run& run) {
+    constexpr double kTime = 2.25, kTurns = 2 * kPi * 5, kMost = 0.8 * kGravity / (kTurns * kTurns);
+    Motion motion(box_on_a_bed(run, 0.5, kTime, [](double t) {
+        return Vec3{0, 0, std::min(1.0, t) * kMost * std::sin(kTurns * t)}; // swells for a second
+    }));
+    double most = 0;
+    motion.run(kTime, [&](const StepReport&) { most = std::max(most, std::abs(slip(motion).z)); });
+    motion.print("%.4g mm from the bed", 1e3 * most);
+    EXPECT_LT(most, 2e-5);
+}
+
+// One that starts at once strikes what stands on it with all of its speed, and not half of that before.
+void bed_strikes(const Run& run) {
+    constexpr double kTime = 0.5, kSpeed = 2, kRestitution = 0.8;
+    Motion motion(box_on_a_bed(run, kRestitution, kTime, [](double t) { return Vec3{0, 0, kSpeed * t}; }));
+    double fastest = 0;
+    motion.run(kTime, [&](const StepReport&) { fastest = std::max(fastest, motion.body(1).velocity.z); });
+    const double due = (1 + kRestitution) * kSpeed;
+    motion.print("struck to %.5g m/s, due %.5g m/s", fastest, due);
+    EXPECT_NEAR(fastest, due, kGravity * run.dt());
+}
+
 // A box at r on a table that turns at W stays where W^2 r <= mu g. Steps along the tangent would lead outwards by r (W
 // dt)^2 / 2 each; those along the chord, to second order, do by r (W dt)^4 / 8.
 void turntable(const Run& run, double share) {
@@ -251,6 +329,13 @@ void jaws_lift_a_box(const Run& run) {
     add_runs("Scripts", "BoxOnAConveyor", runs(), true, conveyor);
     add_runs("Scripts", "LiftCarriesWhatItAccelerates", {{"balanced", 120}, {"preview", 60}, {"balanced", 480}}, true,
              lift_carries);
+    add_runs("Scripts", "BedTakesABoxAlong", runs(), true, [](const Run& r) { bed_accelerates(r, 0.95); });
+    add_runs("Scripts", "BoxSlidesOnABed", runs(), true, [](const Run& r) { bed_accelerates(r, 1.1); });
+    add_runs("Scripts", "DrivenBedTakesABoxAlong", {{"balanced", 24}, {"balanced", 120}, {"preview", 60}}, true,
+             bed_is_driven);
+    add_runs("Scripts", "SinkingBedKeepsABox", runs({24, 120}), true, bed_sinks);
+    add_runs("Scripts", "ShakingBedKeepsABox", runs({60, 240}), true, bed_shakes);
+    add_runs("Scripts", "BedStrikesABox", runs({24, 120}), true, bed_strikes);
     add_runs("Scripts", "BoxStaysOnATurntable", runs(), true, [](const Run& r) { turntable(r, 0.9); });
     add_runs("Scripts", "BoxStandsOnARoller", runs({60, 240}), true, stands_on_a_roller);
     add_runs("Scripts", "BoxSlidesOffATurntable", runs(), true, [](const Run& r) { turntable(r, 1.1); });
