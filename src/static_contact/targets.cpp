@@ -118,7 +118,10 @@ class PairTargets {
             bodies_, out_.turning, std::span(out_.arcs).subspan(first, end - first));
         const Contact& c = set_.contacts[first];
         const double due = due_distance(input_.squeezed, c.a, c.b, set_.rest[first]);
-        for (std::size_t i = first; i < end; ++i) set(i, due, band(i, rolls ? share : 1));
+        Due range{due, set_.rest[first]};
+        if (due < set_.rest[first] && holds_between(first, end))
+            range.least = range.most = (1 - input_.tuning.most_of_rest) * due;
+        for (std::size_t i = first; i < end; ++i) set(i, range, band(i, rolls ? share : 1));
     }
 
   private:
@@ -183,13 +186,26 @@ class PairTargets {
         return rest_band(set_.rest[i], dt_, out_.contacts[i].tolerance / widened, input_.tuning);
     }
 
-    /// `due`: m, to where the contact may raise bodies. One that is farther apart stays as it is, up to the rest
-    /// distance.
-    void set(std::size_t i, double due, double band) const {
+    /// Whether contacts of a pair oppose each other: the one body is between sides of the other, as a peg in its hole.
+    /// Where there is no room for the rest distance on both sides, and neither may come nearer, any two impulses that
+    /// balance each other are a solution, and with friction they carry the body: a peg hung in its hole for ever,
+    /// pressed by 120 times its weight. So while such a pair waits it has a little room everywhere.
+    [[nodiscard]] bool holds_between(std::size_t first, std::size_t end) const {
+        for (std::size_t i = first + 1; i < end; ++i)
+            if (dot(set_.contacts[first].normal, set_.contacts[i].normal) < 0) return true;
+        return false;
+    }
+
+    /// m: nearer ones are raised to the least distance, farther ones may come to the most; between they stay.
+    struct Due {
+        double least, most;
+    };
+    void set(std::size_t i, const Due& due, double band) const {
         Contact& c = out_.contacts[i];
         const ArcContact& arcs = out_.arcs[i];
         const double distance = c.distance - arcs.closer;
-        const double full = equation_16(std::clamp(distance, due, set_.rest[i]) - distance, dt_, band) + arcs.approach;
+        const double full =
+            equation_16(std::clamp(distance, due.least, due.most) - distance, dt_, band) + arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
         // there.
         const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);

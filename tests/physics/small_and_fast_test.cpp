@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Small, thin and fast bodies, and steps that are large against them: only ratios may matter, never metres or seconds.
 #include <algorithm>
+#include <numbers>
 #include <vector>
 
 #include "physics/physics.hpp"
+#include "scene/household_meshes.hpp"
 
 namespace flotilla::physics {
 namespace {
@@ -208,6 +210,27 @@ void slides_out_of_a_tunnel(const Run& run) {
     EXPECT_NEAR(s.velocity.x, kSpeed, 0.01);
 }
 
+/// A square peg over a hole that leaves less than its rest distance on either side, off its middle.
+void peg_falls_into_its_hole(const Run& run, double friction) {
+    constexpr double kEdge = 0.05, kLength = 0.12, kDepth = 0.1, kPlay = 2.5e-4, kOff = 1e-4;
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_box(kEdge, kEdge, kLength);
+    ASSERT_GT(rest_gap(mesh), kPlay);
+    const double inside = std::numbers::sqrt2 * (0.5 * kEdge + kPlay);
+    const TriangleMesh walls = library::revolve({{inside, 0}, {inside, kDepth}, {2 * inside, kDepth}}, 4);
+    add_body(scene, add_solid(scene, mesh, 2700), BodyType::dynamic, {kOff, 0, kDepth + 0.005 + kLength / 2}, friction,
+             0);
+    add_body(scene, add_shape(scene, walls), BodyType::fixed, {}, friction, 0).rotation =
+        rotation_from_vector({0, 0, kPi / 4});
+    add_ground(scene, 1, friction, 0);
+    Motion motion(scene);
+    motion.run(2);
+    const double above = motion.body(0).position.z - kLength / 2;
+    motion.print("%.4g m above the ground", above);
+    EXPECT_LT(above, 1e-3);
+    expect_no_rise(motion);
+}
+
 constexpr double kGap = 1e-9; // m
 
 /// Two boxes almost in touch, pushed along their faces and away from each other.
@@ -281,6 +304,10 @@ void falls_through_a_slot(const Run& run) {
                      once, true, [=](const Run& r) { needle_on_a_slope(r, first, friction); });
     add_runs("SmallAndFast", "SameMotionAtAnySize", once, true, same_motion_at_any_size);
     add_runs("SmallAndFast", "CubeSlidesOutOfATightTunnel", runs(), true, slides_out_of_a_tunnel);
+    for (const int percent : {5, 20, 50})
+        add_runs("SmallAndFast", "PegFallsIntoItsHoleWithFriction" + std::to_string(percent) + "Percent",
+                 {{"preview", 60}, {"balanced", 60}, {"balanced", 240}, {"accurate", 60}}, true,
+                 [=](const Run& r) { peg_falls_into_its_hole(r, 0.01 * percent); });
     add_runs("SmallAndFast", "WallsCloseOnACubeThatSlides", runs(), true, walls_close);
     add_runs("SmallAndFast", "BoxLeavesAGapOfANanometre", once, true, leaves_a_gap_of_a_nanometre);
     add_runs("SmallAndFast", "BoxSlidesOverAGapOfANanometre", once, true, slides_over_a_gap_of_a_nanometre);
