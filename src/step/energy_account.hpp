@@ -49,10 +49,10 @@ class EnergyAccount {
     /// out.
     [[nodiscard]] std::span<const std::int32_t> overdrawn(const Model& model, std::span<const Vec3> way,
                                                           std::span<const double> lift);
-    /// By body, the share of the way from the half velocities `kept` to `raised` that its island pays for, with the lift
-    /// that it has left and with what contact dissipates along `kept`. The rest of the kinetic energy stays: what slides
-    /// on a stack would pay with its speed for raising all of it. The top one of eight boxes, pulled with twice its
-    /// friction, went 10 mm where 88 were due.
+    /// By body, the share of the way from the half velocities `kept` to `raised` that its island pays for, with the
+    /// lift that it has left and with what contact dissipates along `kept`. The rest of the kinetic energy stays: what
+    /// slides on a stack would pay with its speed for raising all of it. The top one of eight boxes, pulled with twice
+    /// its friction, went 10 mm where 88 were due.
     [[nodiscard]] std::span<const double> affordable(const Model& model, std::span<const Pose> pose,
                                                      std::span<const Motion> kept, std::span<const Motion> raised,
                                                      std::span<const double> lift);

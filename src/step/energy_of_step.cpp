@@ -45,8 +45,8 @@ void Stepper::mark_spent() {
     unpaid_ = level_;
 }
 
-/// Takes islands that stage 3 would raise by more than they have for it back towards what it found without raising them, as
-/// far as they do not pay. Contacts ask for no approach that is faster than either.
+/// Takes islands that stage 3 would raise by more than they have for it back towards what it found without raising
+/// them, as far as they do not pay. Contacts ask for no approach that is faster than either.
 void Stepper::raise_as_far_as_paid(std::span<const Motion> kept, std::span<Motion> half) {
     const std::span<const double> shares = energy_.affordable(model_, state_.pose, kept, half, state_.lift);
     for (const std::int32_t id : model_.active) {
