@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "base/index.hpp"
 #include "state/loads.hpp"
@@ -153,17 +154,27 @@ double EnergyAccount::cost_of(const Model& model, std::size_t i, const Vec3& way
     return model.bodies[i].force_acts() ? cost - dot(model.bodies[i].force, way) : cost;
 }
 
-std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::span<const Vec3> way,
-                                                       std::span<const double> lift) {
-    overdrawn_.clear();
+std::span<const double> EnergyAccount::paid(const Model& model, std::span<const Vec3> way,
+                                            std::span<const double> lift) {
+    shares_.assign(model.size(), 1);
     weigh_islands(model, lift);
     for (const std::int32_t body : model.active)
         if (model.bodies[at(body)].movable()) islands_[at(root(body))].gain += cost_of(model, at(body), way[at(body)]);
     for (const std::int32_t body : model.active) {
         if (!model.bodies[at(body)].movable()) continue;
         const Balance& island = islands_[at(root(body))];
-        if (!island.grounded && island.gain > island.kinetic + island.most_lift) overdrawn_.push_back(body);
+        const double budget = island.kinetic + island.most_lift;
+        if (!island.grounded && island.gain > budget) shares_[at(body)] = budget / island.gain;
     }
+    return shares_;
+}
+
+std::span<const std::int32_t> EnergyAccount::overdrawn(const Model& model, std::span<const Vec3> way,
+                                                       std::span<const double> lift) {
+    overdrawn_.clear();
+    const std::span<const double> shares = paid(model, way, lift);
+    std::ranges::copy_if(model.active, std::back_inserter(overdrawn_),
+                         [&](std::int32_t body) { return shares[at(body)] < 1; });
     return overdrawn_;
 }
 

@@ -44,9 +44,11 @@ class EnergyAccount {
     /// Work of a body's own force and torque, J (state/loads.hpp): that of a step which pulls up is negative.
     void add_loads(std::int32_t body, double work) { loads_[static_cast<std::size_t>(body)] += work; }
 
-    /// Bodies of islands whose energy does not pay for the displacements `way` (m) of their centres of mass in the
-    /// step, even with all velocities given up. Islands that touch a scripted body, whose work pays for that, are left
-    /// out.
+    /// By body, the share of the displacements `way` (m) of the centres of mass in the step that the energy and the lift
+    /// of its island pay for, with all velocities given up. A scripted body pays for islands that touch it.
+    [[nodiscard]] std::span<const double> paid(const Model& model, std::span<const Vec3> way,
+                                               std::span<const double> lift);
+    /// Bodies of islands that do not pay for all of it.
     [[nodiscard]] std::span<const std::int32_t> overdrawn(const Model& model, std::span<const Vec3> way,
                                                           std::span<const double> lift);
     /// By body, the share of the way from the half velocities `kept` to `raised` that its island pays for, with the
@@ -59,7 +61,7 @@ class EnergyAccount {
     /// Bodies of islands that can hardly be raised any more: their energy and the lift they have left would raise them
     /// by no more than `share` of their rest distances.
     [[nodiscard]] std::span<const std::int32_t> spent(const Model& model, double share, std::span<const double> lift);
-    /// Whether the island of a movable body touches a scripted one, as overdrawn() found it.
+    /// Whether the island of a movable body touches a scripted one, as paid() found it.
     [[nodiscard]] bool touches_script(std::int32_t body) {
         return islands_[static_cast<std::size_t>(root(body))].grounded;
     }

@@ -58,6 +58,20 @@ void Stepper::raise_as_far_as_paid(std::span<const Motion> kept, std::span<Motio
     }
 }
 
+/// What stage 3 leaves undone within its tolerance moves bodies as well, and some of them up. Islands whose energy and
+/// lift do not pay for that go as far as these do: at rest, nowhere. Held for it they would lose their impulses with
+/// their velocities, and the next step would begin where this one did, for ever.
+void Stepper::move_as_far_as_paid(std::span<Motion> half) {
+    for (const std::int32_t i : model_.active) way_[at(i)] = model_.settings.time_step * half[at(i)].velocity;
+    const std::span<const double> shares = energy_.paid(model_, way_, state_.lift);
+    for (const std::int32_t id : model_.active) {
+        const std::size_t i = at(id);
+        if (shares[i] == 1) continue;
+        mark_unpaid(i);
+        half[i] = {shares[i] * half[i].velocity, shares[i] * half[i].momentum};
+    }
+}
+
 /// Bodies of islands that stages 3 and 5 raised by more than all their energy.
 std::span<const std::int32_t> Stepper::overdrawn() {
     join_pushed();

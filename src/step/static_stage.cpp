@@ -73,6 +73,7 @@ void Stepper::half_static_contact(std::span<const Motion> collided, std::span<Mo
         state_.warm[ContactStage::half].clear();
         copy_active<Motion>(kept, half);
     }
+    move_as_far_as_paid(half);
     level_.clear();
 }
 
@@ -86,6 +87,7 @@ void Stepper::raise_or_stay(std::span<const Motion> collided, std::span<Motion> 
     report.residual = residual; // what a solve reported that is discarded is forgotten
     report.warnings = warnings;
     static_contact(contacts_at_start(), half, state_.pose, ContactStage::half, report);
+    move_as_far_as_paid(half);
     level_.clear();
 }
 

@@ -227,6 +227,7 @@ class Stepper {
     bool slow_down(std::span<Motion> half);
     bool leave_unraised(std::size_t i, std::span<Motion> half);
     void mark_unpaid(std::size_t i);
+    void move_as_far_as_paid(std::span<Motion> half);
     void hold_overdrawn(FailsafeStats& failsafe);
     void join_pushed();
     void join_contacts();
