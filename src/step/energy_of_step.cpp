@@ -72,15 +72,15 @@ void Stepper::move_as_far_as_paid(std::span<Motion> half) {
     }
 }
 
-/// Bodies of islands that stages 3 and 5 raised by more than all their energy.
-std::span<const std::int32_t> Stepper::overdrawn() {
+/// By body, the share that its island pays for of what stages 3 and 5 raised it by.
+std::span<const double> Stepper::shares_paid() {
     join_pushed();
     const std::vector<std::int32_t>& active = model_.active;
     workers_.team.for_each("ways", active.size(), kBodyGrain, [&](std::size_t k, int) {
         const std::size_t i = at(active[k]);
         way_[i] = trajectories_.end_pose(i).com - state_.pose[i].com;
     });
-    return energy_.overdrawn(model_, way_, state_.lift);
+    return energy_.paid(model_, way_, state_.lift);
 }
 
 void Stepper::mark_unpaid(std::size_t i) {
@@ -91,27 +91,24 @@ void Stepper::mark_unpaid(std::size_t i) {
 /// Slows down what stages 3 and 5 could not move as a whole. Returns whether there is any. These are islands that were
 /// raised by more than all their energy, which get half of their half velocities: a body that falls on others in the
 /// step pushes them up with all its speed from the start on, and they keep theirs to the end, so that they rise by
-/// m g dt v for the m v^2 / 2 that they got. A slower one pushes less, or does not get there yet. And they are bodies
-/// that the failsafe held, where no script blocks them: half the displacement is more than none. Before that both are
-/// left unraised: in a slot with less play than two rest distances no velocity brings a body to both, and what the
-/// solve made of that is wider than the play.
+/// m g dt v for the m v^2 / 2 that they got. A slower one pushes less, or does not get there yet. Islands that pay for
+/// less than half get what they pay for: at rest they stay, since whatever comes too near, however slowly, is pushed to
+/// its rest distance at the same cost. And they are bodies that the failsafe held, where no script blocks them: half
+/// the displacement is more than none. Before that both are left unraised: in a slot with less play than two rest
+/// distances no velocity brings a body to both, and what the solve made of that is wider than the play.
 bool Stepper::slow_down(std::span<Motion> half) {
-    const std::span<const std::int32_t> raised = overdrawn();
-    std::vector<std::int32_t> bodies(raised.begin(), raised.end());
-    bool any = !bodies.empty();
-    for (const std::int32_t body : model_.active)
-        if (clusters_[clusters_.of(at(body))].rung == Rung::held) bodies.push_back(body);
-    std::sort(bodies.begin(), bodies.end());
-    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
-    for (const std::int32_t body : bodies) {
+    const std::span<const double> shares = shares_paid();
+    bool any = false;
+    for (const std::int32_t body : model_.active) {
         const std::size_t i = at(body);
-        if (leave_unraised(i, half)) {
-            any = true;
-            continue;
+        const bool overdrawn = shares[i] < 1;
+        if (!overdrawn && clusters_[clusters_.of(i)].rung != Rung::held) continue;
+        if (!leave_unraised(i, half)) {
+            if (!overdrawn && energy_.touches_script(body)) continue;
+            const double share = std::min(0.5, shares[i]);
+            half[i] = {share * half[i].velocity, share * half[i].momentum};
+            slowed_[i] = 1;
         }
-        if (!std::binary_search(raised.begin(), raised.end(), body) && energy_.touches_script(body)) continue;
-        half[i] = {0.5 * half[i].velocity, 0.5 * half[i].momentum};
-        slowed_[i] = 1;
         any = true;
     }
     return any;
@@ -132,12 +129,15 @@ bool Stepper::leave_unraised(std::size_t i, std::span<Motion> half) {
 /// a body more at least.
 void Stepper::hold_overdrawn(FailsafeStats& failsafe) {
     while (true) {
-        const std::span<const std::int32_t> bodies = overdrawn();
-        if (bodies.empty()) return;
-        for (const std::int32_t body : bodies) {
-            const std::int32_t id = clusters_.of(static_cast<std::size_t>(body));
+        const std::span<const double> shares = shares_paid();
+        bool any = false;
+        for (const std::int32_t body : model_.active) {
+            if (shares[at(body)] == 1) continue;
+            any = true;
+            const std::int32_t id = clusters_.of(at(body));
             if (!clusters_[id].infinite()) clusters_.hold(id, trajectories_), ++failsafe.rung_changes;
         }
+        if (!any) return;
         const FailsafeStats more = run_failsafe(view(), movers(), pairs_, workers_);
         failsafe.merges += more.merges;
         failsafe.rung_changes += more.rung_changes;

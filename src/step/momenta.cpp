@@ -69,7 +69,8 @@ void Stepper::drop_line_spin(std::span<const Pose> end, std::span<Motion> motion
 /// it really made if that holds less kinetic energy than what it would have (src/failsafe/README.md). Beyond that rule:
 /// the failsafe displaces bodies as neither velocity knows of, so the velocities taken are scaled to at most the
 /// kinetic energy of v^ plus the work of gravity along the displacement really made; otherwise a body that was held up
-/// would keep the energy of a fall that it did not make.
+/// would keep the energy of a fall that it did not make. What the second half of the step adds is left to stage 7: what
+/// stands on something is carried there, and without that load it would stand on nothing, in every step anew.
 void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
                               StepReport& report) {
     const double dt = model_.settings.time_step;
@@ -77,13 +78,17 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         const Vec3 omega = angular_velocity(model_, i, end[i].rotation, m.momentum);
         return 0.5 * model_.bodies[i].mass * length_sq(m.velocity) + 0.5 * dot(omega, m.momentum);
     };
+    const auto pulled = [&](std::size_t i) { // by the half of the step that stage 7 carries
+        const bool driven = model_.bodies[i].torque != Vec3{};
+        return Motion{0.5 * dt * acceleration(model_, i), driven ? 0.5 * dt * turning_torque(model_, i) : Vec3{}};
+    };
     const auto kinetic_at_start = [&](std::size_t i) {
         const Vec3 omega = angular_velocity(model_, i, state_.pose[i].rotation, collided[i].momentum);
         return 0.5 * model_.bodies[i].mass * length_sq(collided[i].velocity) + 0.5 * dot(omega, collided[i].momentum);
     };
     for (const std::int32_t id : model_.active) {
         const Cluster& c = clusters_[id];
-        if (c.members.empty() || failsafe_bodies_[at(id)] == 0) continue;
+        if (c.members.empty() || !moved_otherwise(at(id))) continue;
         double planned = 0, real = 0, allowed = 0;
         std::vector<Motion> made;
         for (std::int32_t m : c.members) {
@@ -92,9 +97,9 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
             const PrincipalInertia inertia = turned(model_.shape_of(i).principal, end[i].rotation);
             const Body& body = model_.bodies[i];
             const Vec3 way = end[i].com - start.com, &turn = trajectories_.turn(i);
-            made.push_back({way / dt + 0.5 * dt * acceleration(model_, i),
-                            free_part(body.locked.rotation, angular_momentum(inertia, turn / dt))});
-            if (body.torque != Vec3{}) made.back().momentum += 0.5 * dt * turning_torque(model_, i);
+            const Motion pull = pulled(i);
+            made.push_back({way / dt + pull.velocity,
+                            free_part(body.locked.rotation, angular_momentum(inertia, turn / dt)) + pull.momentum});
             planned += kinetic(i, motion[i]);
             real += kinetic(i, made.back());
             allowed += kinetic_at_start(i) + body.mass * dot(model_.gravity, way);
@@ -107,8 +112,10 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         if (taken > allowed) {
             const double share = std::sqrt(std::max(0.0, allowed) / taken);
             for (std::size_t k = 0; k < c.members.size(); ++k) {
-                motion[member(k)].velocity = share * motion[member(k)].velocity;
-                motion[member(k)].momentum = share * motion[member(k)].momentum;
+                const Motion pull = pulled(member(k));
+                Motion& m = motion[member(k)];
+                m.velocity = pull.velocity + share * (m.velocity - pull.velocity);
+                m.momentum = pull.momentum + share * (m.momentum - pull.momentum);
             }
         }
         if (real < planned || taken > allowed) report.warnings |= kReboundLost;

@@ -160,7 +160,7 @@ void Stepper::put_to_sleep() {
     if (!model_.settings.sleeping) return;
     // Where forces do not carry the weight yet, velocities say nothing.
     for (const std::int32_t i : model_.active)
-        disturbed_[at(i)] = failsafe_bodies_[at(i)] != 0 || static_.solver.unsolved[at(i)] != 0 ? 1 : 0;
+        disturbed_[at(i)] = moved_otherwise(at(i)) || static_.solver.unsolved[at(i)] != 0 ? 1 : 0;
     count_quiet_steps(model_, disturbed_, state_);
     touching_.clear();
     for (const Contact& c : contacts_.contacts)

@@ -199,6 +199,10 @@ class Stepper {
     void find_contacts_at_end(StepReport& report);
     void note_squeezed();
     void give_held_impulses();
+    /// Whether a body did not go as its half velocity says: the failsafe acted on it, or slow_down().
+    [[nodiscard]] bool moved_otherwise(std::size_t body) const {
+        return failsafe_bodies_[body] != 0 || slowed_[body] != 0;
+    }
     /// Whether the failsafe acted on a body of the pair in this step.
     [[nodiscard]] bool of_failsafe(const WarmImpulse& w) const {
         return failsafe_bodies_[static_cast<std::size_t>(w.a)] != 0 ||
@@ -223,11 +227,11 @@ class Stepper {
     void mark_spent();
     void raise_or_stay(std::span<const Motion> collided, std::span<Motion> half, StepReport& report);
     void raise_as_far_as_paid(std::span<const Motion> kept, std::span<Motion> half);
-    std::span<const std::int32_t> overdrawn();
+    void move_as_far_as_paid(std::span<Motion> half);
+    std::span<const double> shares_paid();
     bool slow_down(std::span<Motion> half);
     bool leave_unraised(std::size_t i, std::span<Motion> half);
     void mark_unpaid(std::size_t i);
-    void move_as_far_as_paid(std::span<Motion> half);
     void hold_overdrawn(FailsafeStats& failsafe);
     void join_pushed();
     void join_contacts();
@@ -292,7 +296,7 @@ class Stepper {
     std::int64_t contact_visits_ = 0;
     EnergyAccount energy_;
     std::vector<Vec3> way_;            ///< m, displacements of centres of mass in the step
-    std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() halved its half velocity
+    std::vector<std::uint8_t> slowed_; ///< by body: whether slow_down() took of its half velocity
     std::vector<std::uint8_t> level_;  ///< see mark_level() and mark_spent(); empty but in stage 3
     std::vector<std::uint8_t> unpaid_; ///< by body: of islands that cannot pay for being raised; empty: of none
     ContactSearchScratch search_;
