@@ -44,8 +44,8 @@ class EnergyAccount {
     /// Work of a body's own force and torque, J (state/loads.hpp): that of a step which pulls up is negative.
     void add_loads(std::int32_t body, double work) { loads_[static_cast<std::size_t>(body)] += work; }
 
-    /// By body, the share of the displacements `way` (m) of the centres of mass in the step that the energy and the lift
-    /// of its island pay for, with all velocities given up. A scripted body pays for islands that touch it.
+    /// By body, the share of the displacements `way` (m) of the centres of mass in the step that the energy and the
+    /// lift of its island pay for, with all velocities given up. A scripted body pays for islands that touch it.
     [[nodiscard]] std::span<const double> paid(const Model& model, std::span<const Vec3> way,
                                                std::span<const double> lift);
     /// Bodies of islands that do not pay for all of it.
