@@ -236,49 +236,50 @@ void top_slides_off(const Run& run, int boxes) {
 
 std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(std::lround(std::log10(ratio)))); }
 
-// Crockery on each other, with hundreds of contacts a pair, few of which carry.
-void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, int pieces, double lift, double turn,
-                           double friction, double time) {
+// Alike pieces let go above each other.
+struct Pieces {
+    int number;
+    double bottom, lift, turn; // m, m, rad: the height of the first; of each above the one before, and about z
+    double friction;
+};
+SceneDescription piled(const Run& run, const TriangleMesh& mesh, double surface_density, const Pieces& pieces) {
     SceneDescription scene = make_scene_with(run.settings());
     scene.settings.sleeping = true;
-    const auto shape = add_shape(scene, mesh, 6);
-    for (int k = 0; k < pieces; ++k)
-        add_body(scene, shape, BodyType::dynamic, {0, 0, 0.004 + lift * k}, friction, 0).rotation =
-            rotation_from_vector({0, 0, turn * k});
-    add_ground(scene, 4, friction, 0);
-    Motion motion(scene);
-    double slept = 0;
-    motion.run(time, [&](const StepReport& r) {
-        if (slept == 0 && r.sleeping == pieces) slept = r.time;
-    });
-    motion.print("asleep after %.3g s", slept);
-    EXPECT_GT(slept, 0);
-    EXPECT_LT(slept, 1) << "s";
-    EXPECT_LT(motion.outcome().above, 8) << "steps whose contacts were left unsolved: 9 to 72 with all of them at once";
-    expect_no_rise(motion);
-    expect_weight_on(motion, motion.world().size() - 1);
+    const auto shape = add_shape(scene, mesh, surface_density);
+    for (int k = 0; k < pieces.number; ++k)
+        add_body(scene, shape, BodyType::dynamic, {0, 0, pieces.bottom + pieces.lift * k}, pieces.friction, 0)
+            .rotation = rotation_from_vector({0, 0, pieces.turn * k});
+    add_ground(scene, 4, pieces.friction, 0);
+    return scene;
 }
 
-/// `pieces` let go `gap` above each other, which land nearer than their rest distance and have no energy left to part:
-/// what solves leave undone would raise them. Held for that they would carry nothing and never sleep.
-void pressed_fall_asleep(SceneDescription scene, const TriangleMesh& mesh, int pieces, double bottom, double lift,
-                         double turn, double friction) {
-    scene.settings.sleeping = true;
-    const auto shape = add_shape(scene, mesh, 1);
-    for (int k = 0; k < pieces; ++k)
-        add_body(scene, shape, BodyType::dynamic, {0, 0, bottom + lift * k}, friction, 0).rotation =
-            rotation_from_vector({0, 0, turn * k});
-    add_ground(scene, 4, friction, 0);
-    Motion motion(scene);
+// s, when all but the ground first sleep; 0: not by `time`.
+double asleep_by(Motion& motion, double time) {
+    const auto all = static_cast<std::int64_t>(motion.world().size()) - 1;
     double slept = 0;
-    motion.run(2, [&](const StepReport& r) {
-        if (slept == 0 && r.sleeping == pieces) slept = r.time;
+    motion.run(time, [&](const StepReport& r) {
+        if (slept == 0 && r.sleeping == all) slept = r.time;
     });
     motion.print("asleep after %.3g s", slept);
     EXPECT_GT(slept, 0);
-    EXPECT_LT(motion.outcome().held_steps, 3);
     expect_no_rise(motion);
     expect_weight_on(motion, motion.world().size() - 1);
+    return slept;
+}
+
+// Crockery on each other, with hundreds of contacts a pair, few of which carry.
+void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, const Pieces& pieces) {
+    Motion motion(piled(run, mesh, 6, pieces));
+    EXPECT_LT(asleep_by(motion, 4), 1) << "s";
+    EXPECT_LT(motion.outcome().above, 8) << "steps whose contacts were left unsolved: 9 to 72 with all of them at once";
+}
+
+// What lands nearer than its rest distance and has no energy left to part: what solves leave undone would raise it.
+// Held for that it would carry nothing and never sleep.
+void pressed_fall_asleep(const Run& run, const TriangleMesh& mesh, const Pieces& pieces) {
+    Motion motion(piled(run, mesh, 1, pieces));
+    asleep_by(motion, 2);
+    EXPECT_LT(motion.outcome().held_steps, 3);
 }
 
 [[maybe_unused]] const bool registered = [] {
@@ -345,20 +346,23 @@ void pressed_fall_asleep(SceneDescription scene, const TriangleMesh& mesh, int p
     const TriangleMesh plate = library::revolve({{0, 0}, {0.07, 0}, {0.12, 0.02}}, 48);
     const TriangleMesh cup =
         library::revolve({{0, 0}, {0.032, 0}, {0.034, 0.025}, {0.036, 0.05}, {0.038, 0.075}, {0.04, 0.1}}, 24);
-    add_runs("Stacks", "TwentyPlatesFallAsleep", {{"balanced", 24}, {"balanced", 60}}, true,
-             [=](const Run& r) { crockery_falls_asleep(r, plate, 20, 0.008, 0.07, 0.2, 4); });
-    add_runs("Stacks", "CupsInEachOtherFallAsleep", {{"balanced", 24}, {"accurate", 24}}, true,
-             [=](const Run& r) { crockery_falls_asleep(r, cup, 4, 0.03, 0.1, 0.3, 4); });
+    add_runs("Stacks", "TwentyPlatesFallAsleep", {{"balanced", 24}, {"balanced", 60}}, true, [=](const Run& r) {
+        crockery_falls_asleep(r, plate, {20, 0.004, 0.008, 0.07, 0.2});
+    });
+    add_runs("Stacks", "CupsInEachOtherFallAsleep", {{"balanced", 24}, {"accurate", 24}}, true, [=](const Run& r) {
+        crockery_falls_asleep(r, cup, {4, 0.004, 0.03, 0.1, 0.3});
+    });
     std::vector<library::OutlinePoint> side{{0.0005, 0}};
     for (int k = 0; k < 7; ++k) {
         const SinCos angle = sin_cos(0.1 + 0.2 * k);
         side.push_back({0.1 * angle.sin, 0.1 * (1 - angle.cos)});
     }
     const TriangleMesh bowl = library::revolve(side, 32), sheet = make_box(0.2, 0.3, 0.0005);
-    add_runs("Stacks", "WedgedBowlsFallAsleep", {{"balanced", 60}, {"preview", 60}}, true,
-             [=](const Run& r) { pressed_fall_asleep(make_scene_with(r.settings()), bowl, 2, 0.002, 0.02, 0.3, 0.3); });
+    add_runs("Stacks", "WedgedBowlsFallAsleep", {{"balanced", 60}, {"preview", 60}}, true, [=](const Run& r) {
+        pressed_fall_asleep(r, bowl, {2, 0.002, 0.02, 0.3, 0.3});
+    });
     add_runs("Stacks", "FortySheetsFallAsleep", {{"preview", 60}}, true, [=](const Run& r) {
-        pressed_fall_asleep(make_scene_with(r.settings()), sheet, 40, 0.00045, 0.001, 0, 0.2);
+        pressed_fall_asleep(r, sheet, {40, 0.00045, 0.001, 0, 0.2});
     });
     add_runs("Stacks", "ForcesAreThoseOfTheWeightAbove", runs(), true, forces_in_a_stack);
     return true;
