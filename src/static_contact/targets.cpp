@@ -33,6 +33,9 @@ double rest_band(double rest, double time_step, double tolerance, const ContactT
 // tolerance, four seeds); with a whole band they came to rest later, with an eighth of one they asked in most steps.
 constexpr double kWorthRaising = 0.5;
 
+// In tolerances: how fast pairs yield that hold a body between them, so that a solve does not take it for rest.
+constexpr double kYields = 2;
+
 // In tolerances: how fast a script that was stopped presses on what is in its way. A solve does not leave so much
 // undone, and bodies hardly move for it.
 constexpr double kPress = 4;
@@ -118,10 +121,8 @@ class PairTargets {
             bodies_, out_.turning, std::span(out_.arcs).subspan(first, end - first));
         const Contact& c = set_.contacts[first];
         const double due = due_distance(input_.squeezed, c.a, c.b, set_.rest[first]);
-        Due range{due, set_.rest[first]};
-        if (due < set_.rest[first] && holds_between(first, end))
-            range.least = range.most = (1 - input_.tuning.most_of_rest) * due;
-        for (std::size_t i = first; i < end; ++i) set(i, range, band(i, rolls ? share : 1));
+        const bool yields = due < set_.rest[first] && holds_between(first, end);
+        for (std::size_t i = first; i < end; ++i) set(i, {due, yields}, band(i, rolls ? share : 1));
     }
 
   private:
@@ -189,23 +190,28 @@ class PairTargets {
     /// Whether contacts of a pair oppose each other: the one body is between sides of the other, as a peg in its hole.
     /// Where there is no room for the rest distance on both sides, and neither may come nearer, any two impulses that
     /// balance each other are a solution, and with friction they carry the body: a peg hung in its hole for ever,
-    /// pressed by 120 times its weight. So while such a pair waits it has a little room everywhere.
+    /// pressed by 120 times its weight. So while such a pair waits it yields a little everywhere.
     [[nodiscard]] bool holds_between(std::size_t first, std::size_t end) const {
         for (std::size_t i = first + 1; i < end; ++i)
             if (dot(set_.contacts[first].normal, set_.contacts[i].normal) < 0) return true;
         return false;
     }
 
-    /// m: nearer ones are raised to the least distance, farther ones may come to the most; between they stay.
+    /// `distance`: m, to where the contact may raise bodies. One that is farther apart stays as it is, up to the rest
+    /// distance, or where the pair yields comes down to a little less.
     struct Due {
-        double least, most;
+        double distance;
+        bool yields;
     };
     void set(std::size_t i, const Due& due, double band) const {
         Contact& c = out_.contacts[i];
         const ArcContact& arcs = out_.arcs[i];
         const double distance = c.distance - arcs.closer;
-        const double full =
-            equation_16(std::clamp(distance, due.least, due.most) - distance, dt_, band) + arcs.approach;
+        const double least = due.yields ? (1 - input_.tuning.most_of_rest) * due.distance : due.distance;
+        const double to = due.yields ? least : std::clamp(distance, least, set_.rest[i]);
+        double full = equation_16(to - distance, dt_, band);
+        if (due.yields) full = std::max(full, -kYields * c.tolerance);
+        full += arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
         // there.
         const double together = std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
