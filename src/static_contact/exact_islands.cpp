@@ -169,6 +169,15 @@ void solve(Island& island, const ContactBodies& bodies, const ContactSolveOption
     island.factorisations = stats.iterations;
 }
 
+/// A row of dominoes, a column or a chain, also where all of it stands on the ground: sweeps take long there, and a
+/// factorisation does not.
+bool is_chain(const Island& island, const ContactScratch& s) {
+    const std::span<const ContactBlock> blocks = blocks_of(island, s);
+    const auto among_movable = std::ranges::count_if(
+        blocks, [&](const ContactBlock& b) { return s.movable[at(b.a)] != 0 && s.movable[at(b.b)] != 0; });
+    return among_movable <= island.end_body - island.first_body;
+}
+
 } // namespace
 
 std::int32_t contacts_of(const Island& island, const ContactScratch& s) {
@@ -196,8 +205,9 @@ bool may_solve_exactly(const Island& island, const ContactSolveOptions& options,
 bool moves_inside(const Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
                   const ContactScratch& s) {
     const bool many = island.end_body - island.first_body > options.tuning.bodies_factorised_soon;
-    if (!many || options.patience == 0 || is_slender(island) || !may_solve_exactly(island, options, s)) return false;
-    const double of_rest = island.tolerance / options.tuning.of_rest; // a rest distance a step, or what is less
+    if (!many || options.patience == 0 || is_chain(island, s) || !may_solve_exactly(island, options, s)) return false;
+    const double of_rest =
+        island.tolerance / options.tuning.of_rest; // a rest distance a step, at the default tolerance
     return inner_speed(island, bodies, s) > std::max(kMoves * options.rest_speed, of_rest);
 }
 

@@ -33,6 +33,10 @@ double rest_band(double rest, double time_step, double tolerance, const ContactT
 // tolerance, four seeds); with a whole band they came to rest later, with an eighth of one they asked in most steps.
 constexpr double kWorthRaising = 0.5;
 
+// Cosine of the angle from which on two normals oppose each other, 120 degrees: two sides of a slot, and not a floor
+// and a wall.
+constexpr double kOpposed = -0.5;
+
 // In tolerances: how fast pairs yield that hold a body between them, so that a solve does not take it for rest.
 constexpr double kYields = 2;
 
@@ -193,7 +197,8 @@ class PairTargets {
     /// pressed by 120 times its weight. So while such a pair waits it yields a little everywhere.
     [[nodiscard]] bool holds_between(std::size_t first, std::size_t end) const {
         for (std::size_t i = first + 1; i < end; ++i)
-            if (dot(set_.contacts[first].normal, set_.contacts[i].normal) < 0) return true;
+            for (std::size_t k = first; k < i; ++k)
+                if (dot(set_.contacts[k].normal, set_.contacts[i].normal) < kOpposed) return true;
         return false;
     }
 

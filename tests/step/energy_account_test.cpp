@@ -2,6 +2,8 @@
 // The account of a step's energy, on two boxes whose poses and motions are written by hand.
 #include "step/energy_account.hpp"
 
+#include <cmath>
+
 #include "scene/scene.hpp"
 #include "state/build_model.hpp"
 #include "step/scenario.hpp"
@@ -174,17 +176,35 @@ TEST(EnergyAccount, BodiesRaisedBeyondAllTheirEnergyAreOverdrawn) {
         }
 }
 
-TEST(EnergyAccount, ARiseIsPaidForAsFarAsItGoes) {
+TEST(EnergyAccount, AWayIsPaidForAsFarAsAllEnergyAndLiftGo) {
     Account a({0, 0, -9.8});
     a.account.join(a.model, 0, 1);
     const double paid = a.kinetic(a.motion) / (2 * kMass * 9.8) + a.rest();
-    const std::vector<Vec3> level{{0, 0, 0.25 * paid}, {0, 0, 0.25 * paid}, {}, {}},
-        raised{{0, 0, 1.75 * paid}, {0, 0, 1.75 * paid}, {}, {}};
-    const auto shares = a.account.affordable(a.model, level, raised, a.state.lift);
-    for (const std::size_t body : {0u, 1u}) EXPECT_NEAR(shares[body], 0.5, 1e-8);
-    for (const double share : a.account.affordable(a.model, raised, level, a.state.lift)) EXPECT_EQ(share, 1);
+    const std::vector<Vec3> way{{0, 0, 2 * paid}, {0, 0, 2 * paid}, {}, {}};
+    for (const std::size_t body : {0u, 1u}) EXPECT_NEAR(a.account.paid(a.model, way, a.state.lift)[body], 0.5, 1e-8);
     a.account.join(a.model, 1, 3); // a script may raise what it likes
-    for (const double share : a.account.affordable(a.model, level, raised, a.state.lift)) EXPECT_EQ(share, 1);
+    for (const double share : a.account.paid(a.model, way, a.state.lift)) EXPECT_EQ(share, 1);
+}
+
+TEST(EnergyAccount, RaisingIsPaidByLiftAndByWhatContactDissipates) {
+    Account a({0, 0, -9.8});
+    a.account.join(a.model, 0, 1);
+    const double dt = a.model.settings.time_step;
+    const auto shares = [&](const std::vector<Motion>& kept, double height) {
+        std::vector<Motion> raised = kept;
+        for (std::size_t i = 0; i < 2; ++i) raised[i].velocity.z += height / dt;
+        return a.account.affordable(a.model, a.state.pose, kept, raised, a.state.lift);
+    };
+    std::vector<Motion> flies = a.state.motion, stopped(4);
+    for (std::size_t i = 0; i < 2; ++i) flies[i].velocity.z -= 0.5 * dt * 9.8;
+    for (const std::size_t body : {0u, 1u})
+        EXPECT_NEAR(shares(flies, 2 * a.rest())[body], 0.5, 1e-6) << "its kinetic energy is kept";
+    const double left = 0.5 * kMass * std::pow(0.5 * dt * 9.8, 2); // of each, from gravity's half at the end
+    const double paid = (a.kinetic(a.motion) - 2 * left) / (2 * kMass * 9.8) + a.rest();
+    for (const std::size_t body : {0u, 1u}) EXPECT_NEAR(shares(stopped, 2 * paid)[body], 0.5, 1e-6);
+    for (const double share : shares(stopped, -paid)) EXPECT_EQ(share, 1);
+    a.account.join(a.model, 1, 3); // a script may raise what it likes
+    for (const double share : shares(stopped, 2 * paid)) EXPECT_EQ(share, 1);
 }
 
 TEST(EnergyAccount, AnIslandIsSpentWhereItHasNeitherEnergyNorLiftLeft) {
