@@ -33,9 +33,9 @@ double rest_band(double rest, double time_step, double tolerance, const ContactT
 // tolerance, four seeds); with a whole band they came to rest later, with an eighth of one they asked in most steps.
 constexpr double kWorthRaising = 0.5;
 
-// Cosine of the angle from which on two normals oppose each other, 120 degrees: two sides of a slot, and not a floor
-// and a wall.
-constexpr double kOpposed = -0.5;
+// Cosine of the angle of two normals that oppose each other: more than a right one, that of a floor and a wall, by more
+// than rounding. With 120 degrees 29 rings of mail were merged 29 times in 15 steps and one held, with this twice.
+constexpr double kOpposed = -0x1p-20;
 
 // In tolerances: how fast pairs yield that hold a body between them, so that a solve does not take it for rest.
 constexpr double kYields = 2;
