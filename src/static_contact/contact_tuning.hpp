@@ -46,13 +46,13 @@ struct ContactTuning {
     /// next step, and walls, tables and pyramids of 100 to 200 boxes, whose slow modes keep the residual where it is
     /// for longer, swayed for ever at up to 0.5 m/s. Row: patience at rest.
     bool patient_at_rest = true;
-    /// An over-constrained island (a jam): bodies that touch so many others that their impulses are not determined hand
-    /// load round for ever. One evaluation after the other finds the residual where it was, to the share `stands`, and
-    /// more than `fewer` of the violated pairs. So many evaluations in a row end a solve in an island with more than so
-    /// many pairs a body; 0: none does. Where bodies touch few others the residual may also stand, but because a slow
-    /// mode of many bodies (a stack that leans) is on its way. Row: jams.
+    /// A jam: in an over-constrained island, of more active contacts than degrees of freedom (exact_islands.hpp),
+    /// targets may contradict each other, and bodies hand load round for ever. One evaluation after the other finds
+    /// the residual where it was, to the share `stands`, and more than `fewer` of the violated pairs. So many
+    /// evaluations in a row end a solve; 0: none does. Elsewhere the residual may also stand, but because a slow mode
+    /// of many bodies (a stack that leans, a narrow heap of stones) is on its way. Row: jams.
     double stands = 0.01, fewer = 0.9;
-    int looks_at_jam = 2, pairs_of_jam = 2;
+    int looks_at_jam = 2;
     /// Rest speed, in what gravity adds in a step: an island is at rest if its kinetic energy on entry is at most 1/2 m
     /// v^2 at this speed. A body that is held up has 1 before the solve. Row: rest.
     double rest_speed = 2;

@@ -15,8 +15,10 @@ using Exact = ContactScratch::ExactSolve;
 /// Contacts up to which an island at rest is worth a tenth of a second, since the next step begins with what this one
 /// found: walls and houses of cards.
 constexpr std::int32_t kMostContacts = 1536;
-constexpr std::int32_t kMostBodies =
-    64; ///< of an island with more than few contacts: factorisations grow with their cube, but in slender ones
+/// Bodies of an island with more than few contacts: factorisations grow with their cube, but in slender ones. Of more
+/// than kManyBodies those that may be over-constrained would take forty that end nowhere, in every step; the others
+/// (may_be_over_constrained()) take them in some twenty steps, and then rest: 80 stones in a cone never slept.
+constexpr std::int32_t kMostBodies = 128, kManyBodies = 64;
 /// Factorisations for a residual below an island's tolerance.
 constexpr int kMostToTolerance = 80;
 /// Where Newton's steps are all that follows the sweeps (`exact_few`), each has to get so many times nearer: piles,
@@ -28,7 +30,8 @@ constexpr double kPolish = 10;
 /// before say, the other methods take some forty factorisations for them, and the next step poses others: Newton's
 /// steps are all that follows the sweeps. What moves less settles, and the next step begins with what this one found:
 /// with no least speed but that of the rest distance a household, nearly at rest, was left above its tolerance in
-/// twice as many steps.
+/// twice as many steps. Of more than kManyBodies only what is nearly at rest is worth what they cost: with a least
+/// speed 80 stones that settle take twice the time, and fall asleep no sooner.
 constexpr double kMoves = 1.0 / 8;
 
 /// Impulses change the momentum of an island by the rounding of their sum, and what its bodies need is of the order of
@@ -198,8 +201,16 @@ bool may_solve_exactly(const Island& island, const ContactSolveOptions& options,
     const bool soon = bodies <= options.tuning.bodies_factorised_soon || (island.rests && is_slender(island));
     if (options.exact_few && !soon) return false;
     if (contacts <= kFewContacts || bodies <= options.tuning.bodies_factorised_soon) return true;
-    const bool cheap = bodies <= kMostBodies || is_slender(island);
+    const bool cheap =
+        is_slender(island) || bodies <= kManyBodies || (bodies <= kMostBodies && !may_be_over_constrained(island, s));
     return island.rests && cheap && contacts_in_need(island, s) <= kMostContacts;
+}
+
+bool may_be_over_constrained(const Island& island, const ContactScratch& s) {
+    constexpr std::int32_t kDegreesOfFreedom = 6;
+    std::int32_t active = 0;
+    for (const ContactBlock& b : blocks_of(island, s)) active += b.parked - b.first;
+    return active > kDegreesOfFreedom * (island.end_body - island.first_body);
 }
 
 bool moves_inside(const Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
@@ -208,7 +219,12 @@ bool moves_inside(const Island& island, const ContactBodies& bodies, const Conta
     if (!many || options.patience == 0 || is_chain(island, s) || !may_solve_exactly(island, options, s)) return false;
     const double of_rest =
         island.tolerance / options.tuning.of_rest; // a rest distance a step, at the default tolerance
-    return inner_speed(island, bodies, s) > std::max(kMoves * options.rest_speed, of_rest);
+    const double least = is_costly(island) ? 0 : kMoves * options.rest_speed;
+    return inner_speed(island, bodies, s) > std::max(least, of_rest);
+}
+
+bool is_costly(const Island& island) {
+    return island.end_body - island.first_body > kManyBodies && !is_slender(island);
 }
 
 bool is_slender(const Island& island) { return island.end - island.first <= island.end_body - island.first_body + 1; }

@@ -30,6 +30,11 @@ inline constexpr double kOfFactorisation = 72;
 [[nodiscard]] bool may_solve_exactly(const ContactScratch::Island& island, const ContactSolveOptions& options,
                                      const ContactScratch& scratch);
 
+/// Whether its active contacts are more than its degrees of freedom. Normals of no more than those are independent, but
+/// by chance, so that impulses exist that meet any targets. Of more, as in piles of shells, which touch at many points,
+/// they may contradict each other.
+[[nodiscard]] bool may_be_over_constrained(const ContactScratch::Island& island, const ContactScratch& scratch);
+
 /// Whether an island of many bodies that its sweeps left unsolved moves, other than as a whole: it is not worth more
 /// than a few factorisations, and does not rest, whatever it had on entry beside gravity.
 [[nodiscard]] bool moves_inside(const ContactScratch::Island& island, const ContactBodies& bodies,
@@ -39,6 +44,10 @@ inline constexpr double kOfFactorisation = 72;
 /// a column of fifty leans and sways by a hundred times the tolerance; and its factorisation costs no more than its
 /// bodies one by one.
 [[nodiscard]] bool is_slender(const ContactScratch::Island& island);
+
+/// Whether its exact solve takes far longer than its sweeps: it is solved so only where these do not reach what they
+/// aim at, and no further than that.
+[[nodiscard]] bool is_costly(const ContactScratch::Island& island);
 
 [[nodiscard]] std::int32_t contacts_of(const ContactScratch::Island& island, const ContactScratch& scratch);
 /// As many as an exact solve takes in as a rule (growing_program.hpp).

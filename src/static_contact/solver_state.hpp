@@ -44,9 +44,9 @@ struct ContactSolveOptions {
     bool momentum = true;    ///< carry sweeps on (sweep_engine.hpp): several times fewer of them in a pile
     /// Sweeps after which an island is given up before the limit, because its residual did not fall by a fifth in them;
     /// 0: never. What is left then are impulses that bodies in contact at many points could exchange for ever, hardly
-    /// moving. At rest an island with more than two pairs a body, which may be over-constrained, is not given up while
-    /// the number of violated pairs falls, but as soon as that and the residual stand for two evaluations. 0 switches
-    /// all of this off.
+    /// moving. At rest an island with more active contacts than degrees of freedom, which may be over-constrained, is
+    /// not given up while the number of violated pairs falls, but as soon as that and the residual stand for two
+    /// evaluations. 0 switches all of this off.
     int patience = 0;
     /// m/s. An island is at rest if its kinetic energy on entry is at most 1/2 m v^2 at this speed: what it has is what
     /// gravity added. Then what is not solved yet is swept alone where it is a small part of an island; sweeps aim

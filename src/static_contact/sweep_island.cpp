@@ -132,8 +132,7 @@ class IslandSweeps {
                        .subspan(at(island.first_packet), at(island.end_packet - island.first_packet))),
           violated_(
               std::span(s.violated).subspan(at(island.first_packet), at(island.end_packet - island.first_packet))),
-          jams_(options.patience > 0 && island.rests &&
-                at(island.end - island.first) > at(tuning().pairs_of_jam) * bodies_.size()),
+          jams_(options.patience > 0 && island.rests && may_be_over_constrained(island, s)),
           may_use_parts_(island.rests && tuning().part_divisor > 0 &&
                          (is_large(island, s) || !may_solve_exactly(island, options, s))),
           packs_parts_(!island.rests && options.patience > 0 && tuning().packed_divisor > 0 && is_large(island, s)),

@@ -30,16 +30,16 @@ inline ContactWorld make_column(int n, double speed, double mass = 1) {
     return w;
 }
 
-/// A body held between two walls that both ask it to come: no impulses do that, and they grow for ever. With a wall
-/// beside it, it is a jam: more than two pairs a body.
-inline ContactWorld make_body_between_walls(bool third) {
+/// A body held between two walls that both ask it to come: no impulses do that, and they grow for ever. With five walls
+/// beside it, it is a jam: more contacts than degrees of freedom.
+inline ContactWorld make_body_between_walls(bool jam) {
     ContactWorld w;
     w.add_body(0);
     const auto body = w.add_body(1);
     w.add_body(0);
     w.add_contact(0, body, {}, kUp, 0, 0.1);
     w.add_contact(body, 2, {}, kUp, 0, 0.1);
-    if (third) w.add_contact(body, w.add_body(0), {}, {1, 0, 0}, 0, 0.1);
+    for (int k = 0; k < 5 && jam; ++k) w.add_contact(body, w.add_body(0), {}, {1, 0, 0}, 0, 0.1);
     return w;
 }
 

@@ -180,6 +180,9 @@ TEST(UnsolvedPart, OtherIslandsChangeNoBit) {
 
 TEST(UnsolvedPart, AJamHidesNothing) {
     ContactWorld w = make_floor_with_tower(40, 30, 0);
+    const std::vector<Contact> once = w.contacts;
+    for (const Vec3& shift : {Vec3{0.1, 0.2, 0}, Vec3{-0.1, 0.2, 0}}) // more contacts than degrees of freedom
+        for (const Contact& c : once) w.add_contact(c.a, c.b, c.point + shift, c.normal, c.friction);
     for (const double side : {1.0, -1.0}) // two walls that ask the first body to come
         w.add_contact(1, w.add_body(0), w.position[1] - Vec3{side * 0.5, 0, 0}, {-side, 0, 0}, 0, 0.1);
     ContactSolveOptions options = at_rest();
