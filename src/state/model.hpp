@@ -69,7 +69,7 @@ struct Model {
 /// The pose of a body whose mesh origin stands at `origin`.
 [[nodiscard]] Pose pose_at_origin(const RigidShape& shape, const Vec3& origin, const Quat& rotation);
 
-/// A pair that started closer than its rest distance keeps its start distance, and its separation goes by that.
+/// A pair that started without room for its rest distance: what it has instead, by which its separation goes as well.
 struct RestDistance {
     std::int32_t a, b; ///< a < b
     double distance;   ///< m

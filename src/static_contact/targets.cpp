@@ -33,11 +33,6 @@ double rest_band(double rest, double time_step, double tolerance, const ContactT
 // tolerance, four seeds); with a whole band they came to rest later, with an eighth of one they asked in most steps.
 constexpr double kWorthRaising = 0.5;
 
-// Cosine of the angle of two normals that oppose each other, clearly more than a right one, that of a floor and a wall.
-// From 120 degrees on 29 rings of mail are merged 29 times in 15 steps and one is held, with this six times and none;
-// from a right angle on twice, but one pile of ten of 102 boats does not rest.
-constexpr double kOpposed = -0.25;
-
 // In tolerances: how fast pairs yield that hold a body between them, so that a solve does not take it for rest.
 constexpr double kYields = 2;
 
@@ -192,14 +187,14 @@ class PairTargets {
         return rest_band(set_.rest[i], dt_, out_.contacts[i].tolerance / widened, input_.tuning);
     }
 
-    /// Whether contacts of a pair oppose each other: the one body is between sides of the other, as a peg in its hole.
-    /// Where there is no room for the rest distance on both sides, and neither may come nearer, any two impulses that
-    /// balance each other are a solution, and with friction they carry the body: a peg hung in its hole for ever,
-    /// pressed by 120 times its weight. So while such a pair waits it yields a little everywhere.
+    /// Whether contacts of a pair oppose each other. Where there is no room for the rest distance on both sides, and
+    /// neither may come nearer, any two impulses that balance each other are a solution, and with friction they carry
+    /// the body: a peg hung in its hole for ever, pressed by 120 times its weight. So while such a pair waits it yields
+    /// a little everywhere.
     [[nodiscard]] bool holds_between(std::size_t first, std::size_t end) const {
         for (std::size_t i = first + 1; i < end; ++i)
             for (std::size_t k = first; k < i; ++k)
-                if (dot(set_.contacts[k].normal, set_.contacts[i].normal) < kOpposed) return true;
+                if (oppose(set_.contacts[k], set_.contacts[i])) return true;
         return false;
     }
 

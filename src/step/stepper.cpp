@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numbers>
+#include <span>
 
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
@@ -33,6 +35,21 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
         motion[at(i)].velocity += dt * acceleration(model, at(i));
         if (model.bodies[at(i)].torque != Vec3{}) motion[at(i)].momentum += dt * turning_torque(model, at(i));
     }
+}
+
+/// m, the rest distance that a pair may have which was placed so: no more than its contacts' gaps, and of the play
+/// between two that oppose each other, the sum of their gaps, half on both sides together. The other half is left to
+/// move in: an axle in a hole with sides, all round at the rest distance, could not turn by one of them.
+double room_for_rest(std::span<const Contact> pair) {
+    constexpr double kOfPlay = 0.25;
+    double room = std::numeric_limits<double>::infinity();
+    for (const Contact& c : pair) room = std::min(room, c.distance);
+    for (std::size_t i = 1; i < pair.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) {
+            const double share = kOfPlay * (pair[i].distance + pair[k].distance);
+            if (share < room && oppose(pair[i], pair[k])) room = share;
+        }
+    return room;
 }
 
 /// What a step that begins anew has found: nothing, in the time that it took.
@@ -90,18 +107,18 @@ void Stepper::prepare() {
     free_memory_of_sleepers();
 }
 
-/// Pairs of bodies that were placed closer than their rest distance keep that distance as their rest distance
+/// Pairs of bodies that were placed without room for their rest distance have what there is room for
 /// (src/state/README.md). Returns whether there are any.
 bool Stepper::note_rest_distances() {
     auto& list = state_.rest_distances;
     const auto before = static_cast<std::ptrdiff_t>(list.size());
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
-        const Contact& c = contacts_.contacts[i];
-        if (!(c.distance < contacts_.rest[i]) || (moved_[at(c.a)] | moved_[at(c.b)]) == 0) continue;
-        if (std::ssize(list) > before && list.back().a == c.a && list.back().b == c.b)
-            list.back().distance = std::min(list.back().distance, c.distance);
-        else
-            list.push_back({c.a, c.b, c.distance});
+    for (std::size_t i = 0, end = 0; i < contacts_.size(); i = end) {
+        const Contact& first = contacts_.contacts[i];
+        for (end = i + 1; end < contacts_.size() && !begins_pair(contacts_.contacts, end);) ++end;
+        if ((moved_[at(first.a)] | moved_[at(first.b)]) == 0) continue;
+        const std::span<const Contact> pair = std::span(contacts_.contacts).subspan(i, end - i);
+        const double room = room_for_rest(pair);
+        if (room < contacts_.rest[i]) list.push_back({first.a, first.b, room});
     }
     if (std::ssize(list) == before) return false;
     std::inplace_merge(list.begin(), list.begin() + before, list.end(), by_bodies<RestDistance>);
