@@ -36,8 +36,8 @@ enum class VelocityUpdate : std::uint8_t {
 enum class ContactSolver : std::uint8_t {
     pgs,       ///< projected Gauss-Seidel, and shock propagation where that ends unsolved (paper, section 4.3.2)
     exact,     ///< the same, but small islands that it leaves unsolved are solved by an interior point method
-    exact_few, ///< exact, but only in islands of up to eight bodies, whose factorisation costs less than sweeps do;
-               ///< columns and chains at rest get Newton's steps for as long as each gains much
+    exact_few, ///< exact, but only in islands of up to eight bodies and in columns and chains at rest, whose
+               ///< factorisation costs little
 };
 enum class Rigidification : std::uint8_t {
     kinematic, ///< clusters keep their members' relative motion (paper, section 4.2.2)

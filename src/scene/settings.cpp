@@ -230,7 +230,7 @@ const std::vector<SettingRow>& table() {
          0,
          {},
          "static contact: projected Gauss-Seidel, or the same with small islands that it leaves unsolved, or only "
-         "those of up to eight bodies, solved exactly",
+         "those of up to eight bodies and columns and chains at rest, solved exactly",
          "pgs: stacks of uneven masses, chains and thin bodies end above the tolerance; exact_few: the larger of them"},
         {"tangents",
          choice<&Settings::tangents>(kTangents),

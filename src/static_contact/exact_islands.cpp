@@ -21,8 +21,8 @@ constexpr std::int32_t kMostContacts = 1536;
 constexpr std::int32_t kMostBodies = 128, kManyBodies = 64;
 /// Factorisations for a residual below an island's tolerance.
 constexpr int kMostToTolerance = 80;
-/// Where Newton's steps are all that follows the sweeps (`exact_few`), each has to get so many times nearer: piles,
-/// whose impulses are not determined, cost one factorisation.
+/// Where Newton's steps are all that follows the sweeps, each has to get so many times nearer: piles, whose impulses are
+/// not determined, cost one factorisation.
 constexpr double kPolish = 10;
 
 /// Many bodies that sweeps leave unsolved move among each other where they do so, in the mean, faster than this share
@@ -139,7 +139,7 @@ bool is_pressed(const Exact& e) {
 /// Whether nothing but Newton's steps follows the sweeps.
 bool newton_is_enough(const Island& island, const ContactSolveOptions& options) {
     const bool many = island.end_body - island.first_body > options.tuning.bodies_factorised_soon;
-    return many && (options.exact_few || island.moves);
+    return many && island.moves;
 }
 
 void solve(Island& island, const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s,
@@ -202,15 +202,13 @@ bool may_solve_exactly(const Island& island, const ContactSolveOptions& options,
     if (options.exact_few && !soon) return false;
     if (contacts <= kFewContacts || bodies <= options.tuning.bodies_factorised_soon) return true;
     const bool cheap =
-        is_slender(island) || bodies <= kManyBodies || (bodies <= kMostBodies && !may_be_over_constrained(island, s));
+        is_slender(island) || bodies <= kManyBodies || (bodies <= kMostBodies && !may_be_over_constrained(island));
     return island.rests && cheap && contacts_in_need(island, s) <= kMostContacts;
 }
 
-bool may_be_over_constrained(const Island& island, const ContactScratch& s) {
+bool may_be_over_constrained(const Island& island) {
     constexpr std::int32_t kDegreesOfFreedom = 6;
-    std::int32_t active = 0;
-    for (const ContactBlock& b : blocks_of(island, s)) active += b.parked - b.first;
-    return active > kDegreesOfFreedom * (island.end_body - island.first_body);
+    return island.active_contacts > kDegreesOfFreedom * (island.end_body - island.first_body);
 }
 
 bool moves_inside(const Island& island, const ContactBodies& bodies, const ContactSolveOptions& options,
@@ -227,7 +225,7 @@ bool is_costly(const Island& island) {
     return island.end_body - island.first_body > kManyBodies && !is_slender(island);
 }
 
-bool is_slender(const Island& island) { return island.end - island.first <= island.end_body - island.first_body + 1; }
+bool is_slender(const Island& island) { return island.active_pairs <= island.end_body - island.first_body + 1; }
 
 void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();

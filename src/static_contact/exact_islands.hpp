@@ -33,14 +33,14 @@ inline constexpr double kOfFactorisation = 72;
 /// Whether its active contacts are more than its degrees of freedom. Normals of no more than those are independent, but
 /// by chance, so that impulses exist that meet any targets. Of more, as in piles of shells, which touch at many points,
 /// they may contradict each other.
-[[nodiscard]] bool may_be_over_constrained(const ContactScratch::Island& island, const ContactScratch& scratch);
+[[nodiscard]] bool may_be_over_constrained(const ContactScratch::Island& island);
 
 /// Whether an island of many bodies that its sweeps left unsolved moves, other than as a whole: it is not worth more
 /// than a few factorisations, and does not rest, whatever it had on entry beside gravity.
 [[nodiscard]] bool moves_inside(const ContactScratch::Island& island, const ContactBodies& bodies,
                                 const ContactSolveOptions& options, const ContactScratch& scratch);
 
-/// A column, a chain, an arch: hardly more pairs than bodies. What the contacts leave undone adds up along it, so that
+/// A column, a chain, an arch: hardly more pairs with active contacts than bodies. What the contacts leave undone adds up along it, so that
 /// a column of fifty leans and sways by a hundred times the tolerance; and its factorisation costs no more than its
 /// bodies one by one.
 [[nodiscard]] bool is_slender(const ContactScratch::Island& island);

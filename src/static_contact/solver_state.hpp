@@ -93,6 +93,7 @@ struct ContactScratch {
         std::int32_t first_body = 0, end_body = 0;   ///< in island_bodies
     };
     struct Island : IslandPlace {
+        std::int32_t active_pairs = 0, active_contacts = 0; ///< pairs with contacts that are not parked, and those
         int iterations = 0;
         double residual = 0;        ///< m/s, of the final state
         double tolerance = 0;       ///< m/s

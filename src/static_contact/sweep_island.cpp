@@ -132,7 +132,7 @@ class IslandSweeps {
                        .subspan(at(island.first_packet), at(island.end_packet - island.first_packet))),
           violated_(
               std::span(s.violated).subspan(at(island.first_packet), at(island.end_packet - island.first_packet))),
-          jams_(options.patience > 0 && island.rests && may_be_over_constrained(island, s)),
+          jams_(options.patience > 0 && island.rests && may_be_over_constrained(island)),
           may_use_parts_(island.rests && tuning().part_divisor > 0 &&
                          (is_large(island, s) || !may_solve_exactly(island, options, s))),
           packs_parts_(!island.rests && options.patience > 0 && tuning().packed_divisor > 0 && is_large(island, s)),
@@ -499,6 +499,12 @@ void list_island_bodies(const ContactBodies& bodies, ContactScratch& s) {
         if (island.end_body == 0) island.first_body = static_cast<std::int32_t>(k);
         island.end_body = static_cast<std::int32_t>(k + 1);
     }
+    for (Island& island : s.islands)
+        for (std::int32_t k = island.first; k < island.end; ++k) {
+            const std::int32_t active = s.blocks[at(k)].parked - s.blocks[at(k)].first;
+            island.active_contacts += active;
+            island.active_pairs += active > 0 ? 1 : 0;
+        }
 }
 
 bool is_large(const Island& island, const ContactScratch& s) { return width_of(island, s, 2) > 1; }

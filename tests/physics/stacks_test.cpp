@@ -364,6 +364,9 @@ void pressed_fall_asleep(const Run& run, const TriangleMesh& mesh, const Pieces&
     add_runs("Stacks", "FortySheetsFallAsleep", {{"preview", 60}}, true, [=](const Run& r) {
         pressed_fall_asleep(r, sheet, {40, 0.00045, 0.001, 0, 0.2});
     });
+    add_runs("Stacks", "FortySheetsThatLandFallAsleep", {{"preview", 60}, {"balanced", 60}}, false, [=](const Run& r) {
+        pressed_fall_asleep(r, sheet, {40, 0.00045, 0.00101, 0, 0.2});
+    });
     add_runs("Stacks", "ForcesAreThoseOfTheWeightAbove", runs(), true, forces_in_a_stack);
     return true;
 }();
