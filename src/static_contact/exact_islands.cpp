@@ -21,8 +21,8 @@ constexpr std::int32_t kMostContacts = 1536;
 constexpr std::int32_t kMostBodies = 128, kManyBodies = 64;
 /// Factorisations for a residual below an island's tolerance.
 constexpr int kMostToTolerance = 80;
-/// Where Newton's steps are all that follows the sweeps, each has to get so many times nearer: piles, whose impulses are
-/// not determined, cost one factorisation.
+/// Where Newton's steps are all that follows the sweeps, each has to get so many times nearer: piles, whose impulses
+/// are not determined, cost one factorisation.
 constexpr double kPolish = 10;
 
 /// Many bodies that sweeps leave unsolved move among each other where they do so, in the mean, faster than this share
