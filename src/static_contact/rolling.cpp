@@ -258,7 +258,12 @@ void share_load(std::span<const Contact> contacts, std::size_t lowest, const Rol
 /// with it the disk's precession is off by 14 %, without by 2. That is for points that come down faster than gravity
 /// would make bodies slide in the step; slower ones have the first half in the middle of the way, which stands then, or
 /// boats that rock on their neighbours slide down from them.
-void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest, const RollingMotion& motion,
+///
+/// False, with nothing changed, where arcs do take them up. Sides come down as far ahead as their curvature says, its
+/// radius times the angle of the turn, and arcs take up those that are as far ahead as the points themselves go, by the
+/// distance of the axis times the angle. On a round body both are one; where the first is more than twice the second,
+/// arcs take up less than half of the approach. That is so however the mass is spread, and for prescribed bodies alike.
+bool share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest, const RollingMotion& motion,
                            Standing& standing, std::span<ArcContact> arcs) {
     const RollingPair pair(contacts, lowest, motion);
     const std::size_t carrier = pair.carrier(lowest);
@@ -267,9 +272,13 @@ void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
     for (auto landing = pair.next(last); landing.contact != last && landing.time < motion.time_step;
          landing = pair.next(last), ++sides)
         last = landing.contact;
-    if (sides < 2) return standing.on_all(arcs);
-    const double side = (pair.place(carrier) - pair.place(last)) / sides, dt = motion.time_step;
-    if (!(motion.gravity * side * dt < motion.arm * motion.arm * pair.tilt())) return;
+    if (sides < 2) {
+        standing.on_all(arcs);
+        return true;
+    }
+    const double goes_on = pair.place(carrier) - pair.place(last), dt = motion.time_step; // m, the contact
+    if (!(goes_on > 2 * motion.speed * dt)) return false;
+    if (!(motion.gravity * (goes_on / sides) * dt < motion.arm * motion.arm * pair.tilt())) return true;
     const Vec3 whole_way = contacts[carrier].point - contacts[last].point;
     const bool fast = motion.gravity * dt < length(cross(motion.turn, whole_way));
     for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -284,6 +293,7 @@ void share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
         (fast ? arcs[i].rises : arcs[i].approach) += dot(n, cross(motion.turn, arcs[i].shift));
         arcs[i].friction = fast ? 0 : 1;
     }
+    return true;
 }
 
 /// Of what static contact leaves undone, what points move at most by the turning of their bodies where their arcs count
@@ -359,8 +369,7 @@ bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const Rolli
     const Vec3 tip = cross(n, motion.turn); // points opposite to that come down
     if (2 * motion.speed < gyration(bodies, of_b ? c.b : c.a, cross(tip, n), motion.arm) * length(tip)) {
         motion.along = tip / length(tip);
-        share_load_of_tipping(pair, lowest, motion, standing, arcs);
-        return false;
+        if (share_load_of_tipping(pair, lowest, motion, standing, arcs)) return false;
     }
     // What moves less than static contact leaves undone does not roll.
     if (!(arcs[lowest].apart > 0 && motion.speed * dt > bands.still)) {

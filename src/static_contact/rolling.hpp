@@ -32,6 +32,11 @@
 // in a step, stage 3, whose half of the impulse moves it there, has the load half way to the point that it asks it of,
 // and stage 7 leaves the points ahead to the next step. A disk of 1 m tilted by 0.3 rad keeps 0.95 of its energy in
 // 0.5 s at 1/480 s, 0.83 without, and at 1/120 s 0.58, 0.34 without.
+//
+// The contact of such a body goes on much faster than its points do, as seen from its centre of mass. Where it does not
+// the body rolls, whatever its radius of gyration and its width: by those alone a wide roller whose turns are
+// prescribed, and an axle with heavy discs, tipped, and what slid on them had no friction from some fineness of their
+// sides on.
 #pragma once
 
 #include <span>

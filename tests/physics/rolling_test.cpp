@@ -172,6 +172,28 @@ void wheel_turns_on_its_axle(const Run& run, double gravity, double play, int si
     expect_no_rise(motion);
 }
 
+// A thin axle with heavy discs, whose radius of gyration is four times its own, spins on a rail and slides along it.
+void axle_slides(const Run& run) {
+    constexpr double kRadius = 0.01, kGyration = 0.04, kSpin = 60, kFriction = 0.2, kTime = 0.15;
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_cylinder(kRadius, 0.06, 256);
+    const auto axle = add_shape(scene, mesh, 1), rail = add_shape(scene, make_box(4, 0.04, 0.1));
+    const double inertia = kGyration * kGyration;
+    scene.shapes[static_cast<std::size_t>(axle)].inertia = diagonal({0.6 * inertia, 0.6 * inertia, inertia});
+    auto& body = add_body(scene, axle, BodyType::dynamic, {0, 0, kRadius + rest_gap(mesh)}, kFriction, 0);
+    body.rotation = rotation_from_vector({kPi / 2, 0, 0});
+    body.angular_velocity = {0, kSpin, 0};
+    body.locked_translation = {false, true, false};
+    body.locked_rotation = {true, false, true};
+    add_body(scene, rail, BodyType::fixed, {0, 0, -0.05}, kFriction, 0);
+    Motion motion(scene);
+    motion.run(kTime);
+    const double share = motion.body(0).velocity.x / (kFriction * kGravity * motion.world().time());
+    motion.print("gains %.4f of the speed that friction gives", share);
+    EXPECT_NEAR(share, 1, 0.02);
+    expect_no_rise(motion);
+}
+
 TriangleMesh wide_cylinder_mesh() { return make_cylinder(kRollerRadius, 6 * kRollerRadius, 512); }
 
 [[maybe_unused]] const bool registered = [] {
@@ -182,6 +204,7 @@ TriangleMesh wide_cylinder_mesh() { return make_cylinder(kRollerRadius, 6 * kRol
     static constexpr Roller kWide{"WideCylinder512", wide_cylinder_mesh, true, false, 0.5, 512};
     add_runs("Rolling", "WideCylinder512KeepsItsSpeed", runs(), true,
              [](const Run& r) { keeps_rolling(r, kWide, 0.5); });
+    add_runs("Rolling", "HeavyAxle256Slides", runs({60, 480}), true, axle_slides);
     std::vector<Run> prism = runs({120, 480});
     prism.push_back({"preview", 120});
     const std::vector<Run> often = {{"balanced", 60}, {"preview", 60}, {"balanced", 240}, {"accurate", 60}};

@@ -191,6 +191,60 @@ void stands_on_a_roller(const Run& run) {
     EXPECT_NEAR(turning, still, 1e-5);
 }
 
+/// A roller about the y axis that turns at `rate`, rad/s, for `time` s.
+BodyDescription& add_turning_roller(SceneDescription& scene, double radius, double width, int sides, double rate,
+                                    double time, double friction) {
+    const auto shape = add_shape(scene, make_cylinder(radius, width, sides));
+    BodyDescription& roller = add_body(scene, shape, BodyType::kinematic, {0, 0, 0}, friction, 0);
+    const int turns = static_cast<int>(std::ceil(rate * time));
+    for (int k = 0; k <= turns; ++k) {
+        const double t = k * time / turns;
+        const Quat turn = rotation_from_vector({0, rate * t, 0}) * rotation_from_vector({kPi / 2, 0, 0});
+        roller.keyframes.push_back({t, {0, 0, 0}, turn});
+    }
+    return roller;
+}
+
+// A block on a roller that spins under it is pulled along with all its friction, however fine the roller's sides are
+// and however far its ends are from its middle.
+void roller_pulls(const Run& run, int sides) {
+    constexpr double kRadius = 0.05, kRate = 20, kFriction = 0.25, kTime = 0.2;
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_box(0.6, 0.2, 0.1);
+    const Vec3 place{0, 0, kRadius + 0.05 + rest_gap(mesh)};
+    auto& block = add_body(scene, add_solid(scene, mesh, 500), BodyType::dynamic, place, kFriction, 0);
+    block.locked_translation = {false, true, false};
+    block.locked_rotation = {true, true, true};
+    add_turning_roller(scene, kRadius, 0.3, sides, kRate, 2 * kTime, kFriction);
+    Motion motion(scene);
+    motion.run(kTime);
+    const double share = motion.body(0).velocity.x / (kFriction * kGravity * motion.world().time());
+    motion.print("pulled along at %.4f of what friction gives", share);
+    EXPECT_NEAR(share, 1, 0.03);
+}
+
+// A wheel that one of prescribed turns drives by friction ends with the same speed at its rim.
+void wheel_drives_a_wheel(const Run& run) {
+    constexpr double kDriver = 0.1, kDriven = 0.06, kRate = 20, kFriction = 0.3, kMass = 2, kPress = 20, kTime = 0.95;
+    constexpr double kInertia = 0.5 * kMass * kDriven * kDriven;
+    SceneDescription scene = make_scene_with(run.settings(), {});
+    const TriangleMesh mesh = make_cylinder(kDriven, 0.08, 360);
+    const auto wheel = add_shape(scene, mesh, kMass);
+    scene.shapes.back().inertia = diagonal({kInertia, kInertia, kInertia});
+    const double apart = kDriver + kDriven + rest_gap(mesh);
+    auto& driven = add_body(scene, wheel, BodyType::dynamic, {apart, 0, 0}, kFriction, 0);
+    driven.rotation = rotation_from_vector({kPi / 2, 0, 0});
+    driven.force = {-kPress, 0, 0};
+    driven.locked_translation = {false, true, true};
+    driven.locked_rotation = {true, false, true};
+    add_turning_roller(scene, kDriver, 0.1, 360, kRate, 2 * kTime, kFriction);
+    Motion motion(scene);
+    motion.run(kTime);
+    const double share = -motion.body(0).angular_velocity.y * kDriven / (kRate * kDriver);
+    motion.print("its rim has %.4f of the speed", share);
+    EXPECT_NEAR(share, 1, 0.01);
+}
+
 constexpr int kBoxes = 5;
 
 /// A loose stack with 5 cm between its boxes of 0.5 m, and a press that comes down at 6 m/s from 6 m to `low` and goes
@@ -338,6 +392,10 @@ void jaws_lift_a_box(const Run& run) {
     add_runs("Scripts", "BedStrikesABox", runs({24, 120}), true, bed_strikes);
     add_runs("Scripts", "BoxStaysOnATurntable", runs(), true, [](const Run& r) { turntable(r, 0.9); });
     add_runs("Scripts", "BoxStandsOnARoller", runs({60, 240}), true, stands_on_a_roller);
+    for (const int sides : {96, 256, 512})
+        add_runs("Scripts", "Roller" + std::to_string(sides) + "PullsABlock", runs({60, 240}), true,
+                 [=](const Run& r) { roller_pulls(r, sides); });
+    add_runs("Scripts", "WheelDrivesAWheel", {{"balanced", 240}, {"accurate", 60}}, true, wheel_drives_a_wheel);
     add_runs("Scripts", "BoxSlidesOffATurntable", runs(), true, [](const Run& r) { turntable(r, 1.1); });
     add_runs("Scripts", "PressGoesBack", runs({24, 120}), true, press_goes_back);
     add_runs("Scripts", "PressMeetsAStack", runs({24, 120}), true, press_meets_a_stack);
