@@ -245,6 +245,43 @@ void wheel_drives_a_wheel(const Run& run) {
     EXPECT_NEAR(share, 1, 0.01);
 }
 
+// A block in a turning drum is carried up until friction holds it no longer, and swings about where it just does. Its two
+// edges press against the drum, each at the angle a from the middle: mu (N1 + N2) R = m g d sin(angle), d from the axis
+// to its centre of mass, and N1 + N2 = m g cos(angle) / cos a.
+void drum_carries_a_block(const Run& run, int sides) {
+    constexpr double kRadius = 0.3, kWidth = 0.15, kRate = 1.5, kFriction = 0.4, kTime = 5, kFrom = 2;
+    const TriangleMesh mesh = make_box(0.08, 0.1, 0.03);
+    const double edges = std::sqrt(kRadius * kRadius - 0.04 * 0.04), middle = edges - 0.015 - rest_gap(mesh);
+    TriangleMesh drum;
+    for (int k = 0; k < sides; ++k) {
+        const double angle = 2 * kPi * k / sides;
+        for (const double y : {-kWidth, kWidth})
+            drum.vertices.push_back({kRadius * std::cos(angle), y, kRadius * std::sin(angle)});
+        const int a = 2 * k, b = 2 * ((k + 1) % sides);
+        drum.triangles.push_back({a, b, b + 1});
+        drum.triangles.push_back({a, b + 1, a + 1});
+    }
+    SceneDescription scene = make_scene_with(run.settings());
+    add_body(scene, add_solid(scene, mesh, 1000), BodyType::dynamic, {0, 0, -middle}, kFriction, 0);
+    auto& body = add_body(scene, add_shape(scene, drum), BodyType::kinematic, {0, 0, 0}, kFriction, 0);
+    for (int k = 0; k <= 2 * kTime * kRate; ++k)
+        body.keyframes.push_back({k / kRate, {0, 0, 0}, rotation_from_vector({0, 1.0 * k, 0})});
+    Motion motion(scene);
+    double sum = 0, highest = 0;
+    int steps = 0;
+    motion.run(kTime, [&](const StepReport& r) {
+        if (r.time < kFrom) return;
+        const Vec3 at = motion.body(0).center_of_mass;
+        const double angle = std::atan2(-at.x, -at.z);
+        sum += angle;
+        highest = std::max(highest, angle);
+        ++steps;
+    });
+    const double due = std::atan(kFriction * kRadius / middle * kRadius / edges);
+    motion.print("swings about %.3f rad, due %.3f, up to %.3f", sum / steps, due, highest);
+    EXPECT_NEAR(sum / steps, due, 0.05);
+}
+
 constexpr int kBoxes = 5;
 
 /// A loose stack with 5 cm between its boxes of 0.5 m, and a press that comes down at 6 m/s from 6 m to `low` and goes
@@ -396,6 +433,9 @@ void jaws_lift_a_box(const Run& run) {
         add_runs("Scripts", "Roller" + std::to_string(sides) + "PullsABlock", runs({60, 240}), true,
                  [=](const Run& r) { roller_pulls(r, sides); });
     add_runs("Scripts", "WheelDrivesAWheel", {{"balanced", 240}, {"accurate", 60}}, true, wheel_drives_a_wheel);
+    for (const int sides : {720, 1440})
+        add_runs("Scripts", "Drum" + std::to_string(sides) + "CarriesABlock", runs({24}), true,
+                 [=](const Run& r) { drum_carries_a_block(r, sides); });
     add_runs("Scripts", "BoxSlidesOffATurntable", runs(), true, [](const Run& r) { turntable(r, 1.1); });
     add_runs("Scripts", "PressGoesBack", runs({24, 120}), true, press_goes_back);
     add_runs("Scripts", "PressMeetsAStack", runs({24, 120}), true, press_meets_a_stack);
