@@ -53,6 +53,7 @@ struct ArcContact {
     double approach = 0; ///< m/s, along the normal, with which they still come nearer at the end of the step; <= 0
     Vec3 shift;          ///< m, to where the contact then is, seen from the centre of mass of the body whose arc it is
     double apart = 0;    ///< m/s^2, acceleration of the points away from each other
+    bool ahead = false;  ///< they come nearer to the end of the step and beyond
     double rises = 0;    ///< m/s, along the normal, how much faster the place of the shift moves than the point
     double friction = 1; ///< of that of the pair
     double carries = 0;  ///< share of the stage's load until another one lands; negative where this one does
@@ -77,6 +78,7 @@ struct ArcContact {
     const double fastest = std::sqrt(std::max(length_sq(a.omega), length_sq(b.omega)));
     const double time = std::min({-now / out.apart, dt, 1 / fastest});
     const Vec3 way_a = arc_way(time * a.omega, a.arm), way_b = arc_way(time * b.omega, b.arm);
+    out.ahead = time == dt;
     out.closer = dot(n, way_a - way_b);
     out.approach = std::min(0.0, approach(way_a, way_b));
     out.shift = apart_b >= apart_a ? way_b : way_a;

@@ -95,6 +95,17 @@ void stand_on(ArcContact& arc, double seconds, double time_step) {
     arc.closer = (arc.rate > 0 ? arc.rate - rises : -rises) * time_step;
 }
 
+/// Of contacts that no other ones follow in the step: what carries now does so to its end, and its load is where it is
+/// at either end of the step, not where its arc leads it from there.
+void stay(std::span<ArcContact> arcs, double time_step) {
+    for (ArcContact& arc : arcs) {
+        if (!arc.ahead) continue;
+        arc.closer = -0.5 * arc.apart * time_step * time_step;
+        arc.approach = 0;
+        arc.shift = {};
+    }
+}
+
 /// m/s, an approach along the normal that no contact of the pair has: one that may have it is not asked for anything.
 double left_to_the_next_step(const RollingMotion& motion) { return -2 * motion.fastest; }
 
@@ -218,6 +229,7 @@ void share_load(std::span<const Contact> contacts, std::size_t lowest, const Rol
     const bool rolls = motion.gravity * side * dt < motion.arm * motion.arm * pair.tilt();
     if (rolls && landing.contact != carrier && roll_round(contacts, pair, carrier, way, motion, arcs)) return;
     if (lands && motion.speed * time + side < way) return; // over several sides in the step
+    if (!rolls || landing.contact == carrier) stay(arcs, dt);
     if (!rolls) return standing.on_all(arcs);
     const double near = 0.5 * side;
     if (landing.contact == carrier || kStepsOfSide * way <= side) standing.find();
@@ -272,11 +284,13 @@ bool share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
     for (auto landing = pair.next(last); landing.contact != last && landing.time < motion.time_step;
          landing = pair.next(last), ++sides)
         last = landing.contact;
+    const double dt = motion.time_step;
     if (sides < 2) {
+        stay(arcs, dt);
         standing.on_all(arcs);
         return true;
     }
-    const double goes_on = pair.place(carrier) - pair.place(last), dt = motion.time_step; // m, the contact
+    const double goes_on = pair.place(carrier) - pair.place(last); // m, the contact
     if (!(goes_on > 2 * motion.speed * dt)) return false;
     if (!(motion.gravity * (goes_on / sides) * dt < motion.arm * motion.arm * pair.tilt())) return true;
     const Vec3 whole_way = contacts[carrier].point - contacts[last].point;
@@ -373,6 +387,7 @@ bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const Rolli
     }
     // What moves less than static contact leaves undone does not roll.
     if (!(arcs[lowest].apart > 0 && motion.speed * dt > bands.still)) {
+        stay(arcs, dt);
         standing.on_all(arcs);
         return false;
     }

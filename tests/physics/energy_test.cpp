@@ -198,6 +198,49 @@ void plates_that_fly_together(const Run& run) {
     EXPECT_LT(worst, 1);
 }
 
+/// Half a round trough along y, of so many sides.
+TriangleMesh trough(double radius, double width, int sides) {
+    TriangleMesh mesh;
+    for (int i = 0; i <= sides; ++i)
+        for (const double y : {-0.5 * width, 0.5 * width}) {
+            const double angle = kPi * i / sides;
+            mesh.vertices.push_back({-radius * std::cos(angle), y, -radius * std::sin(angle)});
+        }
+    for (int i = 0; i < 2 * sides; i += 2) {
+        mesh.triangles.push_back({i, i + 1, i + 3});
+        mesh.triangles.push_back({i, i + 3, i + 2});
+    }
+    return mesh;
+}
+
+// A stick without friction swings across a trough as a pendulum, for ever but for what the sides take at which its ends
+// arrive: a step may pass them a part of a step late, one way as often as the other.
+void stick_swings_in_a_trough(const Run& run, double angle) {
+    constexpr double kRadius = 0.5, kLength = 0.6, kHeight = 0.04, kTime = 20; // m, s
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh mesh = make_box(kLength, 0.1, kHeight);
+    const double corner = kRadius - rest_gap(mesh),
+                 depth = std::sqrt(corner * corner - 0.25 * kLength * kLength) - 0.5 * kHeight;
+    auto& stick = add_body(scene, add_solid(scene, mesh, 1000), BodyType::dynamic,
+                           {-depth * std::sin(angle), 0, -depth * std::cos(angle)}, 0, 0);
+    stick.rotation = rotation_from_vector({0, angle, 0});
+    stick.locked_translation = {false, true, false};
+    stick.locked_rotation = {true, false, true};
+    add_body(scene, add_shape(scene, trough(kRadius, 0.2, 720)), BodyType::fixed, {}, 0, 0);
+    Motion motion(scene);
+    double farthest = 0, last = 0; // rad, of all and of the last second, which is more than half a swing
+    motion.run(kTime, [&](const StepReport& r) {
+        const Vec3 at = motion.body(0).center_of_mass;
+        const double now = std::abs(std::atan2(at.x, -at.z));
+        farthest = std::max(farthest, now);
+        if (r.time > kTime - 1) last = std::max(last, now);
+    });
+    motion.print("swings by %.4f of its angle, and by %.4f in the end", farthest / angle, last / angle);
+    EXPECT_LT(farthest / angle, 1.05);
+    EXPECT_GT(last / angle, 0.95);
+    expect_no_rise(motion);
+}
+
 [[maybe_unused]] const bool registered = [] {
     const std::vector<Run> once{{"balanced", 24}, {"accurate", 24}, {"reference", 24}};
     add_runs("Energy", "TenBoxesFallOneCentimetreApart", runs(), true,
@@ -223,6 +266,10 @@ void plates_that_fly_together(const Run& run) {
         add_runs("Energy", "PlatesShotAtAWallAt" + std::to_string(speed), once, true,
                  [=](const Run& r) { plates_shot_at_a_wall(r, speed); });
     add_runs("Energy", "PlatesThatFlyTogether", runs(), true, plates_that_fly_together);
+    add_runs("Energy", "StickSwingsInATroughBy100Milliradians", {{"balanced", 60}, {"balanced", 240}, {"accurate", 60}},
+             true, [](const Run& r) { stick_swings_in_a_trough(r, 0.1); });
+    add_runs("Energy", "StickSwingsInATroughBy20Milliradians", {{"balanced", 240}, {"accurate", 60}}, true,
+             [](const Run& r) { stick_swings_in_a_trough(r, 0.02); });
     return true;
 }();
 

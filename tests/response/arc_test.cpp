@@ -42,6 +42,7 @@ TEST(MeetOnArcs, PointsAheadOfARollingWheelMeetTheGroundRightBelowTheAxle) {
         EXPECT_NEAR(wheel.arm.z + c.shift.z, -kRadius, kRadius * (std::pow(angle, 6) / 10 + 1e-14)) << angle;
         EXPECT_NEAR(c.approach, 0, kOmega * kRadius * std::pow(angle, 3)) << "nothing is left to brake the wheel";
         EXPECT_LE(c.approach, 0);
+        EXPECT_FALSE(c.ahead);
         EXPECT_NEAR(c.apart, kOmega * kOmega * kRadius * std::cos(angle), 1e-14);
     }
 }
@@ -54,6 +55,7 @@ TEST(MeetOnArcs, APointFartherAheadComesNearerUntilTheEndOfTheStep) {
         const TurningPoint then = ahead(angle - kOmega * kStep, kOmega, kRadius);
         EXPECT_LT(length(wheel.arm + c.shift - then.arm), 1e-6);
         EXPECT_NEAR(c.approach, -kOmega * then.arm.x, 1e-5);
+        EXPECT_TRUE(c.ahead);
     }
 }
 
