@@ -211,19 +211,27 @@ inline void fetch_bodies(const SweepView& view, std::int64_t p) {
     }
 }
 
+/// What impulses must not change of the velocities of bodies with locked axes.
 template <class P>
-inline P keep_lanes(const AxisMask* locked, int axis, P was, P now) {
-    double lanes[P::kWidth];
-    for (int i = 0; i < P::kWidth; ++i) lanes[i] = (locked[i] >> axis & 1) != 0 ? 1 : 0;
-    return select(P::all(0) < P::load(lanes), was, now);
-}
-/// Puts back what impulses changed of velocities along locked axes; `was`: before.
-template <class P>
-inline void keep_locked(const AxisMask* locked, const PackVec<P>& was, PackVec<P>& now) {
-    now.x = keep_lanes(locked, 0, was.x, now.x);
-    now.y = keep_lanes(locked, 1, was.y, now.y);
-    now.z = keep_lanes(locked, 2, was.z, now.z);
-}
+struct LockedAxes {
+    PackVec<P> locked, was; ///< 1 along an axis that is locked, else 0; velocities before
+
+    LockedAxes() = default;
+    LockedAxes(const AxisMask* axes, const PackVec<P>& velocity)
+        : locked{lanes(axes, 0), lanes(axes, 1), lanes(axes, 2)}, was(velocity) {}
+    void put_back(PackVec<P>& now) const {
+        now.x = select(P::all(0) < locked.x, was.x, now.x);
+        now.y = select(P::all(0) < locked.y, was.y, now.y);
+        now.z = select(P::all(0) < locked.z, was.z, now.z);
+    }
+
+  private:
+    static P lanes(const AxisMask* axes, int axis) {
+        double lanes[P::kWidth];
+        for (int i = 0; i < P::kWidth; ++i) lanes[i] = (axes[i] >> axis & 1) != 0 ? 1 : 0;
+        return P::load(lanes);
+    }
+};
 
 /// The rows that go with a cone.
 template <Cone kCone>
@@ -244,6 +252,7 @@ struct OpenPacket {
     const PacketExtra* extras;  ///< of all packets; none
     const BodyVelocity* bodies; ///< as they were before the packet, until it is closed
     PackBody<P> a[kGroups], b[kGroups];
+    LockedAxes<P> locked_a[kGroups], locked_b[kGroups]; ///< set where any are
 
     OpenPacket(const SweepView& view, std::int64_t p)
         : packet(view.packets + p),
@@ -254,6 +263,13 @@ struct OpenPacket {
         for (std::size_t g = 0; g < kGroups; ++g) {
             a[g] = load_bodies<P>(view.bodies, packet->a + g * P::kWidth);
             b[g] = load_bodies<P>(view.bodies, packet->b + g * P::kWidth);
+        }
+        if (packet->any_locked) find_locked();
+    }
+    [[gnu::noinline]] void find_locked() {
+        for (std::size_t g = 0; g < kGroups; ++g) {
+            locked_a[g] = {packet->locked_a + g * P::kWidth, a[g].linear};
+            locked_b[g] = {packet->locked_b + g * P::kWidth, b[g].linear};
         }
     }
     [[nodiscard]] std::int32_t num_rows() const { return packet->end - packet->first; }
@@ -270,13 +286,10 @@ struct OpenPacket {
         for (std::int32_t k = from; k < to; ++k)
             for (std::size_t g = 0; g < num_groups(); ++g) {
                 at_row(row_at(begin + k, static_cast<int>(g) * P::kWidth), a[g], b[g]);
-                if (packet->any_locked) keep_locked_of(g);
+                if (!packet->any_locked) continue;
+                locked_a[g].put_back(a[g].linear);
+                locked_b[g].put_back(b[g].linear);
             }
-    }
-    [[gnu::noinline]] void keep_locked_of(std::size_t g) {
-        const std::size_t lane = g * P::kWidth;
-        keep_locked(packet->locked_a + lane, load_bodies<P>(bodies, packet->a + lane).linear, a[g].linear);
-        keep_locked(packet->locked_b + lane, load_bodies<P>(bodies, packet->b + lane).linear, b[g].linear);
     }
     /// The active rows from `done` on, then those that were parked.
     template <class AtRow>
