@@ -229,8 +229,8 @@ void share_load(std::span<const Contact> contacts, std::size_t lowest, const Rol
     const bool rolls = motion.gravity * side * dt < motion.arm * motion.arm * pair.tilt();
     if (rolls && landing.contact != carrier && roll_round(contacts, pair, carrier, way, motion, arcs)) return;
     if (lands && motion.speed * time + side < way) return; // over several sides in the step
-    if (!rolls || landing.contact == carrier) stay(arcs, dt);
     if (!rolls) return standing.on_all(arcs);
+    if (landing.contact == carrier) stay(arcs, dt);
     const double near = 0.5 * side;
     if (landing.contact == carrier || kStepsOfSide * way <= side) standing.find();
     if (motion.bands.at_end && lands && standing.on(carrier, arcs[carrier])) {
@@ -286,7 +286,6 @@ bool share_load_of_tipping(std::span<const Contact> contacts, std::size_t lowest
         last = landing.contact;
     const double dt = motion.time_step;
     if (sides < 2) {
-        stay(arcs, dt);
         standing.on_all(arcs);
         return true;
     }
@@ -387,7 +386,6 @@ bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const Rolli
     }
     // What moves less than static contact leaves undone does not roll.
     if (!(arcs[lowest].apart > 0 && motion.speed * dt > bands.still)) {
-        stay(arcs, dt);
         standing.on_all(arcs);
         return false;
     }

@@ -108,8 +108,9 @@ void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactS
         island.exact_tolerance = std::max(island.exact_tolerance, kOfSpeed * island.speed);
     if (to_the_last && soon && (few || is_slender(island))) options.tolerance = island.exact_tolerance;
     // A packet without others would be visited over and over in every sweep: a shaft in a bearing of 180 sides, which
-    // touch at 720 points, takes 2.7 times as long. What is left is for the exact solve.
-    if (island.end_packet - island.first_packet == 1) options.tuning.most_visits = 1;
+    // touch at 720 points, takes 2.3 times as long. What is left is for the exact solve, which needs few of them.
+    if (island.end_packet - island.first_packet == 1 && contacts_of(island, s) > kFewContacts)
+        options.tuning.most_visits = 1;
     // Newton's steps alone end early where they lead nowhere: what the sweeps reached is the result then.
     if (options.exact_few && bodies > tuning.bodies_factorised_soon) return;
     const int before = few ? (to_the_last ? tuning.sweeps_before_exact : tuning.sweeps_of_few_in_motion)

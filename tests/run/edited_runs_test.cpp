@@ -19,7 +19,7 @@ TEST(EditedRuns, KeepEveryBodyApartThroughRandomEdits) {
 TEST(EditedRuns, ResumeFromAnyStepWithTheSameBitsAtOtherThreadCounts) {
     constexpr int kSteps = 60;
     World world(tub(), "scene", {2});
-    RandomEdits edits(7, 2.4, 4, 24);
+    RandomEdits edits(9, 2.4, 4, 24);
     Ignored ignored;
     std::vector<Edit> made;
     std::vector<std::vector<std::byte>> snapshots; // after the edits, before the step
@@ -152,7 +152,7 @@ TEST(EditedRuns, ClonesGoOnAlike) {
 
 TEST(EditedRuns, DamagedSnapshotsAreRefused) {
     World world(tub(), "scene", {1});
-    RandomEdits edits(5, 2.4, 4, 24);
+    RandomEdits edits(11, 2.4, 4, 24);
     Ignored ignored;
     for (int k = 0; k < 10; ++k) edit_once(world, edits, ignored, nullptr);
     (void)world.step();
