@@ -152,7 +152,7 @@ TEST(EditedRuns, ClonesGoOnAlike) {
 
 TEST(EditedRuns, DamagedSnapshotsAreRefused) {
     World world(tub(), "scene", {1});
-    RandomEdits edits(11, 2.4, 4, 24);
+    RandomEdits edits(5, 2.4, 4, 24);
     Ignored ignored;
     for (int k = 0; k < 10; ++k) edit_once(world, edits, ignored, nullptr);
     (void)world.step();
