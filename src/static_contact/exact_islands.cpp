@@ -16,8 +16,8 @@ using Exact = ContactScratch::ExactSolve;
 /// found: walls and houses of cards.
 constexpr std::int32_t kMostContacts = 1536;
 /// Bodies of an island with more than few contacts: factorisations grow with their cube, but in slender ones. Of more
-/// than kManyBodies those that may be over-constrained would take forty that end nowhere, in every step; the others
-/// (may_be_over_constrained()) take them in some twenty steps, and then rest: 80 stones in a cone never slept.
+/// than kManyBodies those that may be over-constrained would take forty that end nowhere, in every step. Most others
+/// (may_be_over_constrained()) take them in some ten steps, and then rest: 80 stones in a cone never slept.
 constexpr std::int32_t kMostBodies = 128, kManyBodies = 64;
 /// Factorisations for a residual below an island's tolerance.
 constexpr int kMostToTolerance = 80;
@@ -30,8 +30,8 @@ constexpr double kPolish = 10;
 /// before say, the other methods take some forty factorisations for them, and the next step poses others: Newton's
 /// steps are all that follows the sweeps. What moves less settles, and the next step begins with what this one found:
 /// with no least speed but that of the rest distance a household, nearly at rest, was left above its tolerance in
-/// twice as many steps. Of more than kManyBodies only what is nearly at rest is worth what they cost: with a least
-/// speed 80 stones that settle take twice the time, and fall asleep no sooner.
+/// twice as many steps. Of more than kManyBodies only what is nearly at rest is worth what they cost, and what moves is
+/// left to its sweeps: with a least speed 80 stones that settle take twice the time, and fall asleep no sooner.
 constexpr double kMoves = 1.0 / 8;
 
 /// Impulses change the momentum of an island by the rounding of their sum, and what its bodies need is of the order of
@@ -148,10 +148,11 @@ void solve(Island& island, const ContactBodies& bodies, const ContactSolveOption
     gather(island, bodies, few ? options.presses : std::span<const double>(), s, e);
     e.swept = e.impulses;
     const bool stands = is_pressed(e) && rests_pressed(island);
+    const int most = is_costly(island) ? kMostFactorisations : kMostToTolerance;
     const ConeSolveStats stats =
         e.program.solve(e.bodies, e.contacts,
                         {.tolerance = island.exact_tolerance,
-                         .max_iterations = kMostToTolerance,
+                         .max_iterations = most,
                          .enough = island.tolerance,
                          .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations,
                          .polish = newton_is_enough(island, options) ? kPolish : 0,
@@ -230,7 +231,8 @@ bool is_slender(const Island& island) { return island.active_pairs <= island.end
 void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();
     for (std::size_t k = 0; k < s.islands.size(); ++k)
-        if (!s.islands[k].solved && may_solve_exactly(s.islands[k], options, s))
+        if (!s.islands[k].solved && may_solve_exactly(s.islands[k], options, s) &&
+            !(s.islands[k].moves && is_costly(s.islands[k])))
             s.small_islands.push_back(static_cast<std::int32_t>(k));
     if (s.small_islands.empty()) return;
     s.exact_body.resize(s.bodies.size());

@@ -21,6 +21,7 @@ struct RollingMotion {
     Vec3 turn;  ///< rad/s, of b relative to a
     Vec3 along; ///< unit, tangential: where the contacts move, seen from the centre of mass of the body that rolls
     double speed = 0;     ///< m/s, of that
+    double slip = 0;      ///< m/s, of the lowest contact along the surfaces
     double arm = 0;       ///< m, from the centre of mass
     double gravity = 0;   ///< m/s^2
     double time_step = 0; ///< s
@@ -95,7 +96,11 @@ void stand_on(ArcContact& arc, double seconds, double time_step) {
     arc.closer = (arc.rate > 0 ? arc.rate - rises : -rises) * time_step;
 }
 
-/// Of contacts that no other ones follow in the step: what carries now does so to its end, and its load is where it is
+/// Of a contact's speed as its body turns, how fast it slips where no other one follows and it stays: between none, on
+/// the corner of a coarse polygon that rolls, and all or more, at the end of a stick that swings across a trough.
+constexpr double kSlides = 0.5;
+
+/// Of contacts that slide on and no other ones follow in the step: what carries now does so to its end, and its load is where it is
 /// at either end of the step, not where its arc leads it from there.
 void stay(std::span<ArcContact> arcs, double time_step) {
     for (ArcContact& arc : arcs) {
@@ -230,7 +235,7 @@ void share_load(std::span<const Contact> contacts, std::size_t lowest, const Rol
     if (rolls && landing.contact != carrier && roll_round(contacts, pair, carrier, way, motion, arcs)) return;
     if (lands && motion.speed * time + side < way) return; // over several sides in the step
     if (!rolls) return standing.on_all(arcs);
-    if (landing.contact == carrier) stay(arcs, dt);
+    if (landing.contact == carrier && motion.slip > kSlides * motion.speed) stay(arcs, dt);
     const double near = 0.5 * side;
     if (landing.contact == carrier || kStepsOfSide * way <= side) standing.find();
     if (motion.bands.at_end && lands && standing.on(carrier, arcs[carrier])) {
@@ -369,9 +374,18 @@ bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const Rolli
     const auto turning_speed = [&](std::int32_t body) {
         return length(bodies.angular_velocity[at(body)]) * model.shape_of(at(body)).radius;
     };
+    const auto velocity = [&](const Contact& x, std::int32_t body) {
+        const TurningPoint p = point(x, body);
+        return bodies.velocity[at(body)] + cross(p.omega, p.arm);
+    };
+    const auto slip_of = [&](const Contact& x) {
+        const Vec3 u = velocity(x, c.b) - velocity(x, c.a);
+        return length(u - dot(u, x.normal) * x.normal);
+    };
     RollingMotion motion{.turn = b.omega - a.omega,
                          .along = {},
                          .speed = length(along),
+                         .slip = slip_of(pair[lowest]),
                          .arm = length(roller.arm),
                          .gravity = most_acceleration(model, c.a, c.b),
                          .time_step = dt,

@@ -102,8 +102,7 @@ void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactS
     // What moves does not creep, and meets other contacts in the next step: what sweeps leave within the tolerance is
     // enough, and so is what an exact solve does. A lone body may rest all the same but for its spin: a top, a wheel.
     const bool to_the_last = island.rests || bodies == 1 || options.patience == 0;
-    const double share = !to_the_last ? tuning.aim_in_motion : is_costly(island) ? tuning.aim_at_rest : kExactShare;
-    island.exact_tolerance = share * island.tolerance;
+    island.exact_tolerance = (to_the_last ? kExactShare : tuning.aim_in_motion) * island.tolerance;
     if (soon && (few || is_slender(island)))
         island.exact_tolerance = std::max(island.exact_tolerance, kOfSpeed * island.speed);
     if (to_the_last && soon && (few || is_slender(island))) options.tolerance = island.exact_tolerance;
@@ -130,17 +129,18 @@ struct Aims {
 Aims take_aim(Island& island, ContactSolveOptions& options, const ContactScratch& s) {
     const ContactTuning& tuning = options.tuning;
     // A caller that asked for a tolerance has all sweeps for it, and wants no more.
-    const bool aims_lower = island.rests && options.patience > 0, small = may_solve_exactly(island, options, s);
-    const bool to_the_last = small && !is_costly(island);
-    const double aim = (!aims_lower ? 1 : to_the_last ? kExactShare : tuning.aim_at_rest) * island.tolerance;
+    const bool aims_lower = island.rests && options.patience > 0;
+    const bool small = may_solve_exactly(island, options, s) && !is_costly(island);
+    const double aim = (!aims_lower ? 1 : small ? kExactShare : tuning.aim_at_rest) * island.tolerance;
     options.tolerance = aim;
+    island.exact_tolerance = aim; // of a costly one
     if (small)
         leave_to_exact(island, options, s);
     else if (aims_lower && tuning.patient_at_rest)
         options.patience = std::max(options.patience, options.iterations);
     // What sweeps leave within the tolerance is solved, but where an exact solve would leave next to nothing, which
     // then stays: at rest.
-    return {aim, aims_lower && to_the_last ? aim : island.tolerance};
+    return {aim, aims_lower && small ? aim : island.tolerance};
 }
 
 // A warm start adds energy where impulses of the past are too large, and so may momentum; sweeps that end unfinished do
@@ -170,7 +170,7 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
     };
     bool gained = sweep_and_measure({options.warm_start, options.momentum, thread});
     island.moves = !island.solved && moves_inside(island, bodies, options, s);
-    if (island.moves && island.rests) { // what gravity added was not all
+    if (island.moves && island.rests && !is_costly(island)) { // what gravity added was not all
         island.rests = false;
         options = of_island;
         aims = take_aim(island, options, s);

@@ -38,16 +38,18 @@ void accelerate(const Model& model, double dt, std::span<Motion> motion) {
 }
 
 /// m, the rest distance that a pair may have which was placed so: no more than its contacts' gaps, and of the play
-/// between two that oppose each other, the sum of their gaps, half on both sides together. The other half is left to
-/// move in: an axle in a hole with sides, all round at the rest distance, could not turn by one of them.
+/// between two across from each other, the sum of their gaps, half on both sides together. The other half is left to
+/// move in: an axle in a hole with sides, all round at the rest distance, could not turn by one of them. Across are
+/// sides whose normals are within 18 degrees of opposite: a body that rests in a groove takes up what it is given, and
+/// would come nearer with every edit.
 double room_for_rest(std::span<const Contact> pair) {
-    constexpr double kOfPlay = 0.25;
+    constexpr double kOfPlay = 0.25, kAcross = -0.95; // cosine
     double room = std::numeric_limits<double>::infinity();
     for (const Contact& c : pair) room = std::min(room, c.distance);
     for (std::size_t i = 1; i < pair.size(); ++i)
         for (std::size_t k = 0; k < i; ++k) {
             const double share = kOfPlay * (pair[i].distance + pair[k].distance);
-            if (share < room && oppose(pair[i], pair[k])) room = share;
+            if (share < room && dot(pair[i].normal, pair[k].normal) < kAcross) room = share;
         }
     return room;
 }
