@@ -100,8 +100,8 @@ void stand_on(ArcContact& arc, double seconds, double time_step) {
 /// the corner of a coarse polygon that rolls, and all or more, at the end of a stick that swings across a trough.
 constexpr double kSlides = 0.5;
 
-/// Of contacts that slide on and no other ones follow in the step: what carries now does so to its end, and its load is where it is
-/// at either end of the step, not where its arc leads it from there.
+/// Of contacts that slide on and no other ones follow in the step: what carries now does so to its end, and its load is
+/// where it is at either end of the step, not where its arc leads it from there.
 void stay(std::span<ArcContact> arcs, double time_step) {
     for (ArcContact& arc : arcs) {
         if (!arc.ahead) continue;

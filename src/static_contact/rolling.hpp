@@ -38,10 +38,11 @@
 // prescribed, and an axle with heavy discs, tipped, and what slid on them had no friction from some fineness of their
 // sides on.
 //
-// What slides, and no other point of the pair follows it in the step, does not roll: it carries from one end of it to the other, and
-// its load is where it is at each, as RATTLE has it. The place to which its arc leads belongs to the end of the step,
-// the normal to its start: on a flat side such a load brakes, in a hollow, where the normal turns with the body, it
-// drives. A stick without friction that swings across a round trough by 0.02 rad came to 0.055 rad in 20 s at 1/60 s.
+// What slides, and no other point of the pair follows it in the step, does not roll: it carries from one end of it to
+// the other, and its load is where it is at each, as RATTLE has it. The place to which its arc leads belongs to the end
+// of the step, the normal to its start: on a flat side such a load brakes, in a hollow, where the normal turns with the
+// body, it drives. A stick without friction that swings across a round trough by 0.02 rad came to 0.055 rad in 20 s at
+// 1/60 s.
 #pragma once
 
 #include <span>
