@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The numbers of static contact that change results and that neither the paper nor a setting gives, but for those of
-// the exact solver, of the order of sums, and two of rolling.cpp (src/CONSTANTS.md): what it is a share or a multiple
+// the exact solver, of the order of sums, and some of rolling.cpp (src/CONSTANTS.md): what it is a share or a multiple
 // of, why it is as it is, and under which name bench/results/ablation.md has what happens without it. Names are of one
 // glossary (README.md): a look is an evaluation of the residual, parked contacts are inactive, a jam is an
 // over-constrained island.
