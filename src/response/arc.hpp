@@ -53,7 +53,7 @@ struct ArcContact {
     double approach = 0; ///< m/s, along the normal, with which they still come nearer at the end of the step; <= 0
     Vec3 shift;          ///< m, to where the contact then is, seen from the centre of mass of the body whose arc it is
     double apart = 0;    ///< m/s^2, acceleration of the points away from each other
-    bool ahead = false;  ///< they come nearer to the end of the step and beyond
+    bool ahead = false;  ///< they come nearer up to the end of the step
     double rises = 0;    ///< m/s, along the normal, how much faster the place of the shift moves than the point
     double friction = 1; ///< of that of the pair
     double carries = 0;  ///< share of the stage's load until another one lands; negative where this one does

@@ -32,7 +32,7 @@ inline constexpr double kOfFactorisation = 72;
 
 /// Whether its active contacts are more than its degrees of freedom. Normals of no more than those are independent, but
 /// by chance, so that impulses exist that meet any targets. Of more, as in piles of shells, which touch at many points,
-/// they may contradict each other.
+/// they may contradict each other. Locked axes count as free ones.
 [[nodiscard]] bool may_be_over_constrained(const ContactScratch::Island& island);
 
 /// Whether an island of many bodies that its sweeps left unsolved moves, other than as a whole: it is not worth more
