@@ -21,6 +21,7 @@ struct Outcome {
     RunTotals totals;
     double broken = 0;         ///< m, at figure 9's step: largest change of the distance of two neighbours in the stack
     double ball_speed = 0;     ///< m/s, along x, at that step
+    double torn = 0;           ///< m, largest change of such a distance in a step in which ball and stack were one cluster
     std::int64_t together = 0; ///< most bodies that moved as one cluster
 };
 
@@ -33,8 +34,18 @@ Outcome run_stack(Rigidification kind, int iterations, int steps) {
     const auto neighbours = [&](std::size_t i) {
         return length(world.body(i + 1).center_of_mass - world.body(i).center_of_mass);
     };
-    std::vector<double> start;
-    for (std::size_t i = 0; i + 1 < kBlocks; ++i) start.push_back(neighbours(i));
+    const auto distances = [&] {
+        std::vector<double> all;
+        for (std::size_t i = 0; i + 1 < kBlocks; ++i) all.push_back(neighbours(i));
+        return all;
+    };
+    const auto most_changed = [](const std::vector<double>& a, const std::vector<double>& b) {
+        double most = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+        return most;
+    };
+    const std::vector<double> start = distances();
+    std::vector<double> before = start;
     Outcome out;
     for (int n = 0; n < steps; ++n) {
         const StepReport r = world.step();
@@ -42,32 +53,40 @@ Outcome run_stack(Rigidification kind, int iterations, int steps) {
         out.together = std::max(out.together, r.largest_cluster);
         expect_ladder_bounds(r, world.size());
         EXPECT_EQ(count_intersections(scene, world), 0) << "step " << n;
+        const std::vector<double> now = distances();
+        if (r.largest_cluster == static_cast<std::int64_t>(kBlocks) + 1)
+            out.torn = std::max(out.torn, most_changed(now, before));
+        before = now;
         if (r.step != kFigureStep) continue;
-        for (std::size_t i = 0; i + 1 < kBlocks; ++i)
-            out.broken = std::max(out.broken, std::abs(neighbours(i) - start[i]));
+        out.broken = most_changed(now, start);
         out.ball_speed = world.body(kBall).velocity.x;
     }
     return out;
 }
 
 // The paper's stack freezes because it becomes rigid together with the ground. Here clusters never take the ground in,
-// and as section 5 says of that case the ball's momentum goes to the whole stack, which tips over as one body.
+// and as section 5 says of that case the ball's momentum goes to the whole stack, which tips over as one body. With a
+// sweep of collisions and one of dynamic contact the hits of the first steps are solved, and blocks slide on each other
+// before the failsafe has anything to do: what it then moves as one it moves rigidly.
 TEST(ForcedFailsafe, KinematicLetsAStackBreakUpAndRigidMovesItAsOne) {
     for (const int iterations : {0, 1}) {
         const Outcome kinematic = run_stack(Rigidification::kinematic, iterations, 36);
         const Outcome rigid = run_stack(Rigidification::rigid, iterations, 36);
         for (const Outcome* o : {&kinematic, &rigid})
             std::printf(
-                "figure 9, limit %d, %s: neighbours moved apart by %.3f m, ball %.2f m/s, at most %lld bodies in a "
-                "cluster, %lld merges, %lld rung changes\n",
-                iterations, o == &rigid ? "rigid" : "kinematic", o->broken, o->ball_speed,
+                "figure 9, limit %d, %s: neighbours moved apart by %.3f m, in a step as one by %.1e m, ball %.2f m/s, "
+                "at most %lld bodies in a cluster, %lld merges, %lld rung changes\n",
+                iterations, o == &rigid ? "rigid" : "kinematic", o->broken, o->torn, o->ball_speed,
                 static_cast<long long>(o->together), static_cast<long long>(o->totals.merges),
                 static_cast<long long>(o->totals.rung_changes));
         EXPECT_GE(kinematic.totals.merges, 10);
         EXPECT_GE(rigid.totals.merges, 5);
-        EXPECT_GE(rigid.together, iterations == 0 ? 9 : 8); // ball and stack, or the stack
+        EXPECT_EQ(rigid.together, 9); // ball and stack
+        EXPECT_LT(rigid.torn, 1e-12);
         EXPECT_GT(kinematic.broken, 0.5);
-        EXPECT_LT(rigid.broken, 0.1);
+        if (iterations == 0) {
+            EXPECT_LT(rigid.broken, 0.1);
+        }
         EXPECT_LT(rigid.ball_speed, 0.6 * kinematic.ball_speed);
     }
 }
