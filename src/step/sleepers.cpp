@@ -155,16 +155,29 @@ void Stepper::rejoin_woken() {
     start_trajectories(state_.motion);
 }
 
+/// Bodies that carried each other at the start of the step and do not touch at its end are disturbed: what is left of
+/// the step's impulses is not what holds them.
+void Stepper::disturb_parted() {
+    auto pair = touching_.begin();
+    for (const WarmImpulse& w : state_.warm[ContactStage::kept]) {
+        if (w.impulse == Vec3{}) continue;
+        const BodyPair bodies{w.a, w.b};
+        pair = std::lower_bound(pair, touching_.end(), bodies);
+        if (pair == touching_.end() || *pair != bodies) disturbed_[at(w.a)] = disturbed_[at(w.b)] = 1;
+    }
+}
+
 /// Lets islands fall asleep at the end of a step.
 void Stepper::put_to_sleep() {
     if (!model_.settings.sleeping) return;
     // Where forces do not carry the weight yet, velocities say nothing.
     for (const std::int32_t i : model_.active)
         disturbed_[at(i)] = moved_otherwise(at(i)) || static_.solver.unsolved[at(i)] != 0 ? 1 : 0;
-    count_quiet_steps(model_, disturbed_, state_);
     touching_.clear();
     for (const Contact& c : contacts_.contacts)
         if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
+    disturb_parted();
+    count_quiet_steps(model_, disturbed_, state_);
     if (!fall_asleep(model_, touching_, sleep_, state_)) return;
     mark_asleep();
     free_memory_of_sleepers();

@@ -164,6 +164,7 @@ class Stepper {
     [[nodiscard]] double way_in_step(std::size_t body) const;
     void rejoin_woken();
     void mark_asleep();
+    void disturb_parted();
     void put_to_sleep();
     void free_memory_of_sleepers();
     void give_back_memory();

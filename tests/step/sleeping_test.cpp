@@ -316,6 +316,28 @@ TEST(SleepingContacts, StayAndCarryTheWeight) {
     EXPECT_EQ(world.activity()[0].cluster, ClusterState::free); // the ground does not sleep
 }
 
+// A plank that a box slides off to the next one is quiet all the time, and in the step in which the box leaves the
+// impulses of its start are those of both loads.
+TEST(SleepingContacts, OfWhatALoadLeftCarryWhatIsThere) {
+    SceneDescription scene = empty_scene();
+    scene.settings.sleeping = true;
+    scene.settings.rest_distance = 1e-3;
+    const auto pier = add_shape(scene, make_box(0.3, 1, 1));
+    const auto plank = add_shape(scene, make_box(1.98, 0.8, 0.05), 47.5),
+               load = add_shape(scene, make_box(0.3, 0.3, 0.3), 54);
+    for (const double x : {0.0, 2.0, 4.0}) add_body(scene, pier, BodyType::fixed, {x, 0, 0}, 0.3);
+    for (const double x : {1.0, 3.0}) add_body(scene, plank, BodyType::dynamic, {x, 0, 0.526}, 0.3);
+    add_body(scene, load, BodyType::dynamic, {0.5, 0, 0.702}, 0.3).velocity = {3.5, 0, 0};
+    World world(scene);
+    ASSERT_NE(steps_until_asleep(world, 3, 120), -1);
+    ASSERT_GT(world.body(5).position.x, 2.2); // on the second one alone
+    Vec3 under_first;
+    for (const ContactState& c : world.contacts())
+        if (c.body_a < 2 && c.body_b == 3) under_first += c.impulse;
+    const double due = 47.5 * 9.8 * world.settings().time_step;
+    EXPECT_NEAR(under_first.z, due, 1e-3 * due);
+}
+
 TEST(SleepingContacts, AreThoseOfTheResumedRunAndGoWhenTheirBodiesWake) {
     SceneDescription scene = tower(3);
     const auto ball = add_shape(scene, make_sphere(0.3, 2), 50);
