@@ -352,20 +352,6 @@ void lay_out_blocks(ContactScratch& s) {
     }
 }
 
-/// m, how far the other body takes its contacts with one of prescribed velocity along that in
-/// ContactSolveOptions::ahead, where this turns. Not along the normal, nor to where turning moves the surface along it:
-/// what stands on a roller stays on it.
-Vec3 seen_ahead(std::int32_t body, std::int32_t other, const Vec3& normal, double ahead, const ContactScratch& s) {
-    if (s.movable[at(body)] != 0 || !(ahead > 0)) return {};
-    const BodyVelocity& v = s.velocity[at(body)];
-    const double rate = length(v.angular);
-    if (!(rate > 0)) return {};
-    Vec3 way = ahead * (s.velocity[at(other)].linear - v.linear);
-    way -= dot(way, normal) * normal;
-    const Vec3 lifts = (1 / rate) * cross(normal, v.angular);
-    return way - dot(way, lifts) * lifts;
-}
-
 void set_masses(ContactBlock& block, const ContactScratch& s) {
     const ContactScratch::PlacedBody &a = s.placed[at(block.a)], &b = s.placed[at(block.b)];
     block.inv_mass_a = a.inv_mass;
@@ -427,10 +413,7 @@ void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& opt
     const auto make = [&](std::size_t k, PrincipalMasses& principal) {
         const std::size_t p = at(s.pair_order[k]);
         ContactBlock& block = s.blocks[k];
-        const Vec3& normal = contacts[at(s.order[at(s.first_contact[p])])].normal;
-        const Vec3 ahead_a = seen_ahead(block.a, block.b, normal, options.ahead, s),
-                   ahead_b = seen_ahead(block.b, block.a, normal, options.ahead, s);
-        const Vec3 offset = (s.placed[at(block.a)].position - s.placed[at(block.b)].position) + (ahead_b - ahead_a);
+        const Vec3 offset = s.placed[at(block.a)].position - s.placed[at(block.b)].position;
         const bool stands = same_places && !keyed && s.body_stands[at(block.a)] && s.body_stands[at(block.b)] &&
                             same_bits(block.offset, offset);
         if (!stands) set_masses(block, s);
@@ -442,7 +425,7 @@ void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& opt
             s.source[at(r)] = s.order[at(i)];
             const Contact& c = contacts[at(s.order[at(i)])];
             ContactRow& row = s.rows[at(r)];
-            const Vec3 arm_a = (c.point - s.placed[at(block.a)].position) + ahead_a;
+            const Vec3 arm_a = c.point - s.placed[at(block.a)].position;
             if (!stands || !row_stands(row, c, arm_a)) {
                 all_stand = false;
                 row = make_row(c, arm_a, block, cone, options);

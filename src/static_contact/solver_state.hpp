@@ -66,10 +66,6 @@ struct ContactSolveOptions {
     /// cone, aligned: friction bounded by a disc, so that it is mu lambda_n in every direction. random: the paper's
     /// pyramid with keyed tangents.
     Tangents tangents = Tangents::cone;
-    /// s. Bodies of prescribed velocity that turn have the velocity of where the other body will be on them so much
-    /// later: what sticks to them then goes along its chord in a step of twice that (stage 3). With the tangent at the
-    /// beginning it would creep outward, by 9 % of the radius in 4 s at 1 rad/s and 1/24 s.
-    double ahead = 0;
     /// m/s, by contact: what is asked in addition where an exact solve is soon, because a script presses; negative:
     /// none does. May be empty: no script presses.
     std::span<const double> presses;

@@ -81,7 +81,7 @@ Standing::Standing(std::span<const Contact> pair, const VelocityArrays& bodies, 
     : pair_(pair), bodies_(bodies), turning_(turning), time_step_(time_step), at_end_(at_end) {
     slides_ = pair.front().friction == 0;
     for (const std::int32_t body : {pair.front().a, pair.front().b}) {
-        // Prescribed ones are seen on their way (seen_ahead() in assemble.cpp).
+        // Prescribed ones are seen on their way (turned_under() in targets.cpp).
         const double fastest = bodies.inverse_mass[at(body)] > 0 ? 1 / time_step : 0;
         slides_ = slides_ || !(length(bodies.angular_velocity[at(body)]) <= fastest);
     }

@@ -207,7 +207,6 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     give_landing_loads(model_, targets, accelerated * model_.settings.time_step, impulses, velocities, landing);
     ContactSolveOptions options = solve_options(model_, options_);
     options.team = &workers_.team;
-    options.ahead = final_stage ? 0 : 0.5 * model_.settings.time_step;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);
     options.presses = targets.presses;
     const ContactSolveStats stats = solve_contacts(targets.contacts, velocities.bodies(), options, impulses, solver);

@@ -76,7 +76,8 @@ Motion::Motion(const SceneDescription& scene) : scene_(scene), world_(scene), bo
         const Vec3 spin = angular_momentum(mass, body.rotation, body.angular_velocity);
         out_.start += 0.5 * (mass.mass * length_sq(body.velocity) + dot(spin, body.angular_velocity));
         total -= mass.mass * dot(scene.gravity, bodies_[i].start);
-        lift_ += mass.mass * g * bodies_[i].size / kSizePerRestDistance;
+        const double rest = scene.settings.rest_distance;
+        lift_ += mass.mass * g * (rest > 0 ? rest : bodies_[i].size / kSizePerRestDistance);
     }
     total += out_.start;
     out_.start_total = lowest_ = low_ = high_ = total;

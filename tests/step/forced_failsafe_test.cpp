@@ -19,9 +19,9 @@ SceneDescription ball_and_stack(Rigidification kind, int iterations) {
 
 struct Outcome {
     RunTotals totals;
-    double broken = 0;         ///< m, at figure 9's step: largest change of the distance of two neighbours in the stack
-    double ball_speed = 0;     ///< m/s, along x, at that step
-    double torn = 0;           ///< m, largest change of such a distance in a step in which ball and stack were one cluster
+    double broken = 0;     ///< m, at figure 9's step: largest change of the distance of two neighbours in the stack
+    double ball_speed = 0; ///< m/s, along x, at that step
+    double torn = 0;       ///< m, largest change of such a distance in a step in which ball and stack were one cluster
     std::int64_t together = 0; ///< most bodies that moved as one cluster
 };
 
