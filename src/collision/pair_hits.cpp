@@ -86,8 +86,8 @@ bool stops_calmly(const StepView& view, const PairRecord& pair, double speed, do
 /// Whether points of two bodies are contacts at x^n already that nothing brought together until then, so that static
 /// contact carries on with them however far the step leads them: they meet by the arcs that they go on, or by a script
 /// that is faster than in the step before. An impulse here would take the load from stages 3 and 7, and friction with
-/// it: a box that a wall pushes ahead with 40 m/s^2 and friction 0.4 sank by half of g dt in the mean, and by none now.
-/// What would rebound from a script is not left to them.
+/// it: a box that a wall pushes ahead with 40 m/s^2 and friction 0.4 sank at g dt / 2, and stays now. What would rebound
+/// from a script is not left to them, and has that fault still.
 bool carries_on(const StepView& view, const PairRecord& pair, const FeaturePair& features) {
     if (view.model.settings.approach_threshold >= 0) return false;
     const FeaturePoints points =
@@ -181,7 +181,9 @@ CollisionFinding find_collision(const StepView& view, Worker& worker, const Pair
         out.urgent = rebounding(view, pair, swept.point);
         out.landing = landing_of(view, pair, *out.urgent, swept.point.relative_velocity, swept.start_gap);
         const double approach = -dot(out.urgent->relative_velocity, out.urgent->normal);
-        if (approach >= 0 && (stops_calmly(view, pair, approach, 0) || carries_on(view, pair, found.hit.features))) {
+        const bool calm =
+            approach >= 0 && (stops_calmly(view, pair, approach, 0) || carries_on(view, pair, found.hit.features));
+        if (calm) {
             out.urgent.reset();
             out.verdict = Verdict::settled; // stage 5 has the proof
         }

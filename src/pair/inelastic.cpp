@@ -8,6 +8,7 @@
 
 #include "base/index.hpp"
 #include "pair/cluster_query.hpp"
+#include "pair/simultaneous_hits.hpp"
 #include "parallel/compact.hpp"
 #include "parallel/team_sort.hpp"
 
@@ -63,14 +64,33 @@ bool turns_stay(const Impulsive& a, const Impulsive& b, double dt) {
     return stays(a) && stays(b);
 }
 
-double inelastic_target(double dt, const SweptContact& contact, const PairLengths& lengths, int iteration,
-                        int iterations) {
+/// What a hit is answered with.
+struct Answer {
+    double target;           ///< m/s, along the normal
+    bool on_centres = false; ///< the impulse turns no body
+};
+
+// Impulses at one corner after the other of a side that lands flat tilt it to and fro for longer than there are tries,
+// and what stops its points then stops the body where the step began: plates that met the floor by what gravity adds
+// in one step fell no further, and hung above it for ever. An impulse on the centres of mass moves all points alike, so
+// that each is asked for once.
+Answer answer_to(double dt, const SweptContact& contact, const PairLengths& lengths, int iteration, int iterations) {
     const double vn = dot(contact.point.normal, contact.point.relative_velocity);
     const double exact = (lengths.rest - contact.start_gap) / dt;
-    if (exact > vn && iteration < iterations / 2) return exact;
-    if (vn < 0 && exact <= vn && iteration < iterations / 4) return 0.5 * vn;
+    if (exact > vn && iteration < iterations / 2) return {exact, iteration >= iterations / 4};
+    if (vn < 0 && exact <= vn && iteration < iterations / 4) return {0.5 * vn};
     const double pushes = std::exp2(std::clamp((iteration - iterations) / kMostTries, 0, kMostDoublings));
-    return std::max(0.0, vn + kPushSeparations * pushes * lengths.separation / dt);
+    return {std::max(0.0, vn + kPushSeparations * pushes * lengths.separation / dt)};
+}
+
+/// Whether two bodies meet on a side, not at a point or along a line.
+bool meets_flat(const StepView& view, Worker& worker, const ClusterHit& hit, const SweptContact& contact,
+                double reach) {
+    constexpr std::size_t kSpan = 3; // beside the points of the hit itself
+    if (view.clusters[hit.a].members.size() > 1 || view.clusters[hit.b].members.size() > 1) return false;
+    worker.hits.clear();
+    find_simultaneous_hits(view, worker.footprints, hit, contact.point, reach, {}, worker.hits);
+    return worker.hits.size() >= kSpan;
 }
 
 } // namespace
@@ -92,8 +112,10 @@ Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pa
         if (hit.hit.by_turn && turns_stay(body_a, body_b, view.dt)) return out;
         SweptContact contact = swept_contact(view, hit);
         const PairLengths lengths = pair_lengths(view.model, view.state, hit.a, hit.b);
-        const double target = inelastic_target(view.dt, contact, lengths, i, std::min(iterations, kMostTries));
-        const auto impulse = displacing_impulse(body_a, body_b, view.dt, target, contact.point);
+        const Answer answer = answer_to(view.dt, contact, lengths, i, std::min(iterations, kMostTries));
+        if (answer.on_centres || (answer.target < 0 && meets_flat(view, worker, hit, contact, lengths.rest)))
+            contact.point.arm_a = contact.point.arm_b = {};
+        const auto impulse = displacing_impulse(body_a, body_b, view.dt, answer.target, contact.point);
         if (!impulse) return out;
         push(movers, worker, a, b, contact.point, *impulse);
     }

@@ -17,7 +17,8 @@ struct Resolution {
 };
 
 /// Handles hits in consecutive order, at most `iterations` of them, each with the impulse that brings the bodies to
-/// their rest distance at the end of the step: v'_n = (d_rest - d)/dt.
+/// their rest distance at the end of the step: v'_n = (d_rest - d)/dt. Bodies that meet on a side go there without a
+/// turn.
 Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pairs, Worker& worker,
                              const CandidatePair& clusters, int iterations);
 

@@ -149,12 +149,28 @@ class PairTargets {
     /// m, of b relative to a, in the step as far as it is known before contacts answer to loads.
     [[nodiscard]] Vec3 way(const Contact& c) const {
         const auto velocity = [&](std::int32_t body) {
-            const Vec3 v = bodies_.velocity[at(body)];
-            const Vec3 unloaded =
-                bodies_.inverse_mass[at(body)] > 0 ? v - input_.accelerated * acceleration(model_, at(body)) : v;
-            return unloaded + cross(bodies_.angular_velocity[at(body)], point_on(c, body) - bodies_.position[at(body)]);
+            return unloaded(body) +
+                   cross(bodies_.angular_velocity[at(body)], point_on(c, body) - bodies_.position[at(body)]);
         };
         return dt_ * (velocity(c.b) - velocity(c.a));
+    }
+
+    /// m/s, of the centre of mass, without what loads have added.
+    [[nodiscard]] Vec3 unloaded(std::int32_t body) const {
+        const Vec3 v = bodies_.velocity[at(body)];
+        return bodies_.inverse_mass[at(body)] > 0 ? v - input_.accelerated * acceleration(model_, at(body)) : v;
+    }
+
+    /// Of bodies that turn alike: whether they do so about one axis, and do not slip on each other here. Two that roll
+    /// on nothing and turn the same way slip by all that their points move.
+    [[nodiscard]] bool go_as_one(const Contact& c) const {
+        constexpr double kSlips = 1.0 / 16;
+        double turning = 0; // m/s
+        for (const std::int32_t body : {c.a, c.b})
+            turning +=
+                length(bodies_.angular_velocity[at(body)]) * length(point_on(c, body) - bodies_.position[at(body)]);
+        const Vec3 between = way(c);
+        return length(between - dot(between, c.normal) * c.normal) < kSlips * dt_ * turning;
     }
 
     /// m/s (Settings::static_tolerance).
@@ -213,21 +229,27 @@ class PairTargets {
         double full = equation_16(to - distance, dt_, band);
         if (due.yields) full = std::max(full, -kYields * c.tolerance);
         full += arcs.approach;
+        // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
+        // there, but by bodies that go round as one.
+        const bool as_one = arcs.alike && go_as_one(c);
+        const double later = as_one ? 0.0 : std::clamp(-0.5 * dt_ * arcs.apart, 0.0, set_.rest[i] / dt_);
         const double missing = late(c);
-        c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full;
+        c.target = input_.final_stage || stays_level(c) ? std::min(0.0, full) : full + later;
+        if (!input_.all_level) c.target += missing;
+        if (input_.all_level && full + later + missing > kWorthRaising * band && !is_level(c))
+            std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed); // whoever comes first
+        else if (input_.all_level)
+            c.target = std::min(0.0, full + later);
         // What turns with the inside of a ring needs half of its centripetal impulse now, to be where the ring is at
         // the end of the step, and half then (RATTLE).
-        if (!input_.final_stage) c.target += arcs.together;
-        if (!input_.all_level) c.target += missing;
-        if (input_.all_level && full + missing > kWorthRaising * band && !is_level(c))
-            std::atomic_ref(out_.would_raise).store(true, std::memory_order_relaxed); // whoever comes first
+        if (as_one && !input_.final_stage) c.target += arcs.together;
         c.target += arcs.rises + dot(c.normal, arcs.stands);
         if (!out_.presses.empty()) out_.presses[i] = press(i);
         out_.carries[i] = arcs.carries != 0 ? 1 : 0;
         c.friction *= arcs.friction;
         if ((input_.keep_approach || with_sleeper(c)) && set_.processed[i] == 0)
             c.target = std::min(c.target, -kept_approach(model_, c, input_.start, input_.poses, bodies_));
-        const Vec3 slip = input_.final_stage ? arcs.stands : arcs.stands + turned_under(c);
+        const Vec3 slip = input_.final_stage ? arcs.stands : arcs.stands + turned_under(c, as_one);
         c.slip = slip - dot(c.normal, slip) * c.normal;
         c.point += arcs.shift;
         c.sticks = model_.settings.tangents == Tangents::random &&
@@ -236,13 +258,15 @@ class PairTargets {
 
     /// m/s, by how much a prescribed body that turns is faster where the other one is in the middle of the step than it
     /// is under it now, b against a: what it carries round then goes along its chord in the step. With the velocity at
-    /// the start it would creep outward on a turntable, by 9 % of the radius in 4 s at 1 rad/s and 1/24 s. Along the
-    /// normal arcs have it, or it is not so: what stands on a roller stays on it.
-    [[nodiscard]] Vec3 turned_under(const Contact& c) const {
+    /// the start it would creep outward on a turntable, by 9 % of the radius in 4 s at 1 rad/s and 1/24 s. What goes as
+    /// one with it moves along the normal too, as far from the axis; what stands on a roller does not.
+    [[nodiscard]] Vec3 turned_under(const Contact& c, bool as_one) const {
         const auto faster = [&](std::int32_t body, std::int32_t other) {
             if (bodies_.inverse_mass[at(body)] > 0) return Vec3{};
-            const Vec3 way = 0.5 * dt_ * (bodies_.velocity[at(other)] - bodies_.velocity[at(body)]);
-            return cross(bodies_.angular_velocity[at(body)], way - dot(way, c.normal) * c.normal);
+            const Vec3 &omega = bodies_.angular_velocity[at(body)], &n = c.normal;
+            const Vec3 between = bodies_.velocity[at(other)] - bodies_.velocity[at(body)],
+                       turned = cross(omega, bodies_.position[at(other)] - bodies_.position[at(body)]);
+            return 0.5 * dt_ * cross(omega, between - dot(n, as_one ? between - turned : between) * n);
         };
         return faster(c.a, c.b) - faster(c.b, c.a);
     }

@@ -156,7 +156,8 @@ void Stepper::rejoin_woken() {
 }
 
 /// Bodies that carried each other at the start of the step and do not touch at its end are disturbed: what is left of
-/// the step's impulses is not what holds them.
+/// the step's impulses is not what holds them. Both lists are sorted by bodies. (Where velocities are those of the end,
+/// its impulses are all.)
 void Stepper::disturb_parted() {
     auto pair = touching_.begin();
     for (const WarmImpulse& w : state_.warm[ContactStage::kept]) {

@@ -382,6 +382,39 @@ std::vector<Run> runs_of_impacts() {
     return list;
 }
 
+// A plate that lands flat rebounds flat, from whatever height: also where it meets the ground by what gravity adds in
+// the step alone.
+void plate_lands_flat(const Run& run) {
+    constexpr double kLeast = 0.2, kMost = 0.6, kRestitution = 0.5; // m
+    constexpr int kHeights = 41;
+    const TriangleMesh mesh = make_box(0.2, 0.2, 0.02);
+    double worst = 0, fastest = 0, highest = 0; // shares of the due height; rad/s
+    for (int k = 0; k < kHeights; ++k) {
+        const double height = kLeast + (kMost - kLeast) * k / (kHeights - 1), ground = 0.01 + rest_gap(mesh);
+        SceneDescription scene = make_scene_with(run.settings());
+        add_body(scene, add_solid(scene, mesh, 1000), BodyType::dynamic, {0, 0, ground + height}, 0.3, kRestitution);
+        add_ground(scene, 3, 0.3, kRestitution);
+        Motion motion(scene);
+        double rebound = 0;
+        bool rises = false;
+        motion.run((1 + kRestitution) * std::sqrt(2 * height / kGravity) + 2 * run.dt(), [&](const StepReport&) {
+            const BodyState plate = motion.body(0);
+            fastest = std::max(fastest, length(plate.angular_velocity));
+            rises = rises || plate.velocity.z > 0;
+            const double above = plate.center_of_mass.z - ground, speed = plate.velocity.z;
+            if (rises) rebound = std::max(rebound, above + 0.5 * speed * std::abs(speed) / kGravity);
+        });
+        const double share = rebound / (kRestitution * kRestitution * height);
+        worst = std::min(k == 0 ? share : worst, share);
+        highest = std::max(highest, share);
+    }
+    std::printf("Impact.PlateLandsFlat/%s: rebounds to %.4f to %.4f of the due height, turns at up to %.3g rad/s\n",
+                run.name().c_str(), worst, highest, fastest);
+    EXPECT_GT(worst, 0.95);
+    EXPECT_LT(highest, 1.05);
+    EXPECT_LT(fastest, 0.01); // 7 rad/s where it tilts by what a corner alone is pushed
+}
+
 [[maybe_unused]] const bool registered = [] {
     add_runs("Impact", "FreeFallIsExact", runs(), true, ballistic);
     for (const int e : {50, 80})
@@ -434,6 +467,10 @@ std::vector<Run> runs_of_impacts() {
     for (const int e : {100, 50})
         add_runs("Impact", "CradleWithRestitution" + std::to_string(e) + "Percent", runs_of_impacts(), true,
                  [=](const Run& r) { cradle_hands_on(r, 0.01 * e); });
+    add_runs(
+        "Impact", "PlateLandsFlat",
+        {{"balanced", 24}, {"balanced", 30}, {"balanced", 60}, {"balanced", 240}, {"preview", 24}, {"accurate", 24}},
+        true, plate_lands_flat);
     return true;
 }();
 
