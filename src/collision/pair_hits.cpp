@@ -83,10 +83,10 @@ bool stops_calmly(const StepView& view, const PairRecord& pair, double speed, do
                least_approach(view, pair.a, pair.b, pair.lengths.rest);
 }
 
-/// Whether points of two bodies are contacts at x^n already that nothing brought together until then, so that static
-/// contact carries on with them however far the step leads them: they meet by the arcs that they go on, or by a script
+/// Whether points of two bodies are contacts at x^n already that nothing brought together until then. Static contact
+/// then carries on with them however far the step leads them: they meet by the arcs that they go on, or by a script
 /// that is faster than in the step before. An impulse here would take the load from stages 3 and 7, and friction with
-/// it: a box that a wall pushes ahead with 40 m/s^2 and friction 0.4 sank at g dt / 2, and stays now. What would rebound
+/// it: a box that a wall pushes ahead with 40 m/s^2 and friction 0.4 sank at g dt / 2 so. What would rebound
 /// from a script is not left to them, and has that fault still.
 bool carries_on(const StepView& view, const PairRecord& pair, const FeaturePair& features) {
     if (view.model.settings.approach_threshold >= 0) return false;

@@ -11,10 +11,10 @@
 // wheel that pass the ground in a step then press on it right below the axle, and it rolls.
 //
 // Where bodies go round as one the row is asked for what their arcs bring together by then, as the inside of a ring
-// does with what it carries round, and let off what they take apart. Two blocks in a free hoop at 4 rad/s keep 0.9995 of
-// their angular momentum in 4 s at 1/60 s. They kept 0.72 where the half velocities alone had that: places were put
-// right, and velocities not. A box that goes round at 4 rad/s 3 m from the axis, at 1/24 s, held by a wall 0.2 m farther
-// out, was 2.8 mm from it after each other step without what takes them apart, with no force on it.
+// does with what it carries round, and let off what they take apart. Two blocks in a free hoop at 4 rad/s keep 0.9995
+// of their angular momentum in 4 s at 1/60 s. They kept 0.72 where the half velocities alone had that: places were put
+// right, and velocities not. A box that goes round at 4 rad/s 3 m from the axis, at 1/24 s, held by a wall 0.2 m
+// farther out, was 2.8 mm from it after each other step without what takes them apart, with no force on it.
 #pragma once
 
 #include <algorithm>
