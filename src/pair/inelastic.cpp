@@ -73,12 +73,14 @@ struct Answer {
 // Impulses at one corner after the other of a side that lands flat tilt it to and fro for longer than there are tries,
 // and what stops its points then stops the body where the step began: plates that met the floor by what gravity adds
 // in one step fell no further, and hung above it for ever. An impulse on the centres of mass moves all points alike, so
-// that each is asked for once.
-Answer answer_to(double dt, const SweptContact& contact, const PairLengths& lengths, int iteration, int iterations) {
+// that each is asked for once: where it is these that come too near, at `centres` m/s, and not what turning does.
+Answer answer_to(double dt, const SweptContact& contact, double centres, const PairLengths& lengths, int iteration,
+                 int iterations) {
     const double vn = dot(contact.point.normal, contact.point.relative_velocity);
     const double exact = (lengths.rest - contact.start_gap) / dt;
-    if (exact > vn && iteration < iterations / 2) return {exact, iteration >= iterations / 4};
+    if (exact > vn && iteration < iterations / 2) return {exact};
     if (vn < 0 && exact <= vn && iteration < iterations / 4) return {0.5 * vn};
+    if (exact > std::max(vn, centres) && exact < 0 && iteration < 3 * iterations / 4) return {exact, true};
     const double pushes = std::exp2(std::clamp((iteration - iterations) / kMostTries, 0, kMostDoublings));
     return {std::max(0.0, vn + kPushSeparations * pushes * lengths.separation / dt)};
 }
@@ -112,7 +114,8 @@ Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pa
         if (hit.hit.by_turn && turns_stay(body_a, body_b, view.dt)) return out;
         SweptContact contact = swept_contact(view, hit);
         const PairLengths lengths = pair_lengths(view.model, view.state, hit.a, hit.b);
-        const Answer answer = answer_to(view.dt, contact, lengths, i, std::min(iterations, kMostTries));
+        const double centres = dot(contact.point.normal, body_b.velocity - body_a.velocity);
+        const Answer answer = answer_to(view.dt, contact, centres, lengths, i, std::min(iterations, kMostTries));
         if (answer.on_centres || (answer.target < 0 && meets_flat(view, worker, hit, contact, lengths.rest)))
             contact.point.arm_a = contact.point.arm_b = {};
         const auto impulse = displacing_impulse(body_a, body_b, view.dt, answer.target, contact.point);
