@@ -245,9 +245,10 @@ void wheel_drives_a_wheel(const Run& run) {
     EXPECT_NEAR(share, 1, 0.01);
 }
 
-// A block in a turning drum slides where friction just carries it, and swings about there: from elsewhere for ever and
-// ever farther or less far by what a step adds to or takes from a swing, so that it is let go there. Its two edges press against the drum, each at the angle a from the middle: mu (N1 + N2) R = m g d sin(angle), d from the axis
-// to its centre of mass, and N1 + N2 = m g cos(angle) / cos a.
+// A block in a turning drum slides where friction just carries it, and swings about there. From elsewhere it swings for
+// ever, farther or less far by what a step adds to a swing or takes from it, so that it is let go there. Its two edges
+// press against the drum, each at the angle a from the middle: mu (N1 + N2) R = m g d sin(angle), d from the axis to
+// its centre of mass, and N1 + N2 = m g cos(angle) / cos a.
 void drum_carries_a_block(const Run& run, int sides) {
     constexpr double kRadius = 0.3, kWidth = 0.15, kRate = 1.5, kFriction = 0.4, kTime = 5;
     const TriangleMesh mesh = make_box(0.08, 0.1, 0.03);

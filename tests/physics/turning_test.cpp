@@ -121,7 +121,7 @@ void wall_pushes_a_box(const Run& run, double rate) {
     EXPECT_LT(sinks, 2e-3); // the wall begins to push in the first step
 }
 
-/// m, how far a block has come along a sheet that carries it round, from `start` of the sheet's middle.
+/// m, where the block is on the sheet that carries it round, from the sheet's middle, in its axes.
 Vec3 place_on(const Motion& motion) {
     const BodyState block = motion.body(0), sheet = motion.body(1);
     return rotate(conjugate(sheet.rotation), block.center_of_mass - sheet.position);
@@ -149,7 +149,7 @@ double creeps_on(const Run& run, double friction, const Vec3& rate, double along
     return most;
 }
 
-// What is left is of second order: half of a chord's height a step, by which the load is beside its place, and no way.
+// What is left falls at least with the step: less than the square of the angle of a step, in radii, each second.
 void slope_turns_under_a_block(const Run& run) {
     constexpr double kRate = 3.6, kSlope = kPi / 4, kAlong = 0.7, kTime = 4;
     const double creeps = creeps_on(run, 0.9, {0, 0, kRate}, kAlong, kTime, [](double t) {
