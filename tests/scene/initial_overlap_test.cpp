@@ -63,6 +63,18 @@ TEST(InitialOverlap, TouchingCountsAndAnUlpMoreThanRoundingDoesNot) {
     }
 }
 
+// A box on another of the same width, 0.3 mm above it: the faces of their sides lie in one plane, to rounding.
+TEST(InitialOverlap, FlushFacesDoNotIntersectHoweverTheyAreTurned) {
+    for (int i = 0; i < 300; ++i) {
+        const auto draw = [&](int k) { return 6 * unit_interval(random_bits(5, i, k)) - 3; };
+        const Quat turn = rotation_from_vector({draw(0), draw(1), draw(2)});
+        Builder b;
+        b.shape(make_box(1, 0.3, 0.04)).shape(make_box(0.2, 0.3, 0.2));
+        b.body(0, {}, BodyType::dynamic, turn).body(1, rotate(turn, {0.1, 0, 0.1203}), BodyType::dynamic, turn);
+        EXPECT_TRUE(b.overlaps().movable.empty()) << i;
+    }
+}
+
 TEST(InitialOverlap, NestedClosedSurfacesDoNotIntersect) {
     Builder b;
     b.shape(make_box(3, 3, 3)).shape(make_box(1, 1, 1)).body(0, {}).body(1, {});
