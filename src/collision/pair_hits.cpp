@@ -44,9 +44,10 @@ ContactPoint rebounding(const StepView& view, const PairRecord& pair, ContactPoi
     return point;
 }
 
-/// `way`: m/s, of the points on their way in this step, b minus a; `start_gap`: m, along the normal at x^n.
+/// `way`: m/s, of the points on their way in this step, b minus a; `start_gap`: m, along the normal at x^n; `time`:
+/// share of the step.
 Landing landing_of(const StepView& view, const PairRecord& pair, const ContactPoint& point, const Vec3& way,
-                   double start_gap) {
+                   double start_gap, double time) {
     const Vec3& n = point.normal;
     const bool late = view.clusters[pair.a].any_late() || view.clusters[pair.b].any_late();
     return {.normal = n,
@@ -54,7 +55,8 @@ Landing landing_of(const StepView& view, const PairRecord& pair, const ContactPo
             .parts = late && dot(n, rigid_velocity(view, pair, point)) >= 0,
             .way = -dot(n, way),
             .gap = start_gap - pair.lengths.rest,
-            .lengths = pair.lengths};
+            .lengths = pair.lengths,
+            .time = time};
 }
 
 /// Whether some points of two bodies may approach each other faster than `speed` (m/s), by their motions and radii
@@ -168,7 +170,7 @@ EndProximity end_proximity(const StepView& view, Worker& worker, const PairRecor
     const FeaturePoints way =
         closest_points(view.trajectories.motion(at(pair.a)), view.trajectories.motion(at(pair.b)), first->features, 1);
     out.landing = landing_of(view, pair, *out.point, ((way.b1 - way.b0) - (way.a1 - way.a0)) / view.dt,
-                             dot(out.point->normal, way.b0 - way.a0));
+                             dot(out.point->normal, way.b0 - way.a0), 1);
     return out;
 }
 
@@ -179,7 +181,8 @@ CollisionFinding find_collision(const StepView& view, Worker& worker, const Pair
         out.processed = true;
         const SweptContact swept = contact_of_hit(view, {found.hit, pair.a, pair.b});
         out.urgent = rebounding(view, pair, swept.point);
-        out.landing = landing_of(view, pair, *out.urgent, swept.point.relative_velocity, swept.start_gap);
+        out.landing =
+            landing_of(view, pair, *out.urgent, swept.point.relative_velocity, swept.start_gap, found.hit.toi);
         const double approach = -dot(out.urgent->relative_velocity, out.urgent->normal);
         const bool calm =
             approach >= 0 && (stops_calmly(view, pair, approach, 0) || carries_on(view, pair, found.hit.features));

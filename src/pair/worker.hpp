@@ -32,6 +32,7 @@ struct Landing {
     double way = 0;      ///< m/s, > 0, how fast they come nearer on their way in this step
     double gap = 0;      ///< m, at the start of the step, above the rest distance
     PairLengths lengths{};
+    double time = 1; ///< [0, 1], share of the step after which they meet
 };
 
 /// A hit that a round over the pairs found (collision/accumulated.hpp).

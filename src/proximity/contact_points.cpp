@@ -457,10 +457,33 @@ ProximityPoint contact_point(const BodyMotion& a, const BodyMotion& b, const Pro
     return contact_point(flat_side(a, b, p, angle_cos), p);
 }
 
+/// Whether the foot of a contact's vertex is at the border of its triangle, and not at that of the flat face that the
+/// triangle is part of.
+bool crosses_flat_face(const BodyMotion& body, const Vec3& vertex, std::int32_t face) {
+    const auto f = corners(body, face);
+    const auto foot = closest_vertex_triangle(vertex, f[0], f[1], f[2]).barycentric;
+    const Topology& topology = body.shape->topology;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const bool edge = foot[k] == 0 && foot[(k + 1) % 3] > 0 && foot[(k + 2) % 3] > 0; // across from corner k
+        if (edge) return topology.salient_edge[at(topology.triangle_edges[at(face)][(k + 1) % 3])] == 0;
+        if (foot[k] == 1) return topology.salient_vertex[at(body.shape->mesh.triangles[at(face)][k])] == 0;
+    }
+    return false;
+}
+bool crosses_flat_face(const BodyMotion& a, const BodyMotion& b, const ProximityPoint& p) {
+    switch (p.features.kind) {
+    case FeatureKind::vertex_face: return crosses_flat_face(b, p.a, p.features.b);
+    case FeatureKind::face_vertex: return crosses_flat_face(a, p.b, p.features.a);
+    case FeatureKind::edge_edge: break;
+    }
+    return false;
+}
+
 /// Bodies that touch at one point alone slide or roll from it, within a step, onto features that do not face each other
 /// yet. A link that hangs in a corner between facets of another sees one side of it, slides past the corner, and so on
 /// in every step: ten links at 1/100 s keep 0.5 J for ever, and 1e-5 J with this. The nearest points in other
-/// directions up to kOtherDirection from that one are contacts as well. `out` ends with the one point.
+/// directions up to kOtherDirection from that one are contacts as well. A flat face has one direction, however it is
+/// cut into triangles. `out` ends with the one point.
 void add_other_directions(const BodyMotion& a, const BodyMotion& b, double angle_cos, ProximityScratch& scratch,
                           std::vector<ProximityPoint>& out) {
     const ProximityPoint only = out.back();
@@ -476,7 +499,7 @@ void add_other_directions(const BodyMotion& a, const BodyMotion& b, double angle
     for (const ProximityPoint& p : others) {
         const auto repeats = [&](const ProximityPoint& kept) { return dot(kept.normal, p.normal) >= angle_cos; };
         if (std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), repeats)) continue;
-        if (admissible(a, b, p, kOtherDirection, scratch)) out.push_back(p);
+        if (!crosses_flat_face(a, b, p) && admissible(a, b, p, kOtherDirection, scratch)) out.push_back(p);
     }
     std::ranges::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), {},
                       [](const ProximityPoint& p) { return feature_key(p.features); });

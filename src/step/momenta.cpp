@@ -19,7 +19,8 @@ constexpr std::size_t kBodyGrain = 16; // bodies of a task
 /// may have turned it otherwise, and with the momentum kept in the world its energy would be that of another
 /// orientation: for a bar of aspect 1,000 many times as much. The further turn is O(dt^2) where contact acts steadily,
 /// so the momentum turned with it is as exact as the scheme, and the energy is kept. `accelerated`: the part of the
-/// step whose torques `kept` has in it.
+/// step whose torques `kept` has in it. What came late turned it less in this step and is no such turn: the impulse
+/// belongs to where bodies met. Energy is kept there as well, by the least change of the momentum.
 void Stepper::turn_momenta(std::span<const Motion> kept, double accelerated, std::span<Motion> motion) {
     const double dt = model_.settings.time_step;
     workers_.team.for_each("turn momenta", model_.active.size(), kBodyGrain, [&](std::size_t k, int) {
@@ -35,11 +36,32 @@ void Stepper::turn_momenta(std::span<const Motion> kept, double accelerated, std
         if (c.members.size() == 1 && c.rung == Rung::free && clusters_.motion()[i].momentum == mean) return;
         const Quat &start = state_.pose[i].rotation, &end = trajectories_.end_pose(i).rotation;
         const WorldInertia inertia = world_inertia(model_.shape_of(i), body.locked.rotation, start);
-        const Quat alone = normalized(rotate_free(inertia, body.locked.rotation, mean, dt).rotation * start);
+        const Vec3 late = any_late_ ? buffers_.late[i].momentum : Vec3{};
+        const Quat alone = normalized(rotate_free(inertia, body.locked.rotation, mean - late, dt).rotation * start);
         const Vec3 turned_on = rotate(end, rotate(conjugate(alone), before));
-        motion[i].momentum = body.locked.rotation == 0 ? turned_on : within_energy(i, before, turned_on);
+        if (body.locked.rotation != 0)
+            motion[i].momentum = within_energy(i, before, turned_on);
+        else
+            motion[i].momentum = late == Vec3{} ? turned_on : with_energy(i, before, turned_on);
         if (driven) motion[i].momentum += (1 - accelerated) * added;
     });
+}
+
+/// The angular momentum at x^{n+1} next to `momentum`, to first order, that has the energy of `before` at x^n, or less
+/// where there is none.
+Vec3 Stepper::with_energy(std::size_t i, const Vec3& before, const Vec3& momentum) const {
+    const auto spin_at = [&](const Quat& rotation, const Vec3& l) { return angular_velocity(model_, i, rotation, l); };
+    const Quat& end = trajectories_.end_pose(i).rotation;
+    const double due = dot(before, spin_at(state_.pose[i].rotation, before)); // twice the energy, as all here
+    // Along the gradient of the energy, which is the spin: a quadratic equation.
+    const Vec3 spin = spin_at(end, momentum);
+    const double slope = length_sq(spin), curve = dot(spin, spin_at(end, spin));
+    if (!(curve > 0)) return momentum;
+    const double excess = dot(momentum, spin) - due;
+    const double root = std::sqrt(std::max(0.0, slope * slope - curve * excess));
+    const Vec3 out = momentum - ((slope - root) / curve) * spin;
+    const double has = dot(out, spin_at(end, out));
+    return has > due ? std::sqrt(due / has) * out : out;
 }
 
 /// With two free axes not all of a momentum turns on: what of it is about them, with no more than the energy at x^n.

@@ -218,6 +218,7 @@ class Stepper {
     void add_script_work(std::span<const Pose> poses);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;
+    [[nodiscard]] Vec3 with_energy(std::size_t i, const Vec3& before, const Vec3& momentum) const;
     [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
     void turn_momenta(std::span<const Motion> kept, double accelerated, std::span<Motion> motion);
     void drop_line_spin(std::span<const Pose> end, std::span<Motion> motion) const;
