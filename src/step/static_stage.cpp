@@ -184,7 +184,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                                              std::span<const Pose> poses, ContactStage stage,
                                              const StepReport& report) {
     const bool final_stage = stage == ContactStage::final;
-    auto& [velocities, targets, impulses, carried, stored, landing, solver] = static_;
+    auto& [velocities, targets, impulses, carried, stored, landing, stiffness, solver] = static_;
     velocities.load(&workers_.team, model_, pairs_.lists.still_version, poses, motion);
     velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1
@@ -209,9 +209,13 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     options.team = &workers_.team;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);
     options.presses = targets.presses;
+    const double carries = final_stage || kept ? 0.5 : 1; // of the step, what the stage before carried
+    stiffness.stiffen(&workers_.team, model_, targets.contacts, carried, carries * model_.settings.time_step,
+                      velocities);
     const ContactSolveStats stats = solve_contacts(targets.contacts, velocities.bodies(), options, impulses, solver);
     add_landing_loads(landing, impulses);
     velocities.store(&workers_.team, model_, motion);
+    stiffness.relax(velocities);
     // The impulses of stage 7 in State are those of the contacts at its poses, whose features the next step may reuse.
     const std::span<const std::uint8_t> left_out =
         final_stage ? std::span<const std::uint8_t>(contacts.ahead) : std::span<const std::uint8_t>();

@@ -14,6 +14,7 @@
 #include "failsafe/failsafe.hpp"
 #include "islands/sleeping.hpp"
 #include "pair/contact_search.hpp"
+#include "static_contact/geometric_stiffness.hpp"
 #include "static_contact/landing_load.hpp"
 #include "static_contact/solve_contacts.hpp"
 #include "static_contact/targets.hpp"
@@ -291,6 +292,7 @@ class Stepper {
         std::vector<Vec3> carried;        ///< likewise, of the stage before
         std::vector<std::int32_t> stored; ///< of `targets`, those whose impulses are kept
         LandingLoads landing;
+        GeometricStiffness stiffness;
         ContactScratch solver;
     };
     StaticBuffers static_;
