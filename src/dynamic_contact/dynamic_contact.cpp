@@ -113,6 +113,17 @@ class DynamicContact {
         const double pushed = take_largest_push(workers_);
         patience_.add(static_cast<std::ptrdiff_t>(hits), clusters_.pairs.size(), pushed);
         progress_.add(hits, clusters_.pairs.size(), pushed);
+        progress_.slow_by(largest_mass_ratio());
+    }
+
+    /// Of two listed clusters that can move, at least 1.
+    [[nodiscard]] double largest_mass_ratio() const {
+        double ratio = 1;
+        for (const CandidatePair& p : clusters_.pairs) {
+            const double a = view_.clusters[p.a].inverse_mass, b = view_.clusters[p.b].inverse_mass;
+            if (a > 0 && b > 0) ratio = std::max({ratio, a / b, b / a});
+        }
+        return ratio;
     }
 
     /// Returns how many pairs hit, and notes whether all of them resolved.

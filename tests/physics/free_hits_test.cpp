@@ -43,7 +43,9 @@ void boxes_keep_momenta(const Run& run, const Vec3& size, double friction, doubl
     }
     std::printf("angular momentum off by %.4f in the mean, energy by %.3g\n", mean, energy);
     EXPECT_LT(mean, 3 * run.dt());
-    if (friction == 0 && e == 1) EXPECT_LT(energy, 2e-3);
+    if (friction == 0 && e == 1) {
+        EXPECT_LT(energy, 2e-3);
+    }
 }
 
 // A ball that meets two others almost at once, from any place within the step: it turns where it meets the first, and

@@ -9,27 +9,6 @@
 namespace flotilla::physics {
 namespace {
 
-/// A ring about z of flat sides: the middles of its inner ones are at `radius`.
-TriangleMesh make_hoop(double radius, double thickness, double height, int sides) {
-    TriangleMesh mesh;
-    const double inner = radius / std::cos(kPi / sides);
-    const std::array<std::pair<double, double>, 4> profile{{{inner, -0.5 * height},
-                                                            {inner + thickness, -0.5 * height},
-                                                            {inner + thickness, 0.5 * height},
-                                                            {inner, 0.5 * height}}};
-    for (const auto& [r, z] : profile)
-        for (int k = 0; k < sides; ++k)
-            mesh.vertices.push_back(
-                {r * std::cos(kPi * (2 * k + 1) / sides), r * std::sin(kPi * (2 * k + 1) / sides), z});
-    for (int l = 0; l < 4; ++l)
-        for (int k = 0; k < sides; ++k) {
-            const int next = (l + 1) % 4, j = (k + 1) % sides;
-            mesh.triangles.push_back({l * sides + k, l * sides + j, next * sides + j});
-            mesh.triangles.push_back({l * sides + k, next * sides + j, next * sides + k});
-        }
-    return mesh;
-}
-
 // Two blocks on the inside of a free hoop turn with it, without gravity. Nothing slips and nothing outside acts: energy
 // and angular momentum stay. To the fourth order in the angle of a step, by which a chord is shorter than its arc.
 void hoop_keeps_its_spin(const Run& run) {

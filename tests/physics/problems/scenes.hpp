@@ -45,6 +45,8 @@ BodyDescription& add_ground(SceneDescription& scene, double size, double frictio
 [[nodiscard]] TriangleMesh make_hexahedron(const std::array<Vec3, 8>& corners);
 /// A flat ring in the plane z = 0 without thickness.
 [[nodiscard]] TriangleMesh make_annulus(double inner, double outer, int segments);
+/// A ring about z of flat sides: the middles of its inner ones are at `radius`.
+[[nodiscard]] TriangleMesh make_hoop(double radius, double thickness, double height, int sides);
 /// The same scene `factor` times as large, with speeds that grow like the square root: gravity makes both move alike in
 /// time sqrt(factor) as long. The time step is not changed.
 [[nodiscard]] SceneDescription scaled(SceneDescription scene, double factor);
