@@ -102,7 +102,7 @@ class World {
     /// Returns the body of an AddBody or of the edit, the shape's number as `index` of an AddShape, and nobody of
     /// others.
     BodyId apply(const Edit& edit);
-    /// The number that add_body() knows the shape by.
+    /// The number that add_body() knows the shape by. A shape without a name gets one.
     std::int32_t add_shape(ShapeDescription shape);
     /// Costs about as much as testing the body against those whose boxes meet its own. A body without a name gets one.
     BodyId add_body(BodyDescription body);
@@ -151,6 +151,12 @@ class World {
     [[nodiscard]] std::uint32_t generation(std::size_t index) const;
     [[nodiscard]] BodyId find(const std::string& name) const;
     [[nodiscard]] bool contains(BodyId body) const; ///< it was not removed
+    /// The number of the shape with a name; InputError where there is none.
+    [[nodiscard]] std::int32_t find_shape(const std::string& name) const;
+    /// As it was described; the vertices and triangles of one that add_shape() did not add are left out, for the scene
+    /// has them. InputError where there is no such shape.
+    [[nodiscard]] const ShapeDescription& shape(std::int32_t number) const;
+    [[nodiscard]] std::size_t num_shapes() const;
     [[nodiscard]] const std::string& name(BodyId body) const;
     /// As it is now but for pose and velocities, which body() has.
     [[nodiscard]] const BodyDescription& description(BodyId body) const;

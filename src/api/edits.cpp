@@ -178,16 +178,17 @@ void World::Impl::change(std::size_t body, BodyDescription description) {
 }
 
 BodyId World::Impl::operator()(const edits::AddShape& edit) {
-    const auto known = std::find_if(now.shapes.begin(), now.shapes.end(),
-                                    [&](const ShapeDescription& s) { return s.name == edit.shape.name; });
-    if (known != now.shapes.end())
-        throw InputError("adding shape " + in_quotes(edit.shape.name) + ": there is one of that name");
+    ShapeDescription added = edit.shape;
+    if (added.name.empty()) added.name = default_shape_name(now.shapes);
+    const std::string doing = "adding shape " + in_quotes(added.name);
+    if (std::any_of(now.shapes.begin(), now.shapes.end(), [&](const auto& s) { return s.name == added.name; }))
+        throw InputError(doing + ": there is one of that name");
     SceneDescription alone;
     alone.settings = settings;
-    alone.shapes.push_back(edit.shape);
-    const Scene scene = build_scene(alone, "adding shape " + in_quotes(edit.shape.name));
+    alone.shapes.push_back(added);
+    const Scene scene = build_scene(alone, doing);
     RigidShape shape = make_shape(scene.shapes.front());
-    now.shapes.push_back(edit.shape);
+    now.shapes.push_back(std::move(added));
     shape_of.push_back(stepper->add_shape(std::move(shape)));
     return {static_cast<std::int32_t>(now.shapes.size() - 1), 0};
 }

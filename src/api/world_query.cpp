@@ -6,6 +6,7 @@
 
 #include "api/world_impl.hpp"
 #include "base/floating_point.hpp"
+#include "base/index.hpp"
 #include "base/text.hpp"
 #include "state/build_model.hpp"
 
@@ -54,6 +55,24 @@ BodyId World::find(const std::string& name) const {
     if (found == impl_->place_of.end()) throw InputError("there is no body " + in_quotes(name));
     return impl_->id(static_cast<std::size_t>(found->second));
 }
+
+std::int32_t World::find_shape(const std::string& name) const {
+    const auto& shapes = impl_->now.shapes;
+    std::vector<std::string_view> names;
+    for (const ShapeDescription& shape : shapes) {
+        if (shape.name == name) return static_cast<std::int32_t>(names.size());
+        names.emplace_back(shape.name);
+    }
+    throw InputError(unknown_name("shape", name, names));
+}
+const ShapeDescription& World::shape(std::int32_t number) const {
+    const auto& shapes = impl_->now.shapes;
+    if (number < 0 || at(number) >= shapes.size())
+        throw InputError("shape " + std::to_string(number) + " does not exist: there are " +
+                         std::to_string(shapes.size()));
+    return shapes[at(number)];
+}
+std::size_t World::num_shapes() const { return impl_->now.shapes.size(); }
 
 bool World::contains(BodyId body) const {
     const auto i = static_cast<std::size_t>(body.index);

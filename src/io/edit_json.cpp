@@ -66,6 +66,7 @@ class Places {
         const std::size_t i = free_place();
         return default_body_name(i, i == bodies_.size() ? 0 : bodies_[i].generation);
     }
+    [[nodiscard]] std::string next_shape_name() const { return default_shape_name(names_.shapes); }
 
   private:
     struct Place {
@@ -74,8 +75,9 @@ class Places {
         bool present = false;
     };
     void add_shape(const ShapeDescription& shape) {
+        std::string given = shape.name.empty() ? next_shape_name() : shape.name;
         names_.shapes.emplace_back();
-        names_.shapes.back().name = shape.name;
+        names_.shapes.back().name = std::move(given);
     }
     [[nodiscard]] std::size_t free_place() const {
         const auto free = std::find_if(bodies_.begin(), bodies_.end(), [](const Place& p) { return !p.present; });
@@ -357,7 +359,11 @@ class EditWriter {
   public:
     explicit EditWriter(const Places& places) : places_(places) {}
 
-    std::string operator()(const edits::AddShape& e) const { return line("add_shape", io::shape_json(e.shape)); }
+    std::string operator()(const edits::AddShape& e) const {
+        ShapeDescription shape = e.shape;
+        if (shape.name.empty()) shape.name = places_.next_shape_name();
+        return line("add_shape", io::shape_json(shape));
+    }
     std::string operator()(const edits::AddBody& e) const {
         BodyDescription body = e.body;
         if (body.name.empty()) body.name = places_.next_name();

@@ -30,7 +30,7 @@ void write(const py::object& edits, const py::object& scene, const std::filesyst
 
 /// The body, the number of an added shape, or None.
 py::object apply(PythonWorld& w, const Edit& edit) {
-    const BodyId body = w.apply(edit);
+    const BodyId body = w.edit().apply(edit);
     if (std::holds_alternative<edits::AddShape>(edit.change)) return py::int_(body.index);
     return body.index < 0 ? py::none() : py::cast(body);
 }

@@ -219,48 +219,30 @@ void PythonWorld::restore(const std::string& snapshot) {
 }
 
 PythonWorld::PythonWorld(const PythonWorld& other, World&& world, const WorldOptions& options)
-    : scene_(other.scene_), added_(other.added_), source_(other.source_), options_(options), world_(std::move(world)) {}
+    : scene_(other.scene_), source_(other.source_), options_(options), world_(std::move(world)) {}
 
 std::unique_ptr<PythonWorld> PythonWorld::clone(const WorldOptions& options) const {
     const World& w = world();
     return std::unique_ptr<PythonWorld>(new PythonWorld(*this, unlocked([&] { return w.clone(options); }), options));
 }
 
-BodyId PythonWorld::apply(const Edit& given) {
-    const BodyId body = edit().apply(given);
-    if (const auto* e = std::get_if<edits::AddShape>(&given.change)) {
-        added_.resize(static_cast<std::size_t>(body.index) -
-                      scene_.shapes.size()); // those after a snapshot went with its return
-        added_.push_back(e->shape);
-    }
-    return body;
-}
-
 std::int32_t PythonWorld::shape_number(const py::object& shape) const {
     if (!py::isinstance<py::str>(shape)) return shape.cast<std::int32_t>();
-    const auto name = shape.cast<std::string>();
-    std::vector<std::string_view> names;
-    for (const auto* shapes : {&scene_.shapes, &added_})
-        for (const ShapeDescription& s : *shapes) {
-            if (s.name == name) return static_cast<std::int32_t>(names.size());
-            names.emplace_back(s.name);
-        }
-    throw InputError(unknown_name("shape", name, names));
+    return world().find_shape(shape.cast<std::string>());
 }
 
 SceneDescription PythonWorld::scene_now() const {
     const World& w = world();
     SceneDescription now = scene_;
     now.gravity = w.gravity();
-    now.shapes.insert(now.shapes.end(), added_.begin(), added_.end());
+    for (std::size_t k = now.shapes.size(); k < w.num_shapes(); ++k)
+        now.shapes.push_back(w.shape(static_cast<std::int32_t>(k)));
     now.ignored_groups = w.ignored_groups();
     now.ignored_bodies = w.ignored_bodies();
     now.bodies.clear();
     for (std::size_t i = 0; i < w.size(); ++i) {
         if (!present(w, i)) continue;
         BodyDescription body = w.description(w.id(i));
-        if (static_cast<std::size_t>(body.shape) >= now.shapes.size())
-            throw Error("scene_now: shape " + std::to_string(body.shape) + " was added to another World");
         const BodyState state = w.body(i);
         body.position = state.position;
         body.rotation = state.rotation;

@@ -36,8 +36,6 @@ class PythonWorld {
     void restore(const std::string& snapshot);
     /// Another World in the same state, without callbacks.
     [[nodiscard]] std::unique_ptr<PythonWorld> clone(const WorldOptions& options) const;
-    /// What every edit goes through.
-    BodyId apply(const Edit& edit);
     /// The number of a shape given by number, which is not checked, or name.
     [[nodiscard]] std::int32_t shape_number(const py::object& shape) const;
 
@@ -63,8 +61,7 @@ class PythonWorld {
     bool call_observer(Phase phase);
     void call_log(const std::string& line);
 
-    SceneDescription scene_;              ///< as it started: the caller's may change
-    std::vector<ShapeDescription> added_; ///< shapes, by number after the scene's
+    SceneDescription scene_; ///< as it started: the caller's may change
     std::string source_;
     WorldOptions options_;
     World world_;

@@ -62,18 +62,22 @@ BodyId add_body(PythonWorld& w, const py::object& shape, const py::kwargs& optio
     py::cast(scene).attr("add_body")(0, **options);
     BodyDescription body = scene->bodies.back();
     body.shape = w.shape_number(shape);
-    if (!options.contains("name")) body.name.clear();
-    return w.apply({0, edits::AddBody{std::move(body)}});
+    if (!options.contains("name") || options["name"].is_none()) body.name.clear();
+    return w.edit().add_body(std::move(body));
 }
 std::int32_t add_shape(PythonWorld& w, const py::object& mesh, const py::kwargs& options) {
     const auto scene = std::make_shared<SceneDescription>();
     py::cast(scene).attr("add_shape")(mesh, **options);
-    return w.apply({0, edits::AddShape{scene->shapes.back()}}).index;
+    ShapeDescription& shape = scene->shapes.back();
+    if (!options.contains("name") || options["name"].is_none()) shape.name.clear();
+    return w.edit().add_shape(std::move(shape));
 }
 
 void bind_bodies(WorldClass& type) {
-    type.def("add_shape", &add_shape, py::arg("mesh"),
-             "Adds a mesh with the options of Scene.add_shape and returns the number that add_body knows it by.");
+    type.def(
+        "add_shape", &add_shape, py::arg("mesh"),
+        "Adds a mesh with the options of Scene.add_shape and returns the number that add_body knows it by. Without a "
+        "name it gets a free one.");
     type.def(
         "add_body", &add_body, py::arg("shape"),
         "Adds a body with the options of Scene.add_body and returns its BodyId. shape: a number, of the scene's shapes "

@@ -296,6 +296,14 @@ std::string default_body_name(std::size_t place, std::uint32_t generation) {
     return name;
 }
 
+std::string default_shape_name(const std::vector<ShapeDescription>& shapes) {
+    for (std::size_t k = shapes.size();; ++k) {
+        std::string name = "shape" + std::to_string(k);
+        if (std::none_of(shapes.begin(), shapes.end(), [&](const auto& shape) { return shape.name == name; }))
+            return name;
+    }
+}
+
 std::string element_path(const char* list, std::size_t index) {
     return std::string("/") + list + "/" + std::to_string(index);
 }

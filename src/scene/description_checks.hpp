@@ -5,6 +5,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <flotilla/scene.hpp>
 
@@ -40,6 +41,9 @@ void check_name(const std::string& name, const std::string& path, ErrorList& err
 
 /// Of a body that came without one, by its place and how many were there before.
 [[nodiscard]] std::string default_body_name(std::size_t place, std::uint32_t generation);
+
+/// Of a shape that came without one: the first of "shape0", "shape1", ... from the list's length on that none has.
+[[nodiscard]] std::string default_shape_name(const std::vector<ShapeDescription>& shapes);
 
 /// "/shapes/3", "/bodies/7".
 [[nodiscard]] std::string element_path(const char* list, std::size_t index);

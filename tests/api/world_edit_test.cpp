@@ -367,6 +367,18 @@ TEST(WorldEdit, AddedShapesAreLikeThoseOfTheScene) {
     EXPECT_NEAR(height(w.world, id), 0.5, 0.03);
 }
 
+TEST(WorldEdit, ShapesWithoutANameGetOneAndAreFoundByIt) {
+    World world(crate_on_floor());
+    const std::int32_t first = world.add_shape(shape_of("", make_sphere(0.5, 2), 3)),
+                       second = world.add_shape(shape_of("", make_sphere(0.4, 2), 3));
+    EXPECT_EQ(std::pair(first, second), std::pair(3, 4));
+    EXPECT_EQ(world.num_shapes(), 5U);
+    EXPECT_EQ(world.shape(first).name, "shape3");
+    EXPECT_EQ(world.find_shape("shape4"), second);
+    EXPECT_THAT(refusal<InputError>(world, [&] { (void)world.find_shape("shape5"); }), HasSubstr("\"shape5\""));
+    EXPECT_THAT(refusal<InputError>(world, [&] { (void)world.shape(5); }), HasSubstr("does not exist"));
+}
+
 TEST(WorldEdit, ObserversEndAStepThatThenNeverWas) {
     World world(make_scene("boats-in-bowl", 12, 3));
     for (int i = 0; i < 20; ++i) (void)world.step();

@@ -253,3 +253,31 @@ def test_the_scene_of_the_moment_says_what_may_pass(world):
     assert again.positions[1, 2] < 0
     world.ignore_pair(world.find("falls"), world.id(0), ignored=False)
     assert world.scene_now().ignored_bodies == []
+
+
+def test_shapes_without_a_name_get_a_free_one(plate):
+    scene = flotilla.Scene()
+    scene.add_shape(plate, mass=1)
+    world = flotilla.World(scene, threads=1)
+    world.record_edits(True)
+    assert [world.add_shape(plate, mass=2), world.add_shape(plate, mass=3, name=None)] == [1, 2]
+    assert [shape.name for shape in world.scene_now().shapes] == ["shape0", "shape1", "shape2"]
+    world.add_body("shape2", name=None, position=(0, 0, 1))
+    with pytest.raises(flotilla.InputError, match="one of that name"):
+        world.add_shape(plate, mass=1, name="shape1")
+    again = flotilla.World(scene, threads=1)
+    for edit in world.recorded_edits:
+        again.apply(edit)
+    assert again.state_hash == world.state_hash and again.scene_now().bodies[0].shape == 2
+
+
+def test_a_snapshot_brings_its_shapes(world, falling, plate):
+    shape = world.add_shape(plate, mass=2)
+    world.add_body(shape, name="of it", position=(0, 0, 9))
+    other = flotilla.World(falling, threads=1, snapshot=world.snapshot())
+    other.add_body("shape2", position=(0, 0, 19))
+    assert [body.shape for body in other.scene_now().bodies] == [0, 1, shape, shape]
+    other.add_shape(plate, mass=3, name="later")
+    other.restore(world.snapshot())
+    with pytest.raises(flotilla.InputError, match="later"):
+        other.add_body("later", position=(0, 0, 29))
