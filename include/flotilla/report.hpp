@@ -128,11 +128,11 @@ struct ContactState {
     Vec3 normal;                         ///< unit, from a to b
     double distance = 0;                 ///< m, along the normal
     /// On b, N s, world: what the contact carried in the last step, divided by the time step the mean force; a got its
-    /// opposite. That of stages 3 and 7, of the last inner step times the number of substeps, without the blows of
-    /// stage 1. What contacts of the pair carried that are none any more at its end is shared out to those that are.
+    /// opposite. That of stages 3 and 7 of all inner steps, without the blows of stage 1. What contacts of the pair
+    /// carried that are none any more at its end is shared out to those that are.
     Vec3 impulse;
     /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse
-    /// is that of the step in which the island fell asleep.
+    /// is that of the inner step in which the island fell asleep, times the number of substeps.
     bool asleep = false;
     /// m, world: from `point`, which is on a then, to where the impulse acts on b, of a pair with friction of which a
     /// body is thinner than the distance at which they rest; else zero: both have one point.

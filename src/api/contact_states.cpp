@@ -2,6 +2,7 @@
 #include "api/contact_states.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <span>
 #include <utility>
 
@@ -32,7 +33,7 @@ class ImpulsesByPair {
     std::span<const WarmImpulse> left_;
 };
 
-/// What contacts of the start of the step carried that are none any more, as one that rolls has them, goes to those of
+/// What contacts of the step carried that are none any more at its end, as one that rolls has them, goes to those of
 /// the pair that carry at its end, by their share: the force between the bodies is whole.
 void share(const Vec3& impulse, std::span<ContactState> pair) {
     if (impulse == Vec3{}) return;
@@ -45,31 +46,41 @@ void share(const Vec3& impulse, std::span<ContactState> pair) {
     }
 }
 
-/// Sets the impulses of the contacts of one pair: the sum of stages 3 and 7, as `factor` times what they found.
-/// `features`: of the contacts.
-void set_impulses(std::span<const WarmImpulse> start, std::span<const WarmImpulse> end,
+/// Sets the impulses of the contacts of one pair: the sum of what solves found, as `factor` times that. `end`: by the
+/// last one, whose contacts these are; `before`: by those before it. `features`: of the contacts.
+void set_impulses(std::span<const WarmImpulse> end, std::initializer_list<std::span<const WarmImpulse>> before,
                   std::span<const std::uint64_t> features, double factor, std::span<ContactState> pair) {
     const auto place = [&](const WarmImpulse& w) {
         return static_cast<std::size_t>(std::ranges::find(features, w.feature_key) - features.begin());
     };
-    for (const WarmImpulse& w : end)
-        if (const std::size_t i = place(w); i < pair.size()) pair[i].impulse += factor * w.impulse;
+    const auto add = [&](std::span<const WarmImpulse> impulses) {
+        for (const WarmImpulse& w : impulses)
+            if (const std::size_t i = place(w); i < pair.size()) pair[i].impulse += factor * w.impulse;
+    };
+    add(end);
     Vec3 gone;
-    for (const WarmImpulse& w : start)
-        if (place(w) == pair.size()) gone += factor * w.impulse;
+    for (const auto impulses : before)
+        for (const WarmImpulse& w : impulses)
+            if (place(w) == pair.size()) gone += factor * w.impulse;
     share(gone, pair);
-    for (const WarmImpulse& w : start)
-        if (const std::size_t i = place(w); i < pair.size()) pair[i].impulse += factor * w.impulse;
+    for (const auto impulses : before) add(impulses);
 }
 
+/// What solves of static contact found.
+struct Carried {
+    const WarmImpulses& stages;           ///< of the last inner step, or of that in which sleepers fell asleep
+    std::span<const WarmImpulse> earlier; ///< of inner steps before it
+    double times;                         ///< so often all of that
+};
+
 /// Appends the contacts of a list that is sorted by bodies.
-void append(std::span<const Contact> contacts, const WarmImpulses& stages, const Stepper& stepper, bool sleep,
+void append(std::span<const Contact> contacts, const Carried& carried, const Stepper& stepper, bool sleep,
             std::vector<ContactState>& out) {
     // All of a step's is stage 7's where velocities are those of its end.
     const bool halves = stepper.model().settings.velocity_update == VelocityUpdate::trapezoidal;
-    ImpulsesByPair starts(halves ? std::span<const WarmImpulse>(stages[ContactStage::kept])
+    ImpulsesByPair starts(halves ? std::span<const WarmImpulse>(carried.stages[ContactStage::kept])
                                  : std::span<const WarmImpulse>());
-    ImpulsesByPair ends(stages[ContactStage::final]);
+    ImpulsesByPair ends(carried.stages[ContactStage::final]), earlier(carried.earlier);
     std::vector<std::uint64_t> features;
     for (std::size_t first = 0; first < contacts.size(); first += features.size()) {
         const auto pair = bodies(contacts[first]);
@@ -82,7 +93,8 @@ void append(std::span<const Contact> contacts, const WarmImpulses& stages, const
             features.push_back(c.feature_key);
             out.push_back({c.a, c.b, c.point, c.normal, c.distance, {}, sleep, c.across});
         }
-        set_impulses(starts.of(pair), ends.of(pair), features, stepper.substeps(), std::span(out).subspan(place));
+        set_impulses(ends.of(pair), {starts.of(pair), earlier.of(pair)}, features, carried.times,
+                     std::span(out).subspan(place));
     }
 }
 
@@ -90,9 +102,11 @@ void append(std::span<const Contact> contacts, const WarmImpulses& stages, const
 
 void list_contact_states(const Stepper& stepper, std::vector<ContactState>& out) {
     out.clear();
-    append(stepper.contacts().contacts, stepper.state().warm, stepper, false, out);
+    const State& state = stepper.state();
+    append(stepper.contacts().contacts, {state.warm, state.earlier, 1}, stepper, false, out);
     const auto awake = static_cast<std::ptrdiff_t>(out.size());
-    append(stepper.sleeping_contacts(), stepper.state().waiting, stepper, true, out);
+    append(stepper.sleeping_contacts(), {state.waiting, {}, static_cast<double>(stepper.substeps())}, stepper, true,
+           out);
     std::inplace_merge(out.begin(), out.begin() + awake, out.end(), [](const ContactState& x, const ContactState& y) {
         return std::pair(x.body_a, x.body_b) < std::pair(y.body_a, y.body_b);
     });

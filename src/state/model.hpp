@@ -130,7 +130,8 @@ struct ScriptClock {
     std::int64_t stops = 0; ///< up by one in each step that something cut short, down by one in each that it made
 };
 
-/// Everything that can change a later bit. A checkpoint holds exactly this, and the state hash covers it.
+/// Everything that can change a later bit, and what contacts carried. A checkpoint holds exactly this, and the state
+/// hash covers it but for `earlier`.
 struct State {
     std::int64_t step = 0; ///< inner ones, where a step is made of several (Settings::substeps)
     double time = 0;       ///< s
@@ -147,6 +148,9 @@ struct State {
     /// Those of contacts that no awake body is part of: they wait for the day their bodies wake.
     WarmImpulses waiting;
     std::vector<Searched> searched; ///< by body; empty where contacts are searched for in every step (contact_reuse)
+    /// Sums of what static contact did in the inner steps of the last step but its last one, sorted by (a, b), of pairs
+    /// of which a body is awake: for who asks, no bit depends on it.
+    std::vector<WarmImpulse> earlier;
 };
 
 /// The lengths of a pair of which the body is the smaller one.

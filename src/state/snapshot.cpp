@@ -24,7 +24,7 @@ static_assert(sizeof(SqueezedPair) == 24);
 static_assert(sizeof(Searched) == sizeof(Pose) + 8);
 
 constexpr std::uint64_t kMagic = 0x50414e534c464c46; // "FLFLSNAP"
-constexpr std::uint64_t kVersion = 6;
+constexpr std::uint64_t kVersion = 7;
 
 void add(Hasher& h, const Mat3& m) {
     for (const double x : m.m) h.add(x);
@@ -66,7 +66,20 @@ void visit(S& state, Visit&& part) {
     part(state.script_clock), part(state.lift), part(state.rest_distances), part(state.squeezed);
     for (auto& impulses : state.warm) part(impulses);
     for (auto& impulses : state.waiting) part(impulses);
-    part(state.searched);
+    part(state.searched), part(state.earlier);
+}
+
+/// Of all that a snapshot holds.
+std::uint64_t whole_hash(const State& state) {
+    const std::uint64_t hash = state_hash(state);
+    if (state.earlier.empty()) return hash;
+    Hasher h;
+    h.add(hash);
+    for (const WarmImpulse& w : state.earlier) {
+        h.add(static_cast<std::uint64_t>(w.a)), h.add(static_cast<std::uint64_t>(w.b));
+        h.add(w.feature_key), h.add(w.impulse);
+    }
+    return h.value();
 }
 
 /// m, m/s, rad/s and N s: far beyond where any run gets, and products of seven such numbers are doubles.
@@ -141,7 +154,7 @@ bool sound(const State& s, const Model& model) {
         return std::all_of(impulses.begin(), impulses.end(), [&](const auto& x) { return sound_impulses(x, model); });
     };
     return sound_pairs(s.rest_distances, n) && sound_squeezed(s.squeezed, n) && all_sound(s.warm) &&
-           all_sound(s.waiting) &&
+           all_sound(s.waiting) && sound_impulses(s.earlier, model) &&
            std::all_of(s.rest_distances.begin(), s.rest_distances.end(),
                        [](const RestDistance& r) { return r.distance >= 0 && std::isfinite(r.distance); });
 }
@@ -168,7 +181,7 @@ std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene) {
     ByteWriter out;
     out.add(kMagic), out.add(kVersion), out.add(scene);
     visit(state, [&out](const auto& part) { out.add(part); });
-    out.add(state_hash(state));
+    out.add(whole_hash(state));
     return out.take();
 }
 
@@ -186,7 +199,7 @@ State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene, const
     in.read(hash);
     if (!in.rest().empty()) throw InputError("damaged snapshot: its arrays do not fit its size");
     if (!has_every_body(state, model.size())) throw InputError("damaged snapshot: its arrays do not fit the scene");
-    if (hash != state_hash(state)) throw InputError("damaged snapshot: its content does not match its hash");
+    if (hash != whole_hash(state)) throw InputError("damaged snapshot: its content does not match its hash");
     if (!sound(state, model)) throw InputError("damaged snapshot: its content is no state of the scene");
     return state;
 }

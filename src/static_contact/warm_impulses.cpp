@@ -6,6 +6,7 @@
 
 #include "base/index.hpp"
 #include "base/search.hpp"
+#include "islands/body_pair.hpp"
 #include "state/feature_pair.hpp"
 
 namespace flotilla {
@@ -103,6 +104,28 @@ void store_warm(Team* team, const SolvedContacts& solved, std::vector<std::int32
         std::sort(warm.begin() + static_cast<std::ptrdiff_t>(i), warm.begin() + static_cast<std::ptrdiff_t>(end),
                   kByGroupAndFeature);
     });
+}
+
+void add_impulses(std::span<const WarmImpulse> more, double factor, std::vector<WarmImpulse>& sums,
+                  std::vector<WarmImpulse>& scratch) {
+    scratch.clear();
+    auto known = sums.cbegin();
+    for (auto next = more.begin(); next != more.end();) {
+        const WarmImpulse& first = *next;
+        for (; known != sums.cend() && by_bodies(*known, first); ++known) scratch.push_back(*known);
+        const auto pair = static_cast<std::ptrdiff_t>(scratch.size());
+        for (; known != sums.cend() && !by_bodies(first, *known); ++known) scratch.push_back(*known);
+        for (; next != more.end() && !by_bodies(first, *next); ++next) {
+            const auto same = [&](const WarmImpulse& w) { return w.feature_key == next->feature_key; };
+            const auto sum = std::find_if(scratch.begin() + pair, scratch.end(), same);
+            if (sum != scratch.end())
+                sum->impulse += factor * next->impulse;
+            else
+                scratch.push_back({next->a, next->b, next->feature_key, factor * next->impulse});
+        }
+    }
+    scratch.insert(scratch.end(), known, sums.cend());
+    sums.swap(scratch);
 }
 
 } // namespace flotilla

@@ -35,4 +35,8 @@ struct SolvedContacts {
 void store_warm(Team* team, const SolvedContacts& solved, std::vector<std::int32_t>& places,
                 std::vector<WarmImpulse>& warm);
 
+/// Adds `factor` times `more` to the sums by feature pair; both are lists sorted by bodies. `scratch` is any list.
+void add_impulses(std::span<const WarmImpulse> more, double factor, std::vector<WarmImpulse>& sums,
+                  std::vector<WarmImpulse>& scratch);
+
 } // namespace flotilla

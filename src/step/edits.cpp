@@ -150,7 +150,7 @@ StepperMemory Stepper::memory() const {
     StepperMemory out;
     const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
     out.bodies = trajectories_.memory() + bytes(state_.pose) + bytes(state_.motion) + bytes(model_.bodies);
-    out.contacts = bytes(contacts_.contacts) + bytes(sleeping_contacts_);
+    out.contacts = bytes(contacts_.contacts) + bytes(sleeping_contacts_) + bytes(state_.earlier);
     for (const WarmImpulses* stages : {&state_.warm, &state_.waiting})
         for (const auto& impulses : *stages) out.contacts += bytes(impulses);
     out.pairs = pairs_.table.memory();
@@ -231,6 +231,7 @@ void Stepper::forget_pairs_of(std::int32_t body) {
     erase_of(state_.squeezed, body);
     for (WarmImpulses* stages : {&state_.warm, &state_.waiting})
         for (auto& impulses : *stages) erase_of(impulses, body);
+    erase_of(state_.earlier, body);
     erase_of(sleeping_contacts_, body);
     contacts_.keep([&](std::size_t i) { return contacts_.contacts[i].a != body && contacts_.contacts[i].b != body; });
 }

@@ -2,6 +2,7 @@
 #include "step/inner_report.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "step/stepper.hpp"
 
@@ -41,15 +42,37 @@ void add_inner_step(const StepReport& inner, StepReport& report) {
 
 void Stepper::make_inner_steps(StepReport& report) {
     activity_.assign(model_.size(), {});
+    state_.earlier.clear();
     for (int k = 0; k < substeps_; ++k) {
+        inner_over_ = k;
         StepReport inner;
         inner.step = state_.step + 1;
         workers_.team.region([&] { advance(inner); });
         add_inner_step(inner, report);
         if (k + 1 == substeps_) return;
+        add_earlier(state_.warm, 1);
         inner_[static_cast<std::size_t>(k)].pose = state_.pose;
         inner_[static_cast<std::size_t>(k)].turn = turns_;
     }
+}
+
+/// What contacts carried in inner steps before the last one, so often.
+void Stepper::add_earlier(const WarmImpulses& stages, double times) {
+    // All of a step's is stage 7's where velocities are those of its end.
+    if (model_.settings.velocity_update == VelocityUpdate::trapezoidal)
+        add_impulses(stages[ContactStage::kept], times, state_.earlier, earlier_scratch_);
+    add_impulses(stages[ContactStage::final], times, state_.earlier, earlier_scratch_);
+}
+
+/// What waits with sleepers is what each inner step of the step so far carried.
+void Stepper::keep_earlier_of_woken() {
+    if (substeps_ == 1) return;
+    std::erase_if(state_.earlier, [&](const WarmImpulse& w) { return rests(w.a, w.b); }); // they fell asleep
+    WarmImpulses woken;
+    for (const auto stage : {ContactStage::kept, ContactStage::final})
+        std::ranges::copy_if(state_.waiting[stage], std::back_inserter(woken[stage]),
+                             [&](const WarmImpulse& w) { return !rests(w.a, w.b); });
+    add_earlier(woken, inner_over_);
 }
 
 } // namespace flotilla

@@ -51,6 +51,7 @@ void Stepper::mark_asleep() {
     pairs_.lists.forget_motions(); // sleeping bodies pair by other rules than awake ones
     const auto waits = [&](const WarmImpulse& w) { return rests(w.a, w.b); };
     const auto is_due = [&](const WarmImpulse& w) { return !rests(w.a, w.b); };
+    keep_earlier_of_woken();
     for (const auto stage : {ContactStage::kept, ContactStage::half, ContactStage::final}) {
         move_if(state_.waiting[stage], state_.warm[stage], is_due);
         move_if(state_.warm[stage], state_.waiting[stage], waits);
@@ -208,6 +209,7 @@ void Stepper::free_memory_of_sleepers() {
     };
     for (WarmImpulses* stages : {&state_.warm, &state_.waiting})
         for (auto& impulses : *stages) fit(impulses);
+    fit(state_.earlier);
     fit(contacts_.contacts);
     fit(sleeping_contacts_);
 }

@@ -66,6 +66,7 @@ Stepper::Stepper(const Model& model, State state, const StepperOptions& options)
     : model_(inner_model(model)),
       substeps_(model.settings.substeps),
       time_step_(model.settings.time_step),
+      inner_over_(substeps_ - 1),
       options_(options),
       workers_(options.team),
       state_(std::move(state)),
@@ -181,6 +182,7 @@ void Stepper::undo_step() {
     activity_ = before_.activity;
     inner_ = before_.inner;
     moved_ = before_.moved;
+    inner_over_ = substeps_ - 1;
     workers_.team.region([&] { prepare(); });
 }
 

@@ -156,6 +156,8 @@ class Stepper {
     void note_strays(std::int64_t step);
     void advance(StepReport& report);
     void make_inner_steps(StepReport& report);
+    void add_earlier(const WarmImpulses& stages, double times);
+    void keep_earlier_of_woken();
     [[nodiscard]] StepView view() const;
     [[nodiscard]] Movers movers() { return {clusters_, trajectories_, model_.settings.time_step}; }
     void wake_disturbed();
@@ -248,6 +250,7 @@ class Stepper {
     Model model_; ///< its own, of an inner step: who sleeps changes from step to step
     int substeps_;
     double time_step_; ///< s, of all inner steps together
+    int inner_over_;   ///< inner steps of the step under way that are over; between steps all but the last
     StepperOptions options_;
     Workers workers_;
     State state_;
@@ -296,6 +299,7 @@ class Stepper {
         ContactScratch solver;
     };
     StaticBuffers static_;
+    std::vector<WarmImpulse> earlier_scratch_;
     SqueezedPairs squeezed_;
     std::int64_t contact_visits_ = 0;
     EnergyAccount energy_;

@@ -42,7 +42,7 @@ void change(fuzz::Input& input, std::vector<T>& values, bool may_resize = false)
 }
 
 void change(fuzz::Input& input, State& s) {
-    switch (input.below(13)) {
+    switch (input.below(14)) {
     case 0: s.step = input.take<std::int64_t>(); break;
     case 1: s.time = input.take<double>(); break;
     case 2: change(input, s.pose); break;
@@ -55,7 +55,8 @@ void change(fuzz::Input& input, State& s) {
     case 9: change(input, s.warm[ContactStage::final], true); break;
     case 10: change(input, s.waiting[ContactStage::half], true); break;
     case 11: change(input, s.squeezed, true); break;
-    default: change(input, s.searched); break;
+    case 12: change(input, s.searched); break;
+    default: change(input, s.earlier, true); break;
     }
 }
 

@@ -131,6 +131,7 @@ TEST(SnapshotOf, WhatIsNoStateOfTheSceneIsRefusedThoughItsHashFits) {
     EXPECT_EQ(message([](State& s) { s.squeezed = {{0, 1, 0.1, 3, INT32_MAX}}; }), content);
     EXPECT_EQ(message([](State& s) { s.warm[ContactStage::kept] = {{1, 0, 3, {}}}; }), content);
     EXPECT_EQ(message([](State& s) { s.waiting[ContactStage::final] = {{0, 1, 3, {0, 0, std::nan("")}}}; }), content);
+    EXPECT_EQ(message([](State& s) { s.earlier = {{1, 0, 3, {}}}; }), content);
     // Impulses at features: boxes have 8 vertices, 12 triangles and 18 edges.
     const auto of_features = [&](const FeaturePair& f) {
         return message([&](State& s) { s.warm[ContactStage::final] = {{0, 1, feature_key(f), {}}}; });

@@ -122,6 +122,39 @@ TEST(SubstepsOf, ContactImpulsesOverTheTimeStepAreForces) {
     EXPECT_NEAR(sum.z / world.settings().time_step, 3 * kGravity, 0.01 * 3 * kGravity);
 }
 
+/// A block on a lift that accelerates upwards by a keyframe a step: what its contacts carried in a step raised it.
+TEST(SubstepsOf, ContactImpulsesAreThoseOfAllOfThem) {
+    constexpr double kLift = 2; // m/s^2
+    SceneDescription scene = in_substeps(resting_block(), 4);
+    const double dt = scene.settings.time_step;
+    scene.bodies[1].type = BodyType::kinematic;
+    for (int n = 0; n <= 100; ++n)
+        scene.bodies[1].keyframes.push_back({n * dt, {0, 0, -0.5 + 0.5 * kLift * n * dt * n * dt}, {}});
+    World world(scene);
+    const auto force = [](const World& w) { return w.contacts_of(w.id(0)).force.z; };
+    double sum = 0;
+    for (int n = 0; n < 60; ++n) {
+        (void)world.step();
+        if (n >= 20) sum += force(world);
+    }
+    EXPECT_NEAR(sum / 40, 3 * (kGravity + kLift), 1e-3 * 3 * kGravity);
+    EXPECT_EQ(force(World(scene, world.snapshot())), force(world));
+    EXPECT_EQ(force(world.clone()), force(world));
+}
+
+TEST(SubstepsOf, ContactImpulsesOfWhatWakesAreWhole) {
+    SceneDescription scene = in_substeps(resting_block(), 4);
+    scene.settings.sleeping = true;
+    World world(scene);
+    while (world.step().sleeping == 0) ASSERT_LT(world.steps(), 200);
+    const double asleep = world.contacts_of(world.id(0)).force.z;
+    EXPECT_NEAR(asleep, 3 * kGravity, 0.01 * 3 * kGravity);
+    world.wake(world.id(0));
+    EXPECT_NEAR(world.contacts_of(world.id(0)).force.z, asleep, 1e-9 * asleep);
+    (void)world.step();
+    EXPECT_NEAR(world.contacts_of(world.id(0)).force.z, asleep, 0.01 * asleep);
+}
+
 TEST(SubstepsOf, ABodyThatRestsCostsNothingInAnyOfThem) {
     SceneDescription scene = empty_scene();
     add_body(scene, add_shape(scene, make_box(1, 1, 1)), BodyType::fixed, {});
