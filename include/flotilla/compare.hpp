@@ -16,7 +16,7 @@ struct ComparedValue {
     std::string a, b;
 };
 
-/// A step whose rows in steps.csv differ. Times are not compared.
+/// A step whose rows in steps.csv differ. Times are not compared, nor what DifferentWork has.
 struct DifferentStep {
     std::int64_t step = 0;
     double time = 0;                    ///< s
@@ -25,6 +25,13 @@ struct DifferentStep {
     /// The earliest stage that a counter of this step speaks of, and those counters; empty where only the state
     /// differs. A stage before it may differ too: a counter is no hash.
     std::string stage;
+};
+
+/// A step whose count of examined pairs differs (StepReport::pairs). It goes by what is remembered of pairs, which a
+/// run that was resumed, or a restored World, finds anew: no bit of the motion depends on it.
+struct DifferentWork {
+    std::int64_t step = 0;
+    std::vector<ComparedValue> columns;
 };
 
 /// By how much a body differs between two frames of the same step.
@@ -59,6 +66,7 @@ struct CompareReport {
     std::int64_t last_step = 0;               ///< the last of these
     std::optional<DifferentStep> first_step;  ///< with any difference
     std::optional<DifferentStep> first_state; ///< whose state hash differs
+    std::optional<DifferentWork> first_work;  ///< before that; it is no difference in bits
 
     std::int64_t frames_a = 0, frames_b = 0;
     std::int64_t frames_compared = 0; ///< of the steps of which both have a frame

@@ -57,7 +57,9 @@ struct StepReport {
     double total_ms = 0;   ///< wall time
     std::array<double, kNumPhases> phase_ms{};
 
-    std::int64_t pairs = 0;      ///< candidate body pairs examined
+    /// Candidate body pairs examined. Pairs known to be apart are not: a count of work, which may be another after a
+    /// restore or a resume, where nothing is known yet. All else here but times has the same bits.
+    std::int64_t pairs = 0;
     std::int64_t collisions = 0; ///< impulses of stage 1
     std::int64_t contacts = 0;   ///< contact points of stage 7
     std::int64_t iterations = 0; ///< sweeps of PGS, stages 3 and 7 together

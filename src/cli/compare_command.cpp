@@ -53,6 +53,11 @@ void print_steps(const CompareReport& r) {
     std::cout << "steps compared:       " << r.steps_compared;
     if (r.steps_compared > 0) std::cout << ", up to step " << r.last_step;
     std::cout << longer(r.steps_a, r.steps_b) << "\n";
+    if (r.first_work) {
+        std::cout << "work:                 differs first in step " << r.first_work->step
+                  << ", by what was known of pairs; no bits (A | B):\n";
+        print_values(r.first_work->columns);
+    }
     if (!r.first_step) return;
     print_step("first step:           ", *r.first_step);
     if (r.first_step->state) return;

@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -34,12 +35,6 @@ class Descriptor {
     Descriptor(const Descriptor&) = delete;
     Descriptor& operator=(const Descriptor&) = delete;
     [[nodiscard]] int get() const { return value_; }
-    /// Closes now; some file systems report a failed write only here. Returns errno or 0.
-    int close() {
-        const int result = ::close(value_);
-        value_ = -1;
-        return result == 0 ? 0 : errno;
-    }
 
   private:
     int value_;
@@ -56,12 +51,24 @@ int write_all(int descriptor, std::span<const std::byte> bytes) {
     return 0;
 }
 
-int write_and_sync(const fs::path& path, std::span<const std::byte> bytes) {
-    Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
-    if (file.get() < 0) return errno;
-    if (const int error = write_all(file.get(), bytes)) return error;
-    if (::fsync(file.get()) != 0) return errno;
-    return file.close();
+/// Where symbolic links lead, also where nothing is there yet. Empty: to a descriptor of a process, whose name says
+/// nothing, or nowhere.
+fs::path followed(fs::path path) {
+    constexpr int kMostLinks = 40; // as Linux has it
+    std::error_code error;
+    for (int k = 0; k < kMostLinks && fs::is_symlink(path, error); ++k) {
+        const fs::path folder = path.parent_path(), to = fs::read_symlink(path, error);
+        if (error || fs::weakly_canonical(folder, error).string().starts_with("/proc/")) return {};
+        path = folder / to; // of an absolute one: itself
+    }
+    return fs::is_symlink(path, error) ? fs::path() : path; // round and round: opening says so
+}
+
+/// Where a new file for `path` belongs; empty where what is there is to be written into.
+fs::path to_be_replaced(const fs::path& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) return {};
+    return followed(path);
 }
 
 } // namespace
@@ -90,22 +97,40 @@ std::string read_text(const fs::path& path) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void write_file(const fs::path& path, std::span<const std::byte> bytes) {
-    const fs::path temporary = path.string() + std::string(kTemporarySuffix);
-    if (const int error = write_and_sync(temporary, bytes)) {
-        ::unlink(temporary.c_str());
-        fail(path, "write", error);
-    }
-    replace_file(temporary, path);
+OutputFile::OutputFile(const fs::path& path) : path_(path), target_(to_be_replaced(path)) {
+    if (!target_.empty()) temporary_ = target_.string() + std::string(kTemporarySuffix);
+    if (!target_.empty()) ::unlink(temporary_.c_str()); // of a run that was interrupted
+    const fs::path& file = target_.empty() ? path_ : temporary_;
+    descriptor_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail(path_, "write", errno);
 }
 
-void replace_file(const fs::path& from, const fs::path& to) {
-    if (::rename(from.c_str(), to.c_str()) != 0) {
-        const int error = errno;
-        ::unlink(from.c_str());
-        fail(to, "replace", error);
-    }
-    sync_folder(to.has_parent_path() ? to.parent_path() : fs::path("."));
+OutputFile::~OutputFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void OutputFile::append(std::span<const std::byte> bytes) {
+    if (const int error = write_all(descriptor_, bytes)) fail(path_, "write", error);
+}
+
+void OutputFile::append(std::string_view text) { append(std::as_bytes(std::span(text))); }
+
+void OutputFile::close() {
+    // Pipes and most devices cannot be synced and say EINVAL.
+    if (::fsync(descriptor_) != 0 && !(target_.empty() && errno == EINVAL)) fail(path_, "write", errno);
+    // Some file systems report a failed write only here.
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail(path_, "write", errno);
+    if (target_.empty()) return;
+    if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(path_, "replace", errno);
+    temporary_.clear();
+    sync_folder(target_.has_parent_path() ? target_.parent_path() : fs::path("."));
+}
+
+void write_file(const fs::path& path, std::span<const std::byte> bytes) {
+    OutputFile file(path);
+    file.append(bytes);
+    file.close();
 }
 
 void write_file(const fs::path& path, std::string_view text) { write_file(path, std::as_bytes(std::span(text))); }

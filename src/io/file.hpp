@@ -17,13 +17,30 @@ namespace flotilla::io {
 [[nodiscard]] std::vector<std::byte> read_file(const std::filesystem::path& path);
 [[nodiscard]] std::string read_text(const std::filesystem::path& path);
 
-/// Writes beside `path` under a temporary name, syncs, renames over `path`, syncs the folder. On failure the temporary
-/// file is removed and `path` is as it was.
+/// What is written to take the place of what `path` names, in one or several parts. Everything that writes whole files
+/// does so by this. A regular file, or none yet, is replaced at once by close(): until then the content is beside it
+/// under a temporary name, which is gone again without close(). A symbolic link stays, and what it leads to is
+/// replaced. What is no regular file (a pipe, a device, a descriptor of a process) is written straight into.
+class OutputFile {
+  public:
+    explicit OutputFile(const std::filesystem::path& path);
+    ~OutputFile();
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+
+    void append(std::span<const std::byte> bytes);
+    void append(std::string_view text);
+    /// Syncs, renames, syncs the folder.
+    void close();
+
+  private:
+    std::filesystem::path path_, target_, temporary_; ///< as given, links followed, beside that; empty: straight
+    int descriptor_ = -1;
+};
+
+/// All of it by an OutputFile. On failure what was there before is as it was, if it is a regular file.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_file(const std::filesystem::path& path, std::string_view text);
-
-/// Renames `from`, which is complete and synced, over `to`, and syncs the folder. On failure `from` is removed.
-void replace_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// Makes earlier renames and removals in the folder durable.
 void sync_folder(const std::filesystem::path& folder);
@@ -46,7 +63,7 @@ class FolderLock {
     int descriptor_;
 };
 
-/// Names that an interrupted write_file left behind end with this.
+/// Names that an interrupted OutputFile left behind end with this.
 inline constexpr std::string_view kTemporarySuffix = ".tmp";
 
 /// A checksum of bytes (XXH3, 64 bits). Stored in files: never to be changed.

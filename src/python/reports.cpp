@@ -24,7 +24,8 @@ void bind_work(py::class_<StepReport>& type) {
     type.def_property_readonly(
         "phase_ms", [](const R& r) { return phases_of(r.phase_ms); },
         "ms by phase; the last four split the same time again");
-    type.def_readonly("pairs", &R::pairs, "candidate body pairs examined");
+    type.def_readonly("pairs", &R::pairs,
+                      "candidate body pairs examined; a count of work, which may be another after a restore");
     type.def_readonly("collisions", &R::collisions, "impulses of stage 1");
     type.def_readonly("contacts", &R::contacts, "contact points of stage 7");
     type.def_readonly("iterations", &R::iterations, "sweeps of the contact solver, stages 3 and 7 together");

@@ -111,13 +111,21 @@ void bind_compare(py::module_& m) {
     value.def_readonly("a", &ComparedValue::a, "empty where the run does not have it");
     value.def_readonly("b", &ComparedValue::b, "empty where the run does not have it");
 
-    auto step = value_class<DifferentStep>(m, "DifferentStep",
-                                           "A step whose rows in steps.csv differ; times are not compared.");
+    auto step = value_class<DifferentStep>(
+        m, "DifferentStep",
+        "A step whose rows in steps.csv differ; times are not compared, nor what DifferentWork has.");
     step.def_readonly("step", &DifferentStep::step);
     step.def_readonly("time", &DifferentStep::time, "s");
     step.def_readonly("state", &DifferentStep::state, "the state hashes differ");
     step.def_readonly("columns", &DifferentStep::columns, "those that differ");
     step.def_readonly("stage", &DifferentStep::stage, "the earliest that a counter of this step speaks of");
+
+    auto work = value_class<DifferentWork>(
+        m, "DifferentWork",
+        "A step whose count of examined pairs differs. It goes by what is remembered of pairs, which a run that was "
+        "resumed, or a restored World, finds anew: no bit of the motion depends on it.");
+    work.def_readonly("step", &DifferentWork::step);
+    work.def_readonly("columns", &DifferentWork::columns, "those that differ");
 
     using B = BodyDifference;
     auto body = value_class<B>(m, "BodyDifference", "By how much a body differs between two frames of the same step.");
@@ -150,6 +158,7 @@ void bind_compare(py::module_& m) {
     type.def_readonly("last_step", &R::last_step);
     type.def_readonly("first_step", &R::first_step, "with any difference, or None");
     type.def_readonly("first_state", &R::first_state, "whose state hash differs, or None");
+    type.def_readonly("first_work", &R::first_work, "whose counts of work differ, or None; no difference in bits");
     type.def_readonly("frames_a", &R::frames_a);
     type.def_readonly("frames_b", &R::frames_b);
     type.def_readonly("frames_compared", &R::frames_compared);

@@ -31,11 +31,13 @@ struct StageColumns {
     std::vector<std::string_view> columns;
 };
 
+/// Counts of work, which depend on what is remembered as well (DifferentWork).
+constexpr std::array<std::string_view, 1> kWorkColumns{"pairs"};
+
 /// In the order of the step. Two counters are sums over two stages: then the earlier one cannot be told from the later.
 const std::vector<StageColumns>& stage_columns() {
     static const std::vector<StageColumns> all{
         {"stage 1 (collisions)", {"collisions"}},
-        {"stage 1 or 5 (body pairs examined, counted together)", {"pairs"}},
         {"stage 3 or 7 (contact solves, counted together)", {"iterations", "residual"}},
         {"stage 5 (dynamic contact and failsafe)",
          {"merges", "rung_changes", "held", "kinematic_bodies", "rigid_bodies", "largest_cluster", "trigger_a",
@@ -100,14 +102,17 @@ class StepComparison {
         if (report_.first_state) return; // later steps only follow
         const auto a = io::step_csv_fields(row_a), b = io::step_csv_fields(row_b);
         DifferentStep step;
-        step.step = number;
+        DifferentWork work;
+        step.step = work.step = number;
         for (const auto& [name, at_a, at_b] : columns_) {
             if (at_a >= a.size() || at_b >= b.size()) continue;
             if (name == "time" && !io::parse_number(a[at_a], step.time)) step.time = 0;
             if (a[at_a] == b[at_b]) continue;
-            step.columns.push_back({name, std::string(a[at_a]), std::string(b[at_b])});
+            const bool of_work = std::ranges::find(kWorkColumns, name) != kWorkColumns.end();
+            (of_work ? work.columns : step.columns).push_back({name, std::string(a[at_a]), std::string(b[at_b])});
             step.state = step.state || name == "state_hash";
         }
+        if (!work.columns.empty() && !report_.first_work) report_.first_work = std::move(work);
         if (step.columns.empty()) return;
         step.stage = earliest_stage(step.columns);
         if (step.state) report_.first_state = step;

@@ -99,15 +99,11 @@ void export_csv(const std::filesystem::path& folder, std::ostream& out, const Fr
 
 namespace {
 
-/// Under a temporary name until it is complete: it may be too large for memory.
+/// Part by part: it may be too large for memory.
 void export_csv_file(io::RunReader& reader, const FrameRange& range, const std::filesystem::path& output) {
-    const std::filesystem::path temporary = output.string() + std::string(io::kTemporarySuffix);
-    std::error_code error;
-    std::filesystem::remove(temporary, error);
-    io::AppendFile file(temporary);
+    io::OutputFile file(output);
     io::export_csv(reader, range, [&file](std::string_view text) { file.append(text); });
-    file.sync();
-    io::replace_file(temporary, output);
+    file.close();
 }
 
 } // namespace

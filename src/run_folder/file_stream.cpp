@@ -36,23 +36,16 @@ struct OutputStream::Deflate {
     std::vector<char> out = std::vector<char>(kBuffer);
 };
 
-OutputStream::OutputStream(const fs::path& path)
-    : path_(path), temporary_(path.string() + std::string(kTemporarySuffix)) {
-    std::error_code ignored;
-    fs::remove(temporary_, ignored); // of an interrupted run
-    file_.emplace(temporary_);
+OutputStream::OutputStream(const fs::path& path) : file_(path) {
     if (path.extension() == ".gz") deflate_ = std::make_unique<Deflate>(path);
     buffer_.reserve(2 * kBuffer);
 }
 
-OutputStream::~OutputStream() {
-    std::error_code ignored;
-    if (file_) fs::remove(temporary_, ignored);
-}
+OutputStream::~OutputStream() = default;
 
 void OutputStream::flush(bool last) {
     if (!deflate_) {
-        file_->append(buffer_);
+        file_.append(buffer_);
     } else {
         z_stream& z = deflate_->stream;
         z.next_in = reinterpret_cast<Bytef*>(buffer_.data());
@@ -61,7 +54,7 @@ void OutputStream::flush(bool last) {
             z.next_out = reinterpret_cast<Bytef*>(deflate_->out.data());
             z.avail_out = static_cast<uInt>(deflate_->out.size());
             deflate(&z, last ? Z_FINISH : Z_NO_FLUSH);
-            file_->append({deflate_->out.data(), deflate_->out.size() - z.avail_out});
+            file_.append({deflate_->out.data(), deflate_->out.size() - z.avail_out});
         } while (z.avail_out == 0);
     }
     buffer_.clear();
@@ -69,9 +62,7 @@ void OutputStream::flush(bool last) {
 
 void OutputStream::close() {
     flush(true);
-    file_->sync();
-    file_.reset();
-    replace_file(temporary_, path_);
+    file_.close();
 }
 
 class InputStream::Buffer : public std::streambuf {

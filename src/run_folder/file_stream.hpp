@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <istream>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,7 +12,7 @@
 
 namespace flotilla::io {
 
-/// Writes beside `path`; close() syncs and renames. Without close() nothing is left behind.
+/// Writes an OutputFile. Without close() nothing is left behind.
 class OutputStream {
   public:
     explicit OutputStream(const std::filesystem::path& path);
@@ -33,8 +32,7 @@ class OutputStream {
 
     void flush(bool last);
 
-    std::filesystem::path path_, temporary_;
-    std::optional<AppendFile> file_;
+    OutputFile file_;
     std::unique_ptr<Deflate> deflate_; ///< null: plain
     std::string buffer_;
 };

@@ -137,6 +137,35 @@ TEST(CompareCommand, NamesTheFirstStepAndTheEarliestStageThatShows) {
     EXPECT_TRUE(has(run_flotilla("compare " + a + " " + c), "earliest sign of it:  none")) << "only the state differs";
 }
 
+TEST(CompareCommand, CountsOfWorkAreToldApartFromBits) {
+    const TemporaryFolder folder;
+    const std::string a = write_run(folder.path() / "a", 6);
+    const auto more = [](Recorded& now) {
+        if (now.row.step >= 3) now.row.pairs = 7;
+    };
+    const std::string b = write_run(folder.path() / "b", 6, more);
+    const CompareReport report = compare_runs(a, b);
+    EXPECT_TRUE(report.same_bits());
+    ASSERT_TRUE(report.first_work);
+    EXPECT_EQ(report.first_work->step, 3);
+    const CommandOutput r = run_flotilla("compare " + a + " " + b);
+    EXPECT_EQ(r.exit_code, 0) << r.out;
+    EXPECT_TRUE(has(r, "work:                 differs first in step 3, by what was known of pairs; no bits (A | B):\n"
+                       "  pairs: 0 | 7\n"))
+        << r.out;
+    EXPECT_TRUE(has(r, "verdict:              the same bits\n")) << r.out;
+
+    const std::string c = write_run(folder.path() / "c", 6, [&](Recorded& now) {
+        more(now);
+        if (now.row.step == 4) now.row.iterations = 9;
+    });
+    const CompareReport both = compare_runs(a, c);
+    EXPECT_FALSE(both.same_bits());
+    ASSERT_TRUE(both.first_step);
+    EXPECT_EQ(both.first_step->step, 4);
+    EXPECT_EQ(both.first_step->columns.size(), 1U);
+}
+
 TEST(CompareCommand, OtherInputsOrBodiesAreNoBrokenPromise) {
     const TemporaryFolder folder;
     const auto move = [](Recorded& now) { now.frame.position[0].x = 5, now.row.state_hash += 1; };

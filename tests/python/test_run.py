@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Runs, and all that can be done with their folders."""
+import os
+import threading
+
 import numpy
 import pytest
 
@@ -177,6 +180,41 @@ def test_runs_are_compared(falling, folder, tmp_path):
     report = flotilla.compare_runs(folder, tmp_path / "other")
     assert not report.same_bits and not report.promise_broken
     assert report.first_state.step == 1 and report.first_frame.first.name == "falls"
+
+
+def test_runs_that_were_resumed_have_the_same_bits(tmp_path):
+    scene = flotilla.make_scene("household", bodies=20, seed=2)
+    flotilla.run(scene, tmp_path / "whole", steps=40)
+    flotilla.run(scene, tmp_path / "resumed", steps=40, after_step=lambda report: report.step < 29)
+    flotilla.run(scene, tmp_path / "resumed", steps=40, resume=True)
+    report = flotilla.compare_runs(tmp_path / "whole", tmp_path / "resumed")
+    assert report.same_bits and report.first_step is None and report.steps_compared == 40
+    if report.first_work is not None:  # pairs known to be apart are not examined
+        assert [value.name for value in report.first_work.columns] == ["pairs"]
+
+
+@pytest.mark.parametrize("kind", ["csv", "glb", "usd", "report"])
+def test_output_goes_where_links_and_pipes_lead(folder, tmp_path, kind):
+    def write(path):
+        if kind == "report":
+            flotilla.write_report(folder, path)
+        else:
+            flotilla.export_run(folder, kind, path)
+
+    plain, target, link, pipe = (tmp_path / "out" / name for name in ("plain", "target", "link", "pipe"))
+    plain.parent.mkdir()
+    write(plain)
+    link.symlink_to("target")
+    write(link)
+    assert link.is_symlink() and target.read_bytes() == plain.read_bytes()
+    os.mkfifo(pipe)
+    read = []
+    reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()))
+    reader.start()
+    write(pipe)
+    reader.join()
+    assert pipe.is_fifo() and read == [plain.read_bytes()]
+    assert sorted(file.name for file in plain.parent.iterdir()) == ["link", "pipe", "plain", "target"]
 
 
 def test_callbacks_end_runs_and_their_errors_come_out(falling, tmp_path):

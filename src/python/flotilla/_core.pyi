@@ -392,6 +392,10 @@ class DifferentStep:
     columns: Final[list[ComparedValue]]
     stage: Final[str]
 
+class DifferentWork:
+    step: Final[int]
+    columns: Final[list[ComparedValue]]
+
 class BodyDifference:
     body: Final[int]
     name: Final[str]
@@ -420,6 +424,7 @@ class CompareReport:
     last_step: Final[int]
     first_step: Final[DifferentStep | None]
     first_state: Final[DifferentStep | None]
+    first_work: Final[DifferentWork | None]
     frames_a: Final[int]
     frames_b: Final[int]
     frames_compared: Final[int]
