@@ -19,13 +19,11 @@ double pull(const StepView& view, const CandidatePair& pair, const Vec3& normal)
     return 0.5 * view.dt * std::max({0.0, load(pair.a), -load(pair.b)});
 }
 
-/// m/s, by how much loads change the approach of two bodies along the normal in a step. Those of a body that is held
-/// up, because it touches others, do not count.
-double relative_pull(const StepView& view, const CandidatePair& pair, const Vec3& normal, bool free_a, bool free_b) {
-    const auto load = [&](std::int32_t body, bool free) {
-        return free && view.model.bodies[at(body)].movable() ? acceleration(view.model, at(body)) : Vec3{};
-    };
-    return view.dt * std::abs(dot(normal, load(pair.a, free_a) - load(pair.b, free_b)));
+/// Whether loads move a body along the normal by next to nothing of `approach`, m/s, in the step.
+bool weightless(const StepView& view, std::int32_t body, const Vec3& normal, double approach) {
+    constexpr double kNothing = 1.0 / 1024; // twice that of the energy
+    if (!view.model.bodies[at(body)].movable()) return false;
+    return view.dt * std::abs(dot(normal, acceleration(view.model, at(body)))) <= kNothing * approach;
 }
 
 /// J.
@@ -68,15 +66,14 @@ OfBoth late_shares(const StepView& view, const Touching& touching, const Candida
     const bool b = touching.may_be_late(view.clusters[pair.b], pair.b, pair.a);
     const double of_late = (a ? change.a : 0.0) + (b ? change.b : 0.0);
     if (!(of_late > 0)) return {};
-    // Where loads do nothing to the approach no height has to make up for what they did on the way.
-    constexpr double kNothing = 1.0 / 1024; // of the approach: twice that of the energy
-    const bool weightless = relative_pull(view, pair, landing.normal, a, b) <= kNothing * landing.approach;
-    const auto free = [&](std::int32_t body, bool late) { return late || !view.model.bodies[at(body)].movable(); };
-    if (weightless && free(pair.a, a) && free(pair.b, b)) return {a ? landing.time : 0.0, b ? landing.time : 0.0};
+    // Where no loads work on the way, no height has to make up for that.
+    const bool no_loads = weightless(view, pair.a, landing.normal, landing.approach) &&
+                          weightless(view, pair.b, landing.normal, landing.approach);
+    if (no_loads && a && b) return {landing.time, landing.time};
     const double e = pair_restitution(view.model, pair.a, pair.b);
     const double rebound = e * std::min(landing.approach, landing.way);
     const double closes = landing.gap > landing.lengths.rest ? landing.gap / view.dt : 0.0;
-    double after = rebound - (weightless ? 1 + e : 1 - e * e) * closes; // m/s, of the way
+    double after = rebound - (no_loads ? 1 + e : 1 - e * e) * closes;   // m/s, of the way
     if (landing.gap > landing.lengths.proximity - landing.lengths.rest) // else static contact knows the points
         after = std::max(after, pull(view, pair, landing.normal) - closes);
     const double share = std::clamp((change.a + change.b - landing.way - after) / of_late, 0.0, 1.0);

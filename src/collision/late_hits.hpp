@@ -9,9 +9,9 @@
 // a rebound comes as high as it should: 1 m, restitution 0.3, 0.5 and 0.8, 1/24 s, 2.1, 1.31 and 1.06 times as high
 // without, 1.04, 1.01 and 1.00 times with it. With e = 1 nothing is late.
 //
-// That height makes up for what gravity did on the way. Where it does nothing to the approach, as of two bodies that
-// both fall or fly, the part of the impulse that is late is the part of the step that is over: bodies are then where
-// they are after a hit at that time, and keep their angular momentum.
+// That height makes up for what gravity did on the way. Where loads do nothing along the normal, to two bodies that
+// meet in flight, the part of the impulse that is late is the part of the step that is over: bodies are then where they
+// are after a hit at that time, and keep their angular momentum.
 #pragma once
 
 #include <span>

@@ -46,6 +46,10 @@ class Patience {
     double weakest_ = std::numeric_limits<double>::infinity(); ///< N s
 };
 
+/// Pushes between bodies of a mass ratio halve in as many sweeps divided by the first; no longer is waited than so many
+/// times what equal ones take.
+constexpr double kHalves = 2, kMostSlower = 64;
+
 /// Algorithm 2.
 class DynamicContact {
   public:
@@ -113,7 +117,7 @@ class DynamicContact {
         const double pushed = take_largest_push(workers_);
         patience_.add(static_cast<std::ptrdiff_t>(hits), clusters_.pairs.size(), pushed);
         progress_.add(hits, clusters_.pairs.size(), pushed);
-        progress_.slow_by(largest_mass_ratio());
+        progress_.slow_by(std::min(largest_mass_ratio() / kHalves, kMostSlower));
     }
 
     /// Of two listed clusters that can move, at least 1.

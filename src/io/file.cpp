@@ -99,7 +99,6 @@ std::string read_text(const fs::path& path) {
 
 OutputFile::OutputFile(const fs::path& path) : path_(path), target_(to_be_replaced(path)) {
     if (!target_.empty()) temporary_ = target_.string() + std::string(kTemporarySuffix);
-    if (!target_.empty()) ::unlink(temporary_.c_str()); // of a run that was interrupted
     const fs::path& file = target_.empty() ? path_ : temporary_;
     descriptor_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor_ < 0) fail(path_, "write", errno);

@@ -19,8 +19,9 @@ constexpr std::size_t kBodyGrain = 16; // bodies of a task
 /// may have turned it otherwise, and with the momentum kept in the world its energy would be that of another
 /// orientation: for a bar of aspect 1,000 many times as much. The further turn is O(dt^2) where contact acts steadily,
 /// so the momentum turned with it is as exact as the scheme, and the energy is kept. `accelerated`: the part of the
-/// step whose torques `kept` has in it. What came late turned it less in this step and is no such turn: the impulse
-/// belongs to where bodies met. Energy is kept there as well, by the least change of the momentum.
+/// step whose torques `kept` has in it. What came late to a body without loads turned it less in this step and
+/// is no such turn: the impulse belongs to where bodies met. Energy is kept there as well, by the least change of the
+/// momentum.
 void Stepper::turn_momenta(std::span<const Motion> kept, double accelerated, std::span<Motion> motion) {
     const double dt = model_.settings.time_step;
     workers_.team.for_each("turn momenta", model_.active.size(), kBodyGrain, [&](std::size_t k, int) {
@@ -36,7 +37,7 @@ void Stepper::turn_momenta(std::span<const Motion> kept, double accelerated, std
         if (c.members.size() == 1 && c.rung == Rung::free && clusters_.motion()[i].momentum == mean) return;
         const Quat &start = state_.pose[i].rotation, &end = trajectories_.end_pose(i).rotation;
         const WorldInertia inertia = world_inertia(model_.shape_of(i), body.locked.rotation, start);
-        const Vec3 late = any_late_ ? buffers_.late[i].momentum : Vec3{};
+        const Vec3 late = any_late_ && acceleration(model_, i) == Vec3{} ? buffers_.late[i].momentum : Vec3{};
         const Quat alone = normalized(rotate_free(inertia, body.locked.rotation, mean - late, dt).rotation * start);
         const Vec3 turned_on = rotate(end, rotate(conjugate(alone), before));
         if (body.locked.rotation != 0)
