@@ -48,7 +48,7 @@ class Patience {
 
 /// Pushes between bodies of a mass ratio halve in as many sweeps divided by the first; no longer is waited than so many
 /// times what equal ones take.
-constexpr double kHalves = 2, kMostSlower = 64;
+constexpr double kHalves = 16, kMostSlower = 8;
 
 /// Algorithm 2.
 class DynamicContact {
