@@ -28,11 +28,18 @@ RunBodies::RunBodies(const SceneDescription& scene, std::span<const Edit> edits)
         place_of_.push_back(static_cast<std::int32_t>(i));
         body_at_.push_back(static_cast<std::int32_t>(i));
     }
-    // Names of bodies that come later: as the World gives them.
+    // Names of bodies and shapes that come later: as the World gives them.
+    std::vector<ShapeDescription> shapes; // by number, names alone
+    for (const ShapeDescription& shape : scene.shapes) shapes.emplace_back().name = shape.name;
     std::vector<std::uint32_t> generation(bodies_.size(), 0);
     std::vector<bool> present(bodies_.size(), true);
     for (const Edit& edit : edits) {
-        if (const auto* e = std::get_if<edits::AddShape>(&edit.change)) added_shapes_.push_back(e->shape);
+        if (const auto* e = std::get_if<edits::AddShape>(&edit.change)) {
+            added_shapes_.push_back(e->shape);
+            std::string& name = added_shapes_.back().name;
+            if (name.empty()) name = default_shape_name(shapes);
+            shapes.emplace_back().name = name;
+        }
         if (const auto* e = std::get_if<edits::RemoveBody>(&edit.change)) {
             const auto i = static_cast<std::size_t>(e->body.index);
             if (i >= present.size()) throw InputError("edits: body " + std::to_string(i) + " does not exist");

@@ -72,6 +72,15 @@ def test_edits_made_again_have_the_same_bits(scene, plate):
     assert [shape.name for shape in other.scene_now().shapes] == ["ground", "plate", "extra"]
 
 
+def test_a_run_names_shapes_as_a_world_does(scene, plate, tmp_path):
+    world = flotilla.World(scene, threads=1)
+    world.record_edits(True)
+    world.add_body(world.add_shape(plate, mass=1), position=(0, 0, 30))
+    world.step(3)
+    totals = flotilla.run(scene, tmp_path / "run", steps=3, edits=world.recorded_edits, threads=1)
+    assert totals.last.state_hash == world.state_hash
+
+
 def test_files_and_runs_of_edits(scene, plate, tmp_path, command):
     world, expected = recorded(scene, plate)
     file, edits = tmp_path / "scene.json", tmp_path / "edits.json"
