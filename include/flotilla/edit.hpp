@@ -23,10 +23,11 @@ struct BodyId {
 /// What an Edit changes. Bodies are those of the World at that time. SI units, world axes.
 namespace edits {
 
+/// It gets the lowest number that is free: the scene's description has the first ones, then come those added.
 struct AddShape {
     ShapeDescription shape;
 };
-/// `body.shape` counts the shapes of the scene's description, then those added.
+/// `body.shape` is the number of a shape.
 struct AddBody {
     BodyDescription body;
 };
@@ -92,6 +93,10 @@ struct IgnorePair {
 struct Wake {
     BodyId body;
 };
+/// One that was added and that no body has. Its number is given to the next one that comes; those of others stay.
+struct RemoveShape {
+    std::int32_t shape = -1;
+};
 
 } // namespace edits
 
@@ -99,7 +104,8 @@ struct Edit {
     std::int64_t step = 0; ///< after so many steps; World::apply() does not look at it
     std::variant<edits::AddShape, edits::AddBody, edits::RemoveBody, edits::SetPose, edits::SetVelocity, edits::SetType,
                  edits::SetScript, edits::SetMaterial, edits::SetForce, edits::ApplyForce, edits::ApplyImpulse,
-                 edits::SetGravity, edits::SetGroup, edits::IgnoreGroups, edits::IgnorePair, edits::Wake>
+                 edits::SetGravity, edits::SetGroup, edits::IgnoreGroups, edits::IgnorePair, edits::Wake,
+                 edits::RemoveShape>
         change;
 };
 

@@ -104,6 +104,9 @@ class World {
     BodyId apply(const Edit& edit);
     /// The number that add_body() knows the shape by. A shape without a name gets one.
     std::int32_t add_shape(ShapeDescription shape);
+    /// Lets go of a shape that add_shape() added and no body has. Its number is given to the next one that comes, those
+    /// of others stay.
+    void remove_shape(std::int32_t shape);
     /// Costs about as much as testing the body against those whose boxes meet its own. A body without a name gets one.
     BodyId add_body(BodyDescription body);
     void remove_body(BodyId body);
@@ -156,6 +159,8 @@ class World {
     /// As it was described; the vertices and triangles of one that add_shape() did not add are left out, for the scene
     /// has them. InputError where there is no such shape.
     [[nodiscard]] const ShapeDescription& shape(std::int32_t number) const;
+    [[nodiscard]] bool contains_shape(std::int32_t number) const;
+    /// Numbers of shapes, those of removed ones too.
     [[nodiscard]] std::size_t num_shapes() const;
     [[nodiscard]] const std::string& name(BodyId body) const;
     /// As it is now but for pose and velocities, which body() has.

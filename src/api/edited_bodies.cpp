@@ -112,6 +112,7 @@ void check(const EditedBodies& e) {
             body.type > BodyType::kinematic)
             damaged();
         if (e.present[i] == 0) continue;
+        if (was_removed(e.shapes[static_cast<std::size_t>(body.shape)])) damaged();
         if (!names.insert(body.name).second) damaged();
         BodyDescription copy = body;
         check_name(copy.name, element_path("bodies", i), errors);
@@ -173,6 +174,7 @@ void add(Hasher& h, const edits::SetGroup& e) { add(h, e.body), add(h, e.group);
 void add(Hasher& h, const edits::IgnoreGroups& e) { add(h, e.a), add(h, e.b), h.add(std::uint64_t{e.ignored}); }
 void add(Hasher& h, const edits::IgnorePair& e) { add(h, e.a), add(h, e.b), h.add(std::uint64_t{e.ignored}); }
 void add(Hasher& h, const edits::Wake& e) { add(h, e.body); }
+void add(Hasher& h, const edits::RemoveShape& e) { h.add(static_cast<std::uint64_t>(e.shape)); }
 
 std::uint64_t hash_of(std::span<const std::byte> bytes) {
     Hasher h;

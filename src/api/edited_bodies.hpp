@@ -13,7 +13,7 @@ namespace flotilla {
 
 struct EditedBodies {
     Vec3 gravity; ///< m/s^2
-    /// By the number that AddBody gives: those of the scene without meshes, then those added.
+    /// By the number that AddBody gives: those of the scene without meshes, then those added. See was_removed().
     std::vector<ShapeDescription> shapes;
     std::size_t scene_shapes = 0;
     /// By place. Poses and velocities are those of the start.
@@ -32,6 +32,9 @@ struct EditedBodies {
     std::vector<std::uint8_t> moved; ///< by place: placed since the last step; of a snapshot alone
     std::uint64_t hash = 0;          ///< of all edits, one after the other; 0: there was none
 };
+
+/// What is left of a removed shape is its number.
+[[nodiscard]] inline bool was_removed(const ShapeDescription& shape) { return shape.name.empty(); }
 
 /// The hash of one edit more.
 [[nodiscard]] std::uint64_t chained(std::uint64_t hash, const Edit& edit);

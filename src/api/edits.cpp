@@ -51,6 +51,16 @@ void require_finite(const std::string& what, const Vec3& v, double most, const c
     throw InputError(what + " must be finite and below " + to_text(most) + " " + unit);
 }
 
+/// What stands in for a removed shape, in the model: places of removed bodies have it.
+RigidShape shape_of_nobody() {
+    SceneDescription scene;
+    ShapeDescription& shape = scene.shapes.emplace_back();
+    shape.name = "removed";
+    shape.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    shape.triangles = {{0, 1, 2}};
+    return make_shape(build_scene(scene, "removed shape").shapes.front());
+}
+
 } // namespace
 
 std::size_t World::Impl::place(BodyId body) const {
@@ -129,6 +139,8 @@ void World::Impl::check_description(BodyDescription& body, const char* doing) co
         names.shapes.back().mass_kind = shape.mass_kind;
     }
     check_name(body.name, "", errors);
+    if (body.shape >= 0 && at(body.shape) < now.shapes.size() && was_removed(now.shapes[at(body.shape)]))
+        errors.add("/shape", "shape " + std::to_string(body.shape) + " was removed");
     check_body(body, names, "", errors);
     errors.throw_if_any();
 
@@ -188,9 +200,28 @@ BodyId World::Impl::operator()(const edits::AddShape& edit) {
     alone.shapes.push_back(added);
     const Scene scene = build_scene(alone, doing);
     RigidShape shape = make_shape(scene.shapes.front());
-    now.shapes.push_back(std::move(added));
-    shape_of.push_back(stepper->add_shape(std::move(shape)));
-    return {static_cast<std::int32_t>(now.shapes.size() - 1), 0};
+    const auto free =
+        std::find_if(now.shapes.begin() + static_cast<std::ptrdiff_t>(now.scene_shapes), now.shapes.end(), was_removed);
+    const auto number = static_cast<std::int32_t>(free - now.shapes.begin());
+    if (free == now.shapes.end()) {
+        now.shapes.push_back(std::move(added));
+        shape_of.push_back(stepper->add_shape(std::move(shape)));
+    } else {
+        *free = std::move(added);
+        stepper->set_shape(shape_of[at(number)], std::move(shape));
+    }
+    return {number, 0};
+}
+
+BodyId World::Impl::operator()(const edits::RemoveShape& edit) {
+    const std::string doing = "removing shape " + in_quotes(shape(edit.shape).name);
+    if (at(edit.shape) < now.scene_shapes) throw InputError(doing + ": the shapes of the scene stay");
+    for (std::size_t i = 0; i < now.bodies.size(); ++i)
+        if (now.present[i] != 0 && now.bodies[i].shape == edit.shape)
+            throw InputError(doing + ": body " + in_quotes(now.bodies[i].name) + " has it");
+    stepper->set_shape(shape_of[at(edit.shape)], shape_of_nobody());
+    now.shapes[at(edit.shape)] = {};
+    return {};
 }
 
 BodyId World::Impl::operator()(const edits::AddBody& edit) {
@@ -530,6 +561,11 @@ void set_bodies(const EditedBodies& edited, std::span<const std::int32_t> shapes
 
 void World::Impl::take_edits(const EditedBodies& edited, std::vector<std::int32_t>& shapes, Model& model) const {
     for (std::size_t k = edited.scene_shapes; k < edited.shapes.size(); ++k) {
+        if (was_removed(edited.shapes[k])) {
+            shapes.push_back(static_cast<std::int32_t>(model.shapes.size()));
+            model.shapes.push_back(shape_of_nobody());
+            continue;
+        }
         SceneDescription alone;
         alone.settings = settings;
         alone.shapes.push_back(edited.shapes[k]);

@@ -191,6 +191,15 @@ void World::Impl::check(std::size_t body) const {
                      std::to_string(now.bodies.size()));
 }
 
+const ShapeDescription& World::Impl::shape(std::int32_t number) const {
+    if (number < 0 || static_cast<std::size_t>(number) >= now.shapes.size())
+        throw InputError("shape " + std::to_string(number) + " does not exist: there are " +
+                         std::to_string(now.shapes.size()));
+    const ShapeDescription& found = now.shapes[static_cast<std::size_t>(number)];
+    if (was_removed(found)) throw InputError("shape " + std::to_string(number) + " was removed");
+    return found;
+}
+
 void World::Impl::refuse_where_pinned(const std::string& doing) const {
     if (pin.use_count() > 1)
         throw InputError(doing + ", and somebody uses the memory of those that there are: let go of it first");

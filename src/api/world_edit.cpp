@@ -33,6 +33,7 @@ BodyId World::apply(const Edit& edit) {
 }
 
 std::int32_t World::add_shape(ShapeDescription shape) { return apply({0, edits::AddShape{std::move(shape)}}).index; }
+void World::remove_shape(std::int32_t shape) { apply({0, edits::RemoveShape{shape}}); }
 BodyId World::add_body(BodyDescription body) { return apply({0, edits::AddBody{std::move(body)}}); }
 void World::remove_body(BodyId body) { apply({0, edits::RemoveBody{body}}); }
 void World::set_pose(BodyId body, const Vec3& position, const Quat& rotation) {

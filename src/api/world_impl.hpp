@@ -40,6 +40,7 @@ struct World::Impl {
     BodyId operator()(const edits::IgnoreGroups& edit);
     BodyId operator()(const edits::IgnorePair& edit);
     BodyId operator()(const edits::Wake& edit);
+    BodyId operator()(const edits::RemoveShape& edit);
 
     void check(std::size_t body) const;
     /// The place of a body that is there; InputError with its number and what became of it.
@@ -47,6 +48,8 @@ struct World::Impl {
     [[nodiscard]] BodyId id(std::size_t place) const {
         return {static_cast<std::int32_t>(place), now.generation[place]};
     }
+    /// The shape with a number, or InputError that says what became of it.
+    [[nodiscard]] const ShapeDescription& shape(std::int32_t number) const;
     [[nodiscard]] BodyNames pair(std::int32_t a, std::int32_t b) const;
     [[nodiscard]] PlacedShape placed(std::size_t body) const;
     void say(const std::string& line) const {

@@ -60,17 +60,14 @@ std::int32_t World::find_shape(const std::string& name) const {
     const auto& shapes = impl_->now.shapes;
     std::vector<std::string_view> names;
     for (const ShapeDescription& shape : shapes) {
-        if (shape.name == name) return static_cast<std::int32_t>(names.size());
+        if (shape.name == name && !was_removed(shape)) return static_cast<std::int32_t>(names.size());
         names.emplace_back(shape.name);
     }
     throw InputError(unknown_name("shape", name, names));
 }
-const ShapeDescription& World::shape(std::int32_t number) const {
-    const auto& shapes = impl_->now.shapes;
-    if (number < 0 || at(number) >= shapes.size())
-        throw InputError("shape " + std::to_string(number) + " does not exist: there are " +
-                         std::to_string(shapes.size()));
-    return shapes[at(number)];
+const ShapeDescription& World::shape(std::int32_t number) const { return impl_->shape(number); }
+bool World::contains_shape(std::int32_t number) const {
+    return number >= 0 && at(number) < num_shapes() && !was_removed(impl_->now.shapes[at(number)]);
 }
 std::size_t World::num_shapes() const { return impl_->now.shapes.size(); }
 

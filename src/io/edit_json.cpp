@@ -28,11 +28,16 @@ class Places {
     explicit Places(const SceneDescription& scene) {
         names_.settings = scene.settings;
         for (const ShapeDescription& shape : scene.shapes) add_shape(shape);
+        scene_shapes_ = names_.shapes.size();
         for (const BodyDescription& body : scene.bodies) bodies_.push_back({body.name, 0, true});
     }
 
     void note(const Edit& edit) {
         if (const auto* e = std::get_if<edits::AddShape>(&edit.change)) add_shape(e->shape);
+        if (const auto* e = std::get_if<edits::RemoveShape>(&edit.change)) {
+            static_cast<void>(shape_name(e->shape));
+            names_.shapes[static_cast<std::size_t>(e->shape)].name.clear();
+        }
         if (const auto* e = std::get_if<edits::AddBody>(&edit.change)) add_body(e->body.name);
         if (const auto* e = std::get_if<edits::RemoveBody>(&edit.change)) {
             Place& place = bodies_[static_cast<std::size_t>(e->body.index)];
@@ -67,6 +72,23 @@ class Places {
         return default_body_name(i, i == bodies_.size() ? 0 : bodies_[i].generation);
     }
     [[nodiscard]] std::string next_shape_name() const { return default_shape_name(names_.shapes); }
+    [[nodiscard]] const std::string& shape_name(std::int32_t shape) const {
+        const auto k = static_cast<std::size_t>(shape);
+        if (shape < 0 || k >= names_.shapes.size() || names_.shapes[k].name.empty())
+            throw InputError("edits: there is no shape " + std::to_string(shape));
+        return names_.shapes[k].name;
+    }
+    [[nodiscard]] std::optional<std::int32_t> find_shape(const std::string& name) const {
+        for (std::size_t k = 0; k < names_.shapes.size() && !name.empty(); ++k)
+            if (names_.shapes[k].name == name) return static_cast<std::int32_t>(k);
+        return {};
+    }
+    [[nodiscard]] std::vector<std::string_view> shape_names() const {
+        std::vector<std::string_view> out;
+        for (const ShapeDescription& shape : names_.shapes)
+            if (!shape.name.empty()) out.push_back(shape.name);
+        return out;
+    }
 
   private:
     struct Place {
@@ -76,8 +98,10 @@ class Places {
     };
     void add_shape(const ShapeDescription& shape) {
         std::string given = shape.name.empty() ? next_shape_name() : shape.name;
-        names_.shapes.emplace_back();
-        names_.shapes.back().name = std::move(given);
+        std::size_t k = scene_shapes_;
+        while (k < names_.shapes.size() && !names_.shapes[k].name.empty()) ++k; // removed ones give their numbers
+        if (k == names_.shapes.size()) names_.shapes.emplace_back();
+        names_.shapes[k].name = std::move(given);
     }
     [[nodiscard]] std::size_t free_place() const {
         const auto free = std::find_if(bodies_.begin(), bodies_.end(), [](const Place& p) { return !p.present; });
@@ -92,6 +116,7 @@ class Places {
     }
 
     SceneDescription names_;
+    std::size_t scene_shapes_ = 0;
     std::vector<Place> bodies_;
 };
 
@@ -168,6 +193,13 @@ class EditReader : io::JsonReader {
     }
     std::optional<Change> add_body(const Json& v, const JsonPlace& at) {
         return edits::AddBody{io::read_body(v, at, places_.names(), errors())};
+    }
+    std::optional<Change> remove_shape(const Json& v, const JsonPlace& at) {
+        std::string name;
+        if (!to(name, v, at)) return {};
+        const auto found = places_.find_shape(name);
+        if (!found) problem(at, unknown_name("shape", name, places_.shape_names()));
+        return edits::RemoveShape{found.value_or(-1)};
     }
     std::optional<Change> remove_body(const Json& v, const JsonPlace& at) {
         edits::RemoveBody e;
@@ -330,14 +362,14 @@ class EditReader : io::JsonReader {
         std::string_view name;
         std::optional<Change> (EditReader::*read)(const Json&, const JsonPlace&);
     };
-    static const std::array<Kind, 16> kKinds;
+    static const std::array<Kind, 17> kKinds;
 
     std::filesystem::path folder_;
     Places places_;
     std::vector<Edit> edits_;
 };
 
-const std::array<EditReader::Kind, 16> EditReader::kKinds{{{"add_shape", &EditReader::add_shape},
+const std::array<EditReader::Kind, 17> EditReader::kKinds{{{"add_shape", &EditReader::add_shape},
                                                            {"add_body", &EditReader::add_body},
                                                            {"remove_body", &EditReader::remove_body},
                                                            {"set_pose", &EditReader::set_pose},
@@ -352,7 +384,8 @@ const std::array<EditReader::Kind, 16> EditReader::kKinds{{{"add_shape", &EditRe
                                                            {"set_group", &EditReader::set_group},
                                                            {"ignore_groups", &EditReader::ignore_groups},
                                                            {"ignore_pair", &EditReader::ignore_pair},
-                                                           {"wake", &EditReader::wake}}};
+                                                           {"wake", &EditReader::wake},
+                                                           {"remove_shape", &EditReader::remove_shape}}};
 
 /// One edit as its line of a file.
 class EditWriter {
@@ -412,6 +445,9 @@ class EditWriter {
                     {{"bodies", Json::array({places_.name(e.a), places_.name(e.b)})}, {"ignored", e.ignored}});
     }
     std::string operator()(const edits::Wake& e) const { return line("wake", Json(places_.name(e.body))); }
+    std::string operator()(const edits::RemoveShape& e) const {
+        return line("remove_shape", Json(places_.shape_name(e.shape)));
+    }
 
   private:
     static Json array(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }

@@ -13,10 +13,10 @@ namespace flotilla::python {
 namespace {
 
 /// As files of edits have them, in the order of Edit::change.
-constexpr std::array<std::string_view, 16> kKinds{"add_shape",    "add_body",      "remove_body",   "set_pose",
-                                                  "set_velocity", "set_type",      "set_script",    "set_material",
-                                                  "set_force",    "apply_force",   "apply_impulse", "set_gravity",
-                                                  "set_group",    "ignore_groups", "ignore_pair",   "wake"};
+constexpr std::array<std::string_view, 17> kKinds{
+    "add_shape",  "add_body",      "remove_body", "set_pose",    "set_velocity",  "set_type",
+    "set_script", "set_material",  "set_force",   "apply_force", "apply_impulse", "set_gravity",
+    "set_group",  "ignore_groups", "ignore_pair", "wake",        "remove_shape"};
 static_assert(kKinds.size() == std::variant_size_v<decltype(Edit::change)>);
 
 void write(const py::object& edits, const py::object& scene, const std::filesystem::path& path) {

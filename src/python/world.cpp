@@ -235,14 +235,19 @@ SceneDescription PythonWorld::scene_now() const {
     const World& w = world();
     SceneDescription now = scene_;
     now.gravity = w.gravity();
-    for (std::size_t k = now.shapes.size(); k < w.num_shapes(); ++k)
-        now.shapes.push_back(w.shape(static_cast<std::int32_t>(k)));
+    std::vector<std::int32_t> shape_of; // by number: without those that were removed
+    for (std::int32_t k = 0; k < static_cast<std::int32_t>(w.num_shapes()); ++k) {
+        const bool of_scene = static_cast<std::size_t>(k) < scene_.shapes.size(), there = w.contains_shape(k);
+        if (there && !of_scene) now.shapes.push_back(w.shape(k));
+        shape_of.push_back(of_scene ? k : static_cast<std::int32_t>(now.shapes.size()) - 1);
+    }
     now.ignored_groups = w.ignored_groups();
     now.ignored_bodies = w.ignored_bodies();
     now.bodies.clear();
     for (std::size_t i = 0; i < w.size(); ++i) {
         if (!present(w, i)) continue;
         BodyDescription body = w.description(w.id(i));
+        body.shape = shape_of[static_cast<std::size_t>(body.shape)];
         const BodyState state = w.body(i);
         body.position = state.position;
         body.rotation = state.rotation;

@@ -79,6 +79,11 @@ void bind_bodies(WorldClass& type) {
         "Adds a mesh with the options of Scene.add_shape and returns the number that add_body knows it by. Without a "
         "name it gets a free one.");
     type.def(
+        "remove_shape", [](PythonWorld& w, const py::object& shape) { w.edit().remove_shape(w.shape_number(shape)); },
+        py::arg("shape"),
+        "Lets go of a shape, a number or a name, that add_shape added and no body has. Its number is given to the next "
+        "one that comes; those of others stay.");
+    type.def(
         "add_body", &add_body, py::arg("shape"),
         "Adds a body with the options of Scene.add_body and returns its BodyId. shape: a number, of the scene's shapes "
         "or of add_shape, or a name. "

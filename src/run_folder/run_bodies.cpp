@@ -2,6 +2,7 @@
 #include "run_folder/run_bodies.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include <flotilla/error.hpp>
@@ -29,16 +30,29 @@ RunBodies::RunBodies(const SceneDescription& scene, std::span<const Edit> edits)
         body_at_.push_back(static_cast<std::int32_t>(i));
     }
     // Names of bodies and shapes that come later: as the World gives them.
-    std::vector<ShapeDescription> shapes; // by number, names alone
+    std::vector<ShapeDescription> shapes; // by number in the World, names alone; of removed ones none
     for (const ShapeDescription& shape : scene.shapes) shapes.emplace_back().name = shape.name;
     std::vector<std::uint32_t> generation(bodies_.size(), 0);
     std::vector<bool> present(bodies_.size(), true);
+    std::vector<std::int32_t> shape_of(shapes.size()); // by number: the place in added_shapes_, after the scene's
+    std::iota(shape_of.begin(), shape_of.end(), 0);
+    const auto scene_shapes = static_cast<std::ptrdiff_t>(shapes.size());
     for (const Edit& edit : edits) {
         if (const auto* e = std::get_if<edits::AddShape>(&edit.change)) {
             added_shapes_.push_back(e->shape);
             std::string& name = added_shapes_.back().name;
             if (name.empty()) name = default_shape_name(shapes);
-            shapes.emplace_back().name = name;
+            const auto free = std::find_if(shapes.begin() + scene_shapes, shapes.end(),
+                                           [](const ShapeDescription& s) { return s.name.empty(); });
+            const auto k = static_cast<std::size_t>(free - shapes.begin());
+            if (free == shapes.end()) shapes.emplace_back(), shape_of.push_back(0);
+            shapes[k].name = name;
+            shape_of[k] = static_cast<std::int32_t>(scene.shapes.size() + added_shapes_.size()) - 1;
+        }
+        if (const auto* e = std::get_if<edits::RemoveShape>(&edit.change)) {
+            if (e->shape < 0 || static_cast<std::size_t>(e->shape) >= shapes.size())
+                throw InputError("edits: shape " + std::to_string(e->shape) + " does not exist");
+            shapes[static_cast<std::size_t>(e->shape)].name.clear();
         }
         if (const auto* e = std::get_if<edits::RemoveBody>(&edit.change)) {
             const auto i = static_cast<std::size_t>(e->body.index);
@@ -50,6 +64,9 @@ RunBodies::RunBodies(const SceneDescription& scene, std::span<const Edit> edits)
             if (i == present.size()) present.push_back(false), generation.push_back(0);
             present[i] = true;
             bodies_.push_back(e->body);
+            if (std::int32_t& shape = bodies_.back().shape;
+                shape >= 0 && static_cast<std::size_t>(shape) < shape_of.size())
+                shape = shape_of[static_cast<std::size_t>(shape)];
             if (bodies_.back().name.empty()) bodies_.back().name = default_body_name(i, generation[i]);
         }
     }

@@ -28,9 +28,9 @@ class RunBodies {
     /// Makes the edits of steps up to this one that are not made yet, and returns them.
     std::span<const Edit> advance(std::int64_t step);
     [[nodiscard]] std::size_t size() const { return bodies_.size(); } ///< that are there at any time
-    /// Of all of them; poses and velocities are those of their start.
+    /// Of all of them; poses and velocities are those of their start, shapes count the scene's and added_shapes().
     [[nodiscard]] const std::vector<BodyDescription>& bodies() const { return bodies_; }
-    /// The scene's, then those that edits added.
+    /// Those that edits added, removed ones too.
     [[nodiscard]] const std::vector<ShapeDescription>& added_shapes() const { return added_shapes_; }
     [[nodiscard]] std::int32_t place_of(std::size_t body) const { return place_of_[body]; } ///< -1: it is not there
     [[nodiscard]] std::int32_t body_at(std::int32_t place) const { return body_at_[static_cast<std::size_t>(place)]; }

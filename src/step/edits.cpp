@@ -25,6 +25,18 @@ std::int32_t Stepper::add_shape(RigidShape shape) {
     return static_cast<std::int32_t>(model_.shapes.size() - 1);
 }
 
+/// Places of removed bodies keep the number of their last shape, and lie there as it is now.
+void Stepper::set_shape(std::int32_t shape, RigidShape other) {
+    model_.shapes[at(shape)] = std::move(other);
+    for (std::size_t i = 0; i < model_.size(); ++i) {
+        if (model_.bodies[i].shape != shape) continue;
+        model_.bodies[i] = absent_body(model_, shape);
+        unplaced_.push_back(static_cast<std::int32_t>(i));
+        changed_[i] = 1;
+        any_changed_ = true;
+    }
+}
+
 std::int32_t Stepper::free_place() const {
     const auto& bodies = model_.bodies;
     const auto free = std::find_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.present; });

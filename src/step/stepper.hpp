@@ -75,6 +75,8 @@ class Stepper {
 
     // Changes between steps; arguments are not checked here. The body concerned wakes, with all bodies near it.
     std::int32_t add_shape(RigidShape shape);
+    /// Of a shape that no body has which is there.
+    void set_shape(std::int32_t shape, RigidShape other);
     /// At the lowest free place; apart from all others.
     std::int32_t add_body(const Body& body, const Pose& pose, const Motion& motion);
     void remove_body(std::int32_t body);

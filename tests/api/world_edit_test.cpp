@@ -379,6 +379,77 @@ TEST(WorldEdit, ShapesWithoutANameGetOneAndAreFoundByIt) {
     EXPECT_THAT(refusal<InputError>(world, [&] { (void)world.shape(5); }), HasSubstr("does not exist"));
 }
 
+TEST(WorldEdit, ShapesAreLetGoOf) {
+    const SceneDescription scene = crate_on_floor();
+    AuditedWorld w(scene);
+    World& world = w.world;
+    run(w, 2);
+    const std::int32_t ball = w.add_shape(shape_of("ball", make_sphere(0.5, 2), 3)),
+                       other = w.add_shape(shape_of("other", make_sphere(0.4, 2), 3));
+    BodyDescription body = crate_at({4, 0, 2}, "of ball");
+    body.shape = ball;
+    const BodyId id = world.add_body(body);
+    body = crate_at({-4, 0, 2}, "of other");
+    body.shape = other;
+    (void)world.add_body(body);
+    const auto refused = [&](std::int32_t shape) {
+        return refusal<InputError>(world, [&] { world.remove_shape(shape); });
+    };
+    EXPECT_THAT(refused(ball), HasSubstr("removing shape \"ball\": body \"of ball\" has it"));
+    EXPECT_THAT(refused(0), HasSubstr("of the scene"));
+    EXPECT_THAT(refused(5), HasSubstr("does not exist"));
+    const std::vector<std::byte> with_both = world.snapshot();
+    const std::uint64_t hash_with_both = world.state_hash();
+    world.remove_body(id);
+    const std::size_t before = world.memory().shapes;
+    world.remove_shape(ball);
+    EXPECT_LT(world.memory().shapes, before);
+    EXPECT_THAT(refused(ball), HasSubstr("shape 3 was removed"));
+    body.name = "again";
+    body.shape = ball;
+    body.position = {4, 0, 2};
+    EXPECT_THAT(refusal<InputError>(world, [&] { (void)world.add_body(body); }), HasSubstr("shape 3 was removed"));
+    EXPECT_THAT(refusal<InputError>(world, [&] { (void)world.overlapping(ball, {}, {}); }), HasSubstr("removed"));
+    EXPECT_THAT(refusal<InputError>(world, [&] { (void)world.find_shape("ball"); }), HasSubstr("\"ball\""));
+    EXPECT_EQ(std::pair(world.contains_shape(ball), world.contains_shape(other)), std::pair(false, true));
+
+    // The same bits from a snapshot and in a clone, before its number is given away and after.
+    World restored(scene, world.snapshot()), copy = world.clone();
+    const auto all = {&world, &restored, &copy};
+    for (World* each : all) (void)each->step();
+    for (World* each : all) EXPECT_EQ(each->add_shape(shape_of("ball", make_box(0.6, 0.5, 0.4), 3)), ball);
+    for (World* each : all) (void)each->step();
+    for (World* each : all) (void)each->add_body(body);
+    World late(scene, world.snapshot());
+    for (int i = 0; i < 40; ++i) {
+        const std::uint64_t hash = world.step().state_hash;
+        EXPECT_EQ(restored.step().state_hash, hash);
+        EXPECT_EQ(copy.step().state_hash, hash);
+        EXPECT_EQ(late.step().state_hash, hash);
+    }
+    EXPECT_NEAR(height(world, world.find("again")), 0.2, 0.03);
+    EXPECT_NEAR(height(world, world.find("of other")), 0.4, 0.03);
+    world.restore(with_both);
+    EXPECT_EQ(world.state_hash(), hash_with_both);
+    EXPECT_EQ(world.shape(ball).vertices.size(), shape_of("ball", make_sphere(0.5, 2), 3).vertices.size());
+}
+
+TEST(WorldEdit, BodiesThatAreResizedForEverTakeNoMoreMemory) {
+    World world(crate_on_floor());
+    std::size_t memory = 0, snapshot = 0;
+    for (int i = 0; i < 60; ++i) {
+        BodyDescription body = crate_at({4, 0, 2}, "resized");
+        body.shape = world.add_shape(shape_of("", make_sphere(0.3 + 0.01 * (i % 7), 2), 3));
+        const BodyId id = world.add_body(body);
+        (void)world.step();
+        world.remove_body(id);
+        world.remove_shape(body.shape);
+        if (i == 30) memory = world.memory().shapes, snapshot = world.snapshot().size();
+    }
+    EXPECT_EQ(world.memory().shapes, memory);
+    EXPECT_LT(world.snapshot().size(), snapshot + snapshot / 10);
+}
+
 TEST(WorldEdit, ObserversEndAStepThatThenNeverWas) {
     World world(make_scene("boats-in-bowl", 12, 3));
     for (int i = 0; i < 20; ++i) (void)world.step();

@@ -29,6 +29,10 @@ TEST(EditFile, WhatAWorldRecordedIsReadBackToTheSameBits) {
     ShapeDescription another = tub().shapes[1];
     another.name = ""; // the World gives it one
     world.add_shape(another);
+    another.name = "passing";
+    world.remove_shape(world.add_shape(another));
+    another.name = "";
+    world.add_shape(another); // at its number
     RandomEdits edits(21, 2.4, 4, 24);
     Ignored ignored;
     std::vector<std::uint64_t> hashes;
@@ -53,6 +57,7 @@ TEST(EditFile, ProblemsAreNamedAtTheirPlaces) {
     EXPECT_THAT(problems("{\"remove_body\": \"body5\"}"), HasSubstr("file: /edits/0/step: is missing"));
     EXPECT_THAT(problems("{\"step\": -1, \"remove_body\": \"body5\"}"),
                 HasSubstr("/edits/0/step: must be a whole number"));
+    EXPECT_THAT(problems("{\"step\": 0, \"remove_shape\": \"none\"}"), HasSubstr("unknown shape \"none\""));
     EXPECT_THAT(problems("{\"step\": 0, \"remove_body\": \"bidy5\"}"), HasSubstr("unknown body \"bidy5\""));
     EXPECT_THAT(problems("{\"step\": 0}"), HasSubstr("/edits/0: holds no edit"));
     EXPECT_THAT(problems("{\"step\": 0, \"remove\": 1}"), HasSubstr("/edits/0/remove: unknown key"));

@@ -271,6 +271,34 @@ def test_shapes_without_a_name_get_a_free_one(plate):
     assert again.state_hash == world.state_hash and again.scene_now().bodies[0].shape == 2
 
 
+def test_shapes_are_let_go_of(world, falling, plate):
+    kept, gone = world.add_shape(plate, mass=2, name="kept"), world.add_shape(plate, mass=2, name="gone")
+    body = world.add_body(gone, position=(0, 0, 9))
+    with pytest.raises(flotilla.InputError, match='"gone": body'):
+        world.remove_shape("gone")
+    world.remove_body(body)
+    other = world.add_shape(plate, mass=5, name="other")
+    world.remove_shape(gone)
+    with pytest.raises(flotilla.InputError, match="was removed"):
+        world.add_body(gone)
+    with pytest.raises(flotilla.InputError, match="of the scene"):
+        world.remove_shape(0)
+    world.add_body("other", position=(0, 0, 9), name="last")
+    now = world.scene_now()
+    assert [shape.name for shape in now.shapes] == [shape.name for shape in falling.shapes] + ["kept", "other"]
+    assert now.shapes[now.bodies[-1].shape].name == "other" and flotilla.World(now, threads=1).step().step == 1
+    assert world.add_shape(plate, mass=2, name="new") == gone and other == gone + 1
+    size = None
+    for k in range(40):
+        shape = world.add_shape(plate, mass=1, scale=1 + k / 40)
+        body = world.add_body(shape, position=(0, 0, 30))
+        world.step()
+        world.remove_body(body)
+        world.remove_shape(shape)
+        size = world.memory.shapes if size is None else size
+        assert world.memory.shapes == size
+
+
 def test_a_snapshot_brings_its_shapes(world, falling, plate):
     shape = world.add_shape(plate, mass=2)
     world.add_body(shape, name="of it", position=(0, 0, 9))

@@ -72,6 +72,26 @@ def test_edits_made_again_have_the_same_bits(scene, plate):
     assert [shape.name for shape in other.scene_now().shapes] == ["ground", "plate", "extra"]
 
 
+def test_runs_have_the_shapes_of_their_time(scene, plate, tmp_path):
+    world = flotilla.World(scene, threads=1)
+    world.record_edits(True)
+    for scale in (1, 2):
+        shape = world.add_shape(plate, mass=1, scale=scale)
+        body = world.add_body(shape, position=(0, 0, 30), name=f"of scale {scale}")
+        world.step(2)
+        world.remove_body(body)
+        world.remove_shape(shape)
+    edits = tmp_path / "edits.json"
+    flotilla.write_edits(world.recorded_edits, scene, edits)
+    assert [edit.kind for edit in flotilla.read_edits(edits, scene)] == 2 * [
+        "add_shape", "add_body", "remove_body", "remove_shape"]
+    for given in (world.recorded_edits, edits):
+        totals = flotilla.run(scene, tmp_path / "run", steps=4, edits=given, threads=1, overwrite=True)
+        assert totals.last.step == 4
+    assert flotilla.verify(tmp_path / "run").proved
+    flotilla.export_run(tmp_path / "run", "glb", tmp_path / "run.glb")
+
+
 def test_a_run_names_shapes_as_a_world_does(scene, plate, tmp_path):
     world = flotilla.World(scene, threads=1)
     world.record_edits(True)
