@@ -11,19 +11,25 @@
 namespace flotilla {
 namespace {
 
-/// m/s, what loads add to the approach of either body along the normal in half a step.
-double pull(const StepView& view, const CandidatePair& pair, const Vec3& normal) {
-    const auto load = [&](std::int32_t body) {
-        return view.model.bodies[at(body)].movable() ? dot(normal, acceleration(view.model, at(body))) : 0.0;
-    };
-    return 0.5 * view.dt * std::max({0.0, load(pair.a), -load(pair.b)});
+/// m/s^2, what loads do to a body along the normal.
+double load(const StepView& view, std::int32_t body, const Vec3& normal) {
+    return view.model.bodies[at(body)].movable() ? dot(normal, acceleration(view.model, at(body))) : 0.0;
 }
 
-/// Whether loads move a body along the normal by next to nothing of `approach`, m/s, in the step.
-bool weightless(const StepView& view, std::int32_t body, const Vec3& normal, double approach) {
+/// m/s, what loads add to the approach of either body along the normal in half a step.
+double pull(const StepView& view, const CandidatePair& pair, const Vec3& normal) {
+    return 0.5 * view.dt * std::max({0.0, load(view, pair.a, normal), -load(view, pair.b, normal)});
+}
+
+/// Whether both bodies can move, and loads change the speed of neither along the normal by more than next to nothing of
+/// the approach in the step.
+bool weightless(const StepView& view, const CandidatePair& pair, const Landing& landing) {
     constexpr double kNothing = 1.0 / 1024; // twice that of the energy
-    if (!view.model.bodies[at(body)].movable()) return false;
-    return view.dt * std::abs(dot(normal, acceleration(view.model, at(body)))) <= kNothing * approach;
+    const auto free = [&](std::int32_t body) {
+        return view.model.bodies[at(body)].movable() &&
+               view.dt * std::abs(load(view, body, landing.normal)) <= kNothing * landing.approach;
+    };
+    return free(pair.a) && free(pair.b);
 }
 
 /// J.
@@ -67,8 +73,7 @@ OfBoth late_shares(const StepView& view, const Touching& touching, const Candida
     const double of_late = (a ? change.a : 0.0) + (b ? change.b : 0.0);
     if (!(of_late > 0)) return {};
     // Where no loads work on the way, no height has to make up for that.
-    const bool no_loads = weightless(view, pair.a, landing.normal, landing.approach) &&
-                          weightless(view, pair.b, landing.normal, landing.approach);
+    const bool no_loads = weightless(view, pair, landing);
     if (no_loads && a && b) return {landing.time, landing.time};
     const double e = pair_restitution(view.model, pair.a, pair.b);
     const double rebound = e * std::min(landing.approach, landing.way);

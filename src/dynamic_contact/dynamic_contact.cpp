@@ -46,9 +46,10 @@ class Patience {
     double weakest_ = std::numeric_limits<double>::infinity(); ///< N s
 };
 
-/// Pushes between bodies of a mass ratio halve in as many sweeps divided by the first; no longer is waited than so many
-/// times what equal ones take.
-constexpr double kHalves = 16, kMostSlower = 8;
+/// How many times longer a stage may gain nothing where bodies of different mass hit, in their mass ratio, and at most.
+/// The least patience is eight sweeps, so that this is half a sweep for each of the ratio; without a limit of sweeps it
+/// is what ends the stage.
+constexpr double kOfMassRatio = 1.0 / 16, kMostSlower = 8;
 
 /// Algorithm 2.
 class DynamicContact {
@@ -117,33 +118,35 @@ class DynamicContact {
         const double pushed = take_largest_push(workers_);
         patience_.add(static_cast<std::ptrdiff_t>(hits), clusters_.pairs.size(), pushed);
         progress_.add(hits, clusters_.pairs.size(), pushed);
-        progress_.slow_by(std::min(largest_mass_ratio() / kHalves, kMostSlower));
+        progress_.slow_by(std::min(kOfMassRatio * mass_ratio_, kMostSlower));
     }
 
-    /// Of two listed clusters that can move, at least 1.
-    [[nodiscard]] double largest_mass_ratio() const {
-        double ratio = 1;
-        for (const CandidatePair& p : clusters_.pairs) {
-            const double a = view_.clusters[p.a].inverse_mass, b = view_.clusters[p.b].inverse_mass;
-            if (a > 0 && b > 0) ratio = std::max({ratio, a / b, b / a});
-        }
-        return ratio;
+    /// Of two clusters that can move, at least 1.
+    [[nodiscard]] double mass_ratio(const CandidatePair& pair) const {
+        const double a = view_.clusters[pair.a].inverse_mass, b = view_.clusters[pair.b].inverse_mass;
+        return a > 0 && b > 0 ? std::max(a / b, b / a) : 1;
     }
 
-    /// Returns how many pairs hit, and notes whether all of them resolved.
+    /// Returns how many pairs hit, and notes whether all of them resolved and the largest mass ratio among them.
     std::size_t look_at_resolutions() {
         constexpr std::size_t kGrain = 1024; // pairs of a task
         std::atomic<std::size_t> hits = 0, left = 0;
+        std::atomic<double> largest = 1;
         const std::size_t n = resolutions_.size();
         for_each(&workers_.team, "look at resolutions", (n + kGrain - 1) / kGrain, 1, [&](std::size_t chunk) {
             std::size_t found = 0, unresolved = 0;
+            double ratio = 1;
             for (std::size_t i = chunk * kGrain; i < std::min(n, (chunk + 1) * kGrain); ++i) {
                 found += resolutions_[i].found ? 1u : 0u;
+                if (resolutions_[i].found) ratio = std::max(ratio, mass_ratio(clusters_.pairs[i]));
                 unresolved += resolutions_[i].resolved ? 0u : 1u;
             }
             hits.fetch_add(found, std::memory_order_relaxed);
             left.fetch_add(unresolved, std::memory_order_relaxed);
+            for (double last = largest; ratio > last && !largest.compare_exchange_weak(last, ratio);) {
+            }
         });
+        mass_ratio_ = largest;
         any_unresolved_ = left > 0;
         return hits;
     }
@@ -179,6 +182,7 @@ class DynamicContact {
     ClusterPairs clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
     bool any_unresolved_ = false; ///< of these
+    double mass_ratio_ = 1;       ///< the largest of those that hit
     Patience patience_;
     /// Giving up makes clusters of what hits: of 8 links of a tight chain in 100 steps, preset accurate, two trips
     /// alone leave 6 merges without need.

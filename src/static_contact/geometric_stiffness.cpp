@@ -49,7 +49,6 @@ bool GeometricStiffness::find_pulled(Team* team, const Model& model, std::span<c
 
 void GeometricStiffness::stiffen(Team* team, const Model& model, std::span<const Contact> contacts,
                                  std::span<const Vec3> carried, double time, VelocityArrays& velocities) {
-    stiffened_.clear();
     if (!find_pulled(team, model, contacts, carried, time, velocities)) return;
     pulls_.assign(model.size(), {});
     for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -79,6 +78,7 @@ void GeometricStiffness::stiffen(Team* team, const Model& model, std::span<const
 
 void GeometricStiffness::relax(VelocityArrays& velocities) {
     for (const Stiffened& s : stiffened_) velocities.inverse_inertia[at(s.body)] = s.inverse_inertia;
+    stiffened_.clear();
 }
 
 } // namespace flotilla

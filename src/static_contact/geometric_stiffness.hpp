@@ -28,7 +28,7 @@ class GeometricStiffness {
     /// Adds to the inertia of active bodies what the `carried` impulses of contacts (N s, on b, of `time` s) ask for.
     void stiffen(Team* team, const Model& model, std::span<const Contact> contacts, std::span<const Vec3> carried,
                  double time, VelocityArrays& velocities);
-    /// Gives them their own inertia back.
+    /// Gives them their own inertia back. Also before bodies are loaded: a step may have been cut off.
     void relax(VelocityArrays& velocities);
 
   private:
@@ -47,7 +47,7 @@ class GeometricStiffness {
                      double time, const VelocityArrays& velocities);
 
     std::vector<std::uint8_t> pulled_; ///< by body
-    std::vector<Pulls> pulls_;         ///< likewise; zero but within a call
+    std::vector<Pulls> pulls_;         ///< likewise
     std::vector<Stiffened> stiffened_;
 };
 

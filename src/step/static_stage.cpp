@@ -185,6 +185,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                                              const StepReport& report) {
     const bool final_stage = stage == ContactStage::final;
     auto& [velocities, targets, impulses, carried, stored, landing, stiffness, solver] = static_;
+    stiffness.relax(velocities);
     velocities.load(&workers_.team, model_, pairs_.lists.still_version, poses, motion);
     velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);
     // Stage 7 leaves pairs that stage 1 did not process to their bounce in the next step (section 2). Where stage 1

@@ -39,7 +39,7 @@ Swings swings(Motion& motion, std::size_t i, double time) {
 }
 
 // A ball of 5 kg on four links of 0.1 kg, 6 cm wide, let go at 0.2 rad. Links turn to and fro 30 times a second under
-// its weight, about three radians a step of 1/60 s. The times are those of steps of 1/960 s.
+// its weight, about three radians a step of 1/60 s. The times are those of preset accurate and of steps of 1/240 s.
 void lamp_swings(const Run& run) {
     constexpr double kRing = 0.03, kTube = 0.005, kBall = 0.08, kLean = 0.2, kPitch = 2 * (kRing - kTube) - 2.5 * kRest;
     constexpr int kLinks = 4;

@@ -238,6 +238,25 @@ TEST(ContactPoints, OfAPlaceTheContactOnAFlatSideStays) {
     }
 }
 
+// A corner beside the seam of two triangles of one plane sees that seam aside, in a direction in which there is nothing.
+TEST(ContactPoints, ACornerBesideASeamOfAFlatFaceHasThatFace) {
+    constexpr double kHeight = 0.01;
+    const TriangleMesh box = make_box(1, 1, 1);
+    const Quat turn = rotation_from_vector({0.5, 0.4, 0.3});
+    Vec3 lowest{0, 0, 1};
+    for (const Vec3& v : box.vertices)
+        if (rotate(turn, v).z < lowest.z) lowest = rotate(turn, v);
+    for (const double degrees : {6.0, 8.0, 10.0, 12.0, 14.0}) {
+        const double aside = kHeight * std::tan(degrees * std::numbers::pi / 180);
+        const Vec3 place = Vec3{std::sqrt(2.0) * aside, 0, kHeight} - lowest;
+        for (const int cells : {1, 2}) { // the seam is a diagonal through the middle
+            const auto points = contact_points({box, place, turn}, {make_plate(10, 10, cells, cells), {}});
+            ASSERT_EQ(points.size(), 1u) << degrees << " degrees, " << cells;
+            EXPECT_LT(length(points[0].normal - Vec3{0, 0, -1}), 1e-12);
+        }
+    }
+}
+
 // Two sides that meet at a corner are two contacts, though at one place.
 TEST(ContactPoints, CornersInOtherDirectionsStay) {
     // A cube in the corner of a floor and a wall, its lower edge's ends at the ends of theirs.

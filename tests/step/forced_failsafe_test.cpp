@@ -133,8 +133,8 @@ std::int64_t count_merges(std::uint64_t seed, int limit) {
     return merges;
 }
 
-// 258 to 295 merges a seed where four sweeps were the end of dynamic contact. Where it goes on, 0 to 277 of ten seeds, 113
-// in the mean, by the order in which few boats meet.
+// 258 to 295 merges a seed where four sweeps were the end of dynamic contact. Where it goes on, 0 to 277 of ten seeds,
+// 113 in the mean, by the order in which few boats meet.
 TEST(ForcedFailsafe, DynamicContactGoesOnWhileFewerPairsHit) {
     constexpr int kSeeds = 10;
     std::int64_t merges = 0;
