@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "static_contact/expected_turns.hpp"
 
+#include <algorithm>
 #include <atomic>
 
 #include "base/index.hpp"
@@ -35,16 +36,20 @@ void ExpectedTurns::find(Team* team, const Model& model, const VelocityArrays& b
         const std::size_t i = at(body);
         if (turns_[i] == 0) return;
         const Body& b = model.bodies[i];
-        const Vec3& now = bodies.angular_velocity[i];
-        const Vec3 more = bodies.inverse_inertia[i] * torque_[i];
-        const Vec3 omega = length_sq(more) < length_sq(now) ? now + more : now;
+        const Vec3& now = bodies.turn_of(body);
+        const Vec3 added = bodies.angular_velocity[i] - now;
+        const Vec3 more = added + bodies.inverse_inertia[i] * torque_[i];
+        const bool known = length_sq(more) < length_sq(now);
+        const Vec3 omega = known ? now + more : now;
+        const auto left = [&] { return std::clamp(dot(more, added) / length_sq(added), 0.0, 1.0) * added; };
+        const Vec3 on_arcs = known && added != Vec3{} ? now + left() : now;
         if (!b.movable() || !(length_sq(omega) * dt * dt <= 1)) {
             turns_[i] = 0;
             return;
         }
         const Vec3 momentum = bodies.inertia[i] * omega;
         const WorldInertia inertia = world_inertia(model.shape_of(i), b.locked.rotation, bodies.turned[i].rotation);
-        turn_[i] = {omega, rotate_free(inertia, b.locked.rotation, momentum, dt).rotation};
+        turn_[i] = {omega, rotate_free(inertia, b.locked.rotation, momentum, dt).rotation, on_arcs};
     });
 }
 
@@ -71,8 +76,12 @@ void ExpectedTurns::add_impulses(Team* team, const VelocityArrays& bodies, std::
     }
 }
 
-Vec3 ExpectedTurns::angular_velocity(const VelocityArrays& bodies, std::int32_t body) const {
-    return turns(body) ? turn_[at(body)].angular_velocity : bodies.angular_velocity[at(body)];
+const Vec3& ExpectedTurns::on_arcs(const VelocityArrays& bodies, std::int32_t body) const {
+    return turns(body) && !bodies.unloaded.empty() ? turn_[at(body)].on_arcs : bodies.turn_of(body);
+}
+
+const Vec3& ExpectedTurns::angular_velocity(const VelocityArrays& bodies, std::int32_t body) const {
+    return turns(body) ? turn_[at(body)].angular_velocity : bodies.turn_of(body);
 }
 
 Vec3 ExpectedTurns::mean_less_now(std::int32_t body, const Vec3& arm) const {

@@ -337,7 +337,7 @@ constexpr double kStraight = 0.25;
 /// mm with its arcs and by 61 without.
 bool whirls(const VelocityArrays& bodies, const Contact& c, double time_step) {
     const auto turns = [&](std::int32_t body) {
-        const Vec3& omega = bodies.angular_velocity[at(body)];
+        const Vec3& omega = bodies.turn_of(body);
         const double along = dot(omega, c.normal);
         return (length_sq(omega) - along * along) * (time_step * time_step) > std::numbers::pi * std::numbers::pi;
     };
@@ -358,7 +358,7 @@ double gyration(const VelocityArrays& bodies, std::int32_t body, const Vec3& axi
 
 bool turn_little(const Model& model, std::int32_t a, std::int32_t b, const VelocityArrays& bodies, double still) {
     const auto fastest = [&](std::int32_t body) {
-        return length(bodies.angular_velocity[at(body)]) * model.shape_of(at(body)).radius;
+        return length(bodies.turn_of(body)) * model.shape_of(at(body)).radius;
     };
     return (fastest(a) + fastest(b)) * model.settings.time_step <= kStraight * still;
 }
@@ -372,7 +372,7 @@ bool arcs_of_pair(const Model& model, std::span<const Contact> pair, const Rolli
         return false;
     }
     const auto point = [&](const Contact& x, std::int32_t body) {
-        return TurningPoint{bodies.angular_velocity[at(body)], point_on(x, body) - bodies.position[at(body)]};
+        return TurningPoint{turning.expected.on_arcs(bodies, body), point_on(x, body) - bodies.position[at(body)]};
     };
     for (std::size_t i = 0; i < pair.size(); ++i)
         arcs[i] = meet_on_arcs(point(pair[i], c.a), point(pair[i], c.b), pair[i].normal, dt);

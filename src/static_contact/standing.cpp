@@ -83,7 +83,7 @@ Standing::Standing(std::span<const Contact> pair, const VelocityArrays& bodies, 
     for (const std::int32_t body : {pair.front().a, pair.front().b}) {
         // Prescribed ones are seen on their way (turned_under() in targets.cpp).
         const double fastest = bodies.inverse_mass[at(body)] > 0 ? 1 / time_step : 0;
-        slides_ = slides_ || !(length(bodies.angular_velocity[at(body)]) <= fastest);
+        slides_ = slides_ || !(length(bodies.turn_of(body)) <= fastest);
     }
 }
 

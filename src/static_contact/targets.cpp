@@ -149,8 +149,7 @@ class PairTargets {
     /// m, of b relative to a, in the step as far as it is known before contacts answer to loads.
     [[nodiscard]] Vec3 way(const Contact& c) const {
         const auto velocity = [&](std::int32_t body) {
-            return unloaded(body) +
-                   cross(bodies_.angular_velocity[at(body)], point_on(c, body) - bodies_.position[at(body)]);
+            return unloaded(body) + cross(bodies_.turn_of(body), point_on(c, body) - bodies_.position[at(body)]);
         };
         return dt_ * (velocity(c.b) - velocity(c.a));
     }
@@ -167,8 +166,7 @@ class PairTargets {
         constexpr double kSlips = 1.0 / 16;
         double turning = 0; // m/s
         for (const std::int32_t body : {c.a, c.b})
-            turning +=
-                length(bodies_.angular_velocity[at(body)]) * length(point_on(c, body) - bodies_.position[at(body)]);
+            turning += length(bodies_.turn_of(body)) * length(point_on(c, body) - bodies_.position[at(body)]);
         const Vec3 between = way(c);
         return length(between - dot(between, c.normal) * c.normal) < kSlips * dt_ * turning;
     }
@@ -344,7 +342,8 @@ void set_targets(Team* team, const Model& model, const ContactSet& set, const Ve
     });
     if (out.turning.expected.any()) {
         out.turning.join(model.size(), set.contacts);
-        if (!input.final_stage) out.turning.expected.find(team, model, bodies, set.contacts, input.impulses);
+        if (!input.final_stage || !bodies.unloaded.empty())
+            out.turning.expected.find(team, model, bodies, set.contacts, input.impulses);
     }
     if (model.settings.tangents == Tangents::random || out.turning.expected.any())
         out.turning.last.load(team, model, bodies, input.last_motion);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "static_contact/velocity_arrays.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <utility>
 
@@ -65,6 +66,18 @@ void VelocityArrays::set_rest_speeds(Team* team, const Model& model, const Conta
         any.store(true, std::memory_order_relaxed);
     });
     if (!any) rest_speed.clear();
+}
+
+void VelocityArrays::set_unloaded(Team* team, const Model& model, double accelerated) {
+    unloaded.clear();
+    const auto turned_by_load = [&](std::int32_t body) { return model.bodies[at(body)].torque != Vec3{}; };
+    if (std::ranges::none_of(model.active, turned_by_load)) return;
+    unloaded = angular_velocity;
+    for_each(team, "unloaded turns", model.active.size(), kBodyGrain, [&](std::size_t k) {
+        const std::int32_t body = model.active[k];
+        if (model.bodies[at(body)].movable() && turned_by_load(body))
+            unloaded[at(body)] -= accelerated * (inverse_inertia[at(body)] * turning_torque(model, at(body)));
+    });
 }
 
 void VelocityArrays::store(Team* team, const Model& model, std::span<Motion> motion) const {

@@ -193,6 +193,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     // would accelerate for ever.
     const bool keep_approach = final_stage && (report.warnings & kCollisionLimit) == 0;
     const double accelerated = final_stage && model_.settings.velocity_update == VelocityUpdate::end ? 1 : 0.5;
+    velocities.set_unloaded(&workers_.team, model_, accelerated * model_.settings.time_step);
     load_warm(&workers_.team, contacts.contacts, known_impulses(stage), impulses);
     const bool kept = model_.settings.velocity_update == VelocityUpdate::trapezoidal;
     const ContactStage before = !final_stage ? ContactStage::final : kept ? ContactStage::kept : ContactStage::half;

@@ -234,6 +234,44 @@ void top_slides_off(const Run& run, int boxes) {
     EXPECT_NEAR(way / due, 1, 0.015);
 }
 
+// A cube of `edge` m that is pulled for a second at its upper edge, with `share` of the force that tips it, half its
+// weight: at the centre of mass, and the torque of its arm.
+struct PulledCube {
+    Motion motion;
+    double force = 0, torque = 0; // N, N m
+
+    PulledCube(const Run& run, double edge, double share) : motion(scene(run, edge)) {
+        World& world = motion.world();
+        force = 0.5 * share * motion.mass(0) * kGravity;
+        torque = 0.5 * edge * force;
+        motion.run(4 * run.dt());
+        world.set_force(world.id(0), {force, 0, 0}, {0, torque, 0});
+        for (int k = 0; k < run.rate; ++k) world.step(); // a Motion takes the work for a gain
+    }
+    static SceneDescription scene(const Run& run, double edge) {
+        SceneDescription out = resting_stack(run.settings(), {1}, edge);
+        for (BodyDescription& body : out.bodies) body.friction = 2;
+        return out;
+    }
+    [[nodiscard]] bool stands() const { return rotate(motion.body(0).rotation, {0, 0, 1}).z > 0.999; }
+};
+
+// What a floor forbids does not bend arcs: the turn that the torque alone would give.
+void carries_a_torque(const Run& run, double edge) {
+    PulledCube cube(run, edge, 0.8);
+    const BodyContacts carried = cube.motion.world().contacts_of(cube.motion.world().id(0));
+    const double weight = cube.motion.mass(0) * kGravity;
+    cube.motion.print("contacts carry (%.4f, %.4f) m g, due (%.4f, 1), and %.4f of the torque",
+                      carried.force.x / weight, carried.force.z / weight, -cube.force / weight,
+                      -carried.torque.y / cube.torque);
+    EXPECT_TRUE(cube.stands());
+    EXPECT_NEAR(carried.force.x / cube.force, -1, 2e-3);
+    EXPECT_NEAR(carried.force.z / weight, 1, 2e-3);
+    EXPECT_NEAR(carried.torque.y / cube.torque, -1, 2e-3);
+    EXPECT_TRUE(PulledCube(run, edge, 0.97).stands());
+    EXPECT_FALSE(PulledCube(run, edge, 1.03).stands());
+}
+
 std::string power(double ratio) { return "1e" + std::to_string(static_cast<int>(std::lround(std::log10(ratio)))); }
 
 // Alike pieces let go above each other.
@@ -367,6 +405,10 @@ void pressed_fall_asleep(const Run& run, const TriangleMesh& mesh, const Pieces&
     add_runs("Stacks", "FortySheetsThatLandFallAsleep", {{"preview", 60}, {"balanced", 60}}, false, [=](const Run& r) {
         pressed_fall_asleep(r, sheet, {40, 0.00045, 0.00101, 0, 0.2});
     });
+    for (const int rate : {24, 60, 240})
+        for (const int edge : {2, 10})
+            add_runs("Stacks", "CubeOf" + std::to_string(edge) + "cmCarriesTheTorqueThatPullsAtIt",
+                     {{"balanced", rate}}, true, [=](const Run& r) { carries_a_torque(r, 0.01 * edge); });
     add_runs("Stacks", "ForcesAreThoseOfTheWeightAbove", runs(), true, forces_in_a_stack);
     return true;
 }();
