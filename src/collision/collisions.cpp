@@ -98,15 +98,16 @@ bool respond(const StepView& view, const HitRules& rules, Movers& movers, Worker
 }
 
 /// The inner part of Algorithm 1: resolves the hits of one pair in consecutive order, then its fast end proximities.
-/// Whether it applied an impulse.
-bool collide(const StepView& view, const HitRules& rules, Movers& movers, Worker& worker, const ListedPair& listed) {
+/// Whether it applied an impulse. `known`: what its present motion is known to meet first, or null.
+bool collide(const StepView& view, const HitRules& rules, Movers& movers, Worker& worker, const ListedPair& listed,
+             const CollisionFinding* known) {
     PairRecord& record = *listed.record;
     const CandidatePair& pair = listed.pair;
-    ++worker.counters.pairs;
+    if (known == nullptr) ++worker.counters.pairs;
     record.processed.withdraw();
     worker.manifold.clear();
     for (int i = 0; i < view.model.settings.collision_pair_iterations; ++i) {
-        if (!find_hits(view, worker, record, &rules.grounds)) return i > 0;
+        if (!find_hits(view, worker, record, &rules.grounds, i == 0 ? known : nullptr)) return i > 0;
         if (!respond(view, rules, movers, worker, pair)) {
             commit(view.trajectories, record, Verdict::settled); // stage 5 takes it
             ++worker.counters.settled;
@@ -132,9 +133,10 @@ class SequentialCollisions {
     StageCounters run() {
         scratch_.active.clear();
         scratch_.grounds.start();
+        scratch_.first.start();
         while (sweeps_left() > 0 && goes_on()) {
             const FrozenList list = pairs_to_resolve();
-            if (list.num_open == 0 || resolve(list.pairs, 1) == 0) {
+            if (list.num_open == 0 || resolve_first(list.pairs) == 0) {
                 // What was known of pairs, a cache, must not decide how many sweeps count: resolving in turn those that
                 // were closed ahead of it would have been one.
                 if (list.num_closed() > 0) ++counters_.sweeps;
@@ -162,22 +164,24 @@ class SequentialCollisions {
         return true;
     }
 
-    /// All pairs that are not proved apart; those in which nothing calls for an impulse are closed where that is cheap
-    /// to see.
+    /// All pairs that are not proved apart.
     FrozenList pairs_to_resolve() {
-        FrozenList list = freeze(view_, book_, workers_.team, ListReach::proximity);
-        if (view_.savings.calm_pairs)
-            close_early(view_, workers_, list,
-                        [&](PairRecord& pair, Worker& worker) { return close_calm(view_, worker, pair); });
+        const FrozenList list = freeze(view_, book_, workers_.team, ListReach::proximity);
         counters_.pairs += static_cast<std::int64_t>(list.num_closed());
         scratch_.grounds.add(view_, list.pairs, workers_.team, book_.lists.chunk_places);
         return list;
     }
 
+    /// Goes once over the pairs of a list that hit before either of their bodies meets others.
+    std::size_t resolve_first(std::span<const ListedPair> list) {
+        scratch_.first.look(view_, workers_, list);
+        return resolve(list, 1, &scratch_.first);
+    }
+
     /// Goes `rounds` times over the pairs of a list that are open, or until none is; odd sweeps go backwards. Returns
     /// the number of sweeps that found any, and in scratch_.hitting and hardest how many pairs hit in each, and how
     /// hard.
-    std::size_t resolve(std::span<const ListedPair> list, int rounds) {
+    std::size_t resolve(std::span<const ListedPair> list, int rounds, const FirstHits* first = nullptr) {
         const auto count = at(rounds);
         for (Worker& worker : workers_.each) {
             worker.work.assign(count, 0);
@@ -188,15 +192,21 @@ class SequentialCollisions {
         const SweepPlan plan{sweep_order(view_, book_, workers_.team, list.size(), pair_of), counters_.sweeps % 2 != 0,
                              rounds};
         const SweepOperation operation{
-            "collide", [&](std::size_t i) { return verdict(view_.trajectories, *list[i].record) != Verdict::open; },
+            "collide",
+            [&](std::size_t i) {
+                return (first != nullptr && !first->hits(i)) ||
+                       verdict(view_.trajectories, *list[i].record) != Verdict::open;
+            },
             [&](std::size_t i) { fetch_record(*list[i].record); },
             [&](std::size_t i, int round, Worker& worker) {
                 const std::size_t r = at(round);
+                ++worker.work[r];
+                if (first != nullptr && first->waits(view_, list[i].pair, i)) return;
                 take_largest_push(worker); // of operations before
-                if (collide(view_, {scratch_.touching, scratch_.grounds, join_}, movers_, worker, list[i]))
+                const auto* known = first != nullptr ? first->found(view_, list[i].pair, i) : nullptr;
+                if (collide(view_, {scratch_.touching, scratch_.grounds, join_}, movers_, worker, list[i], known))
                     ++worker.hitting[r];
                 worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));
-                ++worker.work[r];
             }};
         const SharedSweep shared{movers_, [&](std::size_t i) -> PairRecord& { return *list[i].record; }};
         run_sweep(workers_, book_.lists.sweep, plan, operation, shared);

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "collision/accumulated.hpp"
+#include "collision/first_hits.hpp"
 #include "collision/grounds.hpp"
 
 namespace flotilla {
@@ -21,6 +22,7 @@ struct CollisionScratch {
     HitLists hits;                    ///< accumulated
     Touching touching;
     Grounds grounds; ///< sequential
+    FirstHits first; ///< sequential
 };
 
 StageCounters handle_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,

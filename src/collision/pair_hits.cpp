@@ -219,8 +219,9 @@ bool is_flat(const StepView& view, const PairRecord& pair, const FeaturePair& f)
 
 } // namespace
 
-bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Grounds* grounds) {
-    const CollisionFinding found = find_collision(view, worker, pair, pair.cache);
+bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Grounds* grounds,
+               const CollisionFinding* known) {
+    const CollisionFinding found = known != nullptr ? *known : find_collision(view, worker, pair, pair.cache);
     commit(view.trajectories, pair, found.verdict);
     if (found.processed) pair.processed.set();
     worker.hits.clear();
@@ -236,13 +237,12 @@ bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Gro
     return true;
 }
 
-bool close_calm(const StepView& view, Worker& worker, PairRecord& pair) {
-    if (verdict(view.trajectories, pair) != Verdict::open) return false;
+CollisionFinding look_at(const StepView& view, Worker& worker, PairRecord& pair) {
     const CollisionFinding found = find_collision(view, worker, pair, pair.cache);
-    if (found.urgent) return false;
+    if (found.urgent) return found;
     commit(view.trajectories, pair, found.verdict);
     if (found.processed) pair.processed.expect();
-    return true;
+    return found;
 }
 
 } // namespace flotilla

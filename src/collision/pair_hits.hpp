@@ -48,10 +48,12 @@ struct CollisionFinding {
 /// find_collision(), recorded; fills worker.hits with what calls for an impulse, the earliest first, and what hits at
 /// the same time, and worker.landing. Returns whether there is any. `grounds`: to a hit on one of these is added what
 /// hits the others at the same time; null: nothing is.
-bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Grounds* grounds = nullptr);
+/// `known`: what find_collision() returns of the present motion; null: it is asked.
+bool find_hits(const StepView& view, Worker& worker, PairRecord& pair, const Grounds* grounds = nullptr,
+               const CollisionFinding* known = nullptr);
 
-/// The same ahead of the pair's turn, recorded where nothing calls for an impulse: what its turn would do if it came
-/// now. Returns whether that was so.
-bool close_calm(const StepView& view, Worker& worker, PairRecord& pair);
+/// find_collision() ahead of the pair's turn, recorded where nothing calls for an impulse: what its turn would do if it
+/// came now.
+CollisionFinding look_at(const StepView& view, Worker& worker, PairRecord& pair);
 
 } // namespace flotilla

@@ -370,7 +370,7 @@ TangentPair choose_tangents(const Contact& c, Cone cone, const ContactSolveOptio
     return keyed_tangents(c, options.seed, c.sticks ? kNoStep : options.step);
 }
 
-// A row without its mass, target and impulse.
+// A row without its mass, target, friction and impulse.
 ContactRow make_row(const Contact& c, const Vec3& arm_a, const ContactBlock& block, Cone cone,
                     const ContactSolveOptions& options) {
     ContactRow row;
@@ -381,21 +381,25 @@ ContactRow make_row(const Contact& c, const Vec3& arm_a, const ContactBlock& blo
     const TangentPair t = choose_tangents(c, cone, options);
     row.tangent_1 = t.t1;
     row.tangent_2 = t.t2;
-    row.local.friction = c.friction;
     return row;
 }
 
 // Whether the row is what make_row() and set_mass() would make again in a block that stands.
 bool row_stands(const ContactRow& row, const Contact& c, const Vec3& arm_a) {
-    return same_bits(row.normal, c.normal) && same_bits(row.arm_a, arm_a) && same_bits(row.across, c.across) &&
-           same_bits(row.local.friction, c.friction);
+    return same_bits(row.normal, c.normal) && same_bits(row.arm_a, arm_a) && same_bits(row.across, c.across);
+}
+
+// As its row has it.
+double friction_of(const Contact& c, std::size_t i, const ContactSolveOptions& options) {
+    return options.bounds.empty() || options.bounds[i] < 0 ? c.friction : -options.bounds[i];
 }
 
 void set_mass(Cone cone, const ContactBlock& block, PrincipalMasses& principal, ContactRow& row) {
     if ((block.locked_a | block.locked_b) != 0) return set_locked_mass(cone, block, row);
     switch (cone) {
     case Cone::none: return set_normal_mass(block, row);
-    case Cone::disc: return principal.add(block, row);
+    case Cone::disc:
+    case Cone::bounded: return principal.add(block, row);
     case Cone::pyramid:
     case Cone::frozen: break;
     }
@@ -440,6 +444,7 @@ void make_rows(std::span<const Contact> contacts, const ContactSolveOptions& opt
             const Vec3 warm = options.warm_start ? impulses[at(s.source[at(r)])] : Vec3{};
             const Contact& c = contacts[at(s.source[at(r)])];
             row.local.target = {c.target, dot(row.tangent_1, c.slip), dot(row.tangent_2, c.slip)};
+            row.local.friction = friction_of(c, at(s.source[at(r)]), options);
             row.local.impulse = cut_to_cone(cone, to_contact(row, warm), row.local.friction);
         }
     };
@@ -524,7 +529,8 @@ void assemble(std::span<const Contact> contacts, const ContactBodies& bodies, co
     park_contacts(contacts, bodies, options, impulses, s);
     const bool same_pairs = known && s.pairs == s.last.pairs && s.movable == s.last.movable;
     if (!same_pairs) find_colors_and_islands(options.team, s);
-    const bool same_cone = std::exchange(s.last.cone, cone_of(options, s)) == cone_of(options, s);
+    const Cone cone = cone_of(options, s), before = std::exchange(s.last.cone, cone);
+    const bool same_cone = before == cone || (is_disc(before) && is_disc(cone));
     const bool same_places = order_stands(same_pairs, bodies, options, s) && same_cone;
     s.last.to_and_fro = options.tuning.to_and_fro;
     if (same_places) {

@@ -16,7 +16,8 @@ void stable_sort_by_key(std::span<const std::int32_t> key, int num_keys, std::ve
 /// The friction bound that goes with the options' tangents; none where no contact has friction.
 inline Cone cone_of(const ContactSolveOptions& options, const ContactScratch& scratch) {
     if (scratch.packed.frictionless) return Cone::none;
-    return options.tangents == Tangents::random ? Cone::pyramid : Cone::disc;
+    if (options.tangents == Tangents::random) return Cone::pyramid;
+    return !options.bounds.empty() ? Cone::bounded : Cone::disc;
 }
 
 /// Fills velocity, blocks, rows (with W, tangents and the cut warm impulses, none applied yet), their packets and

@@ -46,13 +46,17 @@ void ConeSolver::linearise(std::size_t i) {
     const ConeDiagonal& w = s_.w[i];
     s_.b[i] = {};
     s_.c[i] = -r;
-    if (!movable(i) || !(r.x - u.x / w.normal > 0)) return;
-    s_.b[i].m[0] = 1 / (kCompliance * w.normal);
-    s_.c[i].x = -s_.b[i].m[0] * u.x;
+    if (!movable(i)) return;
+    const bool closed = r.x - u.x / w.normal > 0;
+    if (!closed && given(i) == 0) return;
+    if (closed) {
+        s_.b[i].m[0] = 1 / (kCompliance * w.normal);
+        s_.c[i].x = -s_.b[i].m[0] * u.x;
+    }
     if (!has_friction(i)) return;
     const Vec3 z{0, r.y - u.y / w.tangential, r.z - u.z / w.tangential};
     const double size = tangential_length(z);
-    if (size > friction(i) * r.x) {
+    if (size > friction(i) * r.x + given(i)) {
         linearise_sliding(i, z, size);
         return;
     }
@@ -65,7 +69,7 @@ void ConeSolver::linearise(std::size_t i) {
 // r_t = mu r_n d, d = z/|z|, z = r_t - u_t / W_t. With k = mu r_n / |z| < 1 and P = I - d d^T its linearisation is
 //     (I - k P) dr_t = mu r_n d - r_t + mu d dr_n - k P du_t / W_t,   (I - k P)^-1 = d d^T + P / (1 - k).
 void ConeSolver::linearise_sliding(std::size_t i, const Vec3& z, double size) {
-    const double mu = friction(i), bound = mu * s_.r[i].x, k = bound / size;
+    const double mu = friction(i), bound = mu * s_.r[i].x + given(i), k = bound / size;
     const double inverse = 1 / std::max(1 - k, kCompliance);
     const double d1 = z.y / size, d2 = z.z / size;
     const double g1 = bound * d1 - s_.r[i].y, g2 = bound * d2 - s_.r[i].z, along = g1 * d1 + g2 * d2;

@@ -89,7 +89,7 @@ void build_cone_program(std::span<const ConeBody> bodies, std::span<const ConeCo
         };
         add(c.a, c.arm_a, -1);
         add(c.b, c.arm_b, 1);
-        program.contacts.push_back({c.free_velocity, c.friction, c.pressed});
+        program.contacts.push_back({c.free_velocity, c.friction, c.pressed, c.bound});
         program.first_entry.push_back(static_cast<std::int32_t>(program.entries.size()));
         diagonals.push_back({w.x, std::max(w.y, w.z)});
     }
@@ -132,12 +132,12 @@ void cone_velocities(std::span<const ConeBody> bodies, std::span<const ConeConta
     }
 }
 
-double cone_violation(const ConeDiagonal& w, double friction, const Vec3& r, const Vec3& u) {
+double cone_violation(const ConeDiagonal& w, double friction, const Vec3& r, const Vec3& u, double given) {
     if (!(w.normal > 0)) return 0;
     const double normal = std::abs(std::max(r.x - u.x / w.normal, 0.0) - r.x) * w.normal;
     if (!(w.tangential > 0)) return normal;
     const Vec3 z{0, r.y - u.y / w.tangential, r.z - u.z / w.tangential};
-    const double bound = friction * r.x, size = tangential_length(z), f = size > bound ? bound / size : 1;
+    const double bound = friction * r.x + given, size = tangential_length(z), f = size > bound ? bound / size : 1;
     const double tangential = tangential_length({0, f * z.y - r.y, f * z.z - r.z}) * w.tangential;
     return normal >= tangential ? normal : tangential; // tangential too where it is no number
 }

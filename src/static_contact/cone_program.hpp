@@ -25,6 +25,7 @@ struct ConeContact {
     double friction = 0;               ///< mu >= 0
     Vec3 free_velocity;                ///< m/s: of b against a without any impulse, less the normal target
     bool pressed = false;              ///< a script presses at it
+    double bound = 0;                  ///< N s, >= 0: of friction, beside mu r_n
 };
 
 /// A column of H is a degree of freedom, in coordinates in which its mass is 1.
@@ -37,6 +38,7 @@ struct ConeProgram {
         Vec3 q; ///< m/s
         double friction = 0;
         bool pressed = false;
+        double bound = 0; ///< N s
     };
     std::int32_t num_columns = 0;
     std::vector<Contact> contacts;
@@ -69,8 +71,8 @@ void cone_velocities(std::span<const ConeBody> bodies, std::span<const ConeConta
                      std::vector<ConeMotion>& motion, std::span<Vec3> u);
 
 /// How far a contact is from the law, m/s: |r_n - max(r_n - u_n / W_nn, 0)| W_nn or |r_t - P(r_t - u_t / W_t)| W_t,
-/// whichever is larger, where P projects on the disc of radius mu r_n. It is zero exactly where the law holds, and is
-/// the `violation` of local_contact.hpp for Cone::disc.
-double cone_violation(const ConeDiagonal& w, double friction, const Vec3& r, const Vec3& u);
+/// whichever is larger, where P projects on the disc of radius mu r_n + bound. It is zero exactly where the law holds,
+/// and is the `violation` of local_contact.hpp for Cone::disc.
+double cone_violation(const ConeDiagonal& w, double friction, const Vec3& r, const Vec3& u, double bound = 0);
 
 } // namespace flotilla

@@ -62,7 +62,9 @@ class ConeSolver {
     std::size_t size() const { return p_.contacts.size(); }
     double friction(std::size_t i) const { return p_.contacts[i].friction; }
     bool movable(std::size_t i) const { return s_.w[i].normal > 0; }
-    bool has_friction(std::size_t i) const { return friction(i) > 0 && s_.w[i].tangential > 0; }
+    /// N s, of friction that does not depend on the normal impulse.
+    double given(std::size_t i) const { return p_.contacts[i].bound; }
+    bool has_friction(std::size_t i) const { return (friction(i) > 0 || given(i) > 0) && s_.w[i].tangential > 0; }
     bool has_cone(std::size_t i) const { return friction(i) > kLeastConeFriction && s_.w[i].tangential > 0; }
     Vec3 yields(std::size_t i, const Vec3& r) const { // m/s
         if (!movable(i)) return {};

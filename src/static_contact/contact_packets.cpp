@@ -210,6 +210,7 @@ void refill_packet(std::span<const ContactRow> rows, std::size_t p, PackedContac
                 const LocalContact c = source < 0 ? LocalContact{} : rows[at(source)].local;
                 field[PacketRow::kTarget][lane] = c.target.x;
                 set_impulse(field, lane, c.impulse, packed.frictionless);
+                if (!packed.frictionless) field[PacketRow::kFriction][lane] = c.friction;
             }
             if (packed.any_extras) set_extra(rows, row, packed);
         }

@@ -89,7 +89,7 @@ void set_locked_mass(Cone cone, const ContactBlock& block, ContactRow& row) {
     }
     if (cone == Cone::none) return;
     set_tangential_masses(block, row);
-    if (cone == Cone::disc) {
+    if (is_disc(cone)) {
         turn_tangents(principal_turn(c), row);
         set_tangential_masses(block, row);
     }
@@ -120,8 +120,8 @@ void turn_tangents(const TangentTurn& turn, ContactRow& row) {
 Vec3 cut_to_cone(Cone cone, const Vec3& impulse, double friction) {
     const double n = std::max(0.0, impulse.x);
     if (cone == Cone::none) return {n, 0, 0};
-    const double bound = friction * n;
-    if (cone != Cone::disc) return {n, std::clamp(impulse.y, -bound, bound), std::clamp(impulse.z, -bound, bound)};
+    const double bound = friction_bound(cone, friction, n);
+    if (!is_disc(cone)) return {n, std::clamp(impulse.y, -bound, bound), std::clamp(impulse.z, -bound, bound)};
     const double size = std::sqrt(impulse.y * impulse.y + impulse.z * impulse.z);
     const double shrink = size > bound ? bound / size : 1.0;
     return {n, shrink * impulse.y, shrink * impulse.z};

@@ -13,7 +13,8 @@ namespace flotilla {
 enum class Cone : std::uint8_t {
     pyramid, ///< |lambda_1| <= mu lambda_n, |lambda_2| <= mu lambda_n (eqs 18-20)
     disc,    ///< |(lambda_1, lambda_2)| <= mu lambda_n; tangents are turned so that W_12 = 0
-    frozen,  ///< pyramid with a given bound instead of mu lambda_n: shock propagation
+    bounded, ///< disc, where friction is below zero with a given bound instead of mu lambda_n: bodies are raised
+    frozen,  ///< pyramid with a given bound: shock propagation
     none,    ///< no friction at all: the normal's row alone
 };
 
@@ -24,7 +25,7 @@ struct LocalContact {
     Vec3 coupling;          ///< 1/kg: W_n1, W_n2, W_12
     Vec3 impulse;           ///< N s: lambda_n >= 0, lambda_1, lambda_2
     Vec3 target;            ///< m/s: u_n >= target.x; friction brings u_1, u_2 to the others
-    double friction = 0;    ///< mu; with Cone::frozen the bound itself, N s
+    double friction = 0;    ///< mu; with Cone::frozen the bound itself, N s, with Cone::bounded mu or less the bound
 };
 
 /// A symmetric matrix.
@@ -67,6 +68,14 @@ struct ContactRow {
     Vec3 arm_a, arm_b; ///< m: contact point minus centre of mass; arm_b = arm_a + offset of the pair + across
     Vec3 across;       ///< m (Contact)
 };
+
+/// Whether the tangents are turned to the principal axes of W_tt.
+constexpr bool is_disc(Cone cone) { return cone == Cone::disc || cone == Cone::bounded; }
+/// N s, of a contact's friction.
+constexpr double friction_bound(Cone cone, double friction, double normal_impulse) {
+    if (cone == Cone::frozen) return friction;
+    return cone == Cone::bounded && friction < 0 ? -friction : friction * normal_impulse;
+}
 
 /// Components of a world vector in the contact's frame, and back.
 inline Vec3 to_contact(const ContactRow& r, const Vec3& v) {

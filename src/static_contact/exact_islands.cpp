@@ -64,8 +64,9 @@ void gather(const Island& island, const ContactBodies& bodies, std::span<const d
             Vec3 free =
                 to_contact(row, relative_velocity(row, s.start_velocity[at(block.a)], s.start_velocity[at(block.b)]));
             free -= row.local.target;
+            const double friction = std::max(row.local.friction, 0.0), bound = std::max(-row.local.friction, 0.0);
             e.contacts.push_back({number(block.a), number(block.b), row.normal, row.tangent_1, row.tangent_2, row.arm_a,
-                                  row.arm_b, row.local.friction, free, pressed(r)});
+                                  row.arm_b, friction, free, pressed(r), bound});
             e.impulses.push_back(row.local.impulse);
         }
 }
@@ -149,6 +150,9 @@ void solve(Island& island, const ContactBodies& bodies, const ContactSolveOption
     e.swept = e.impulses;
     const bool stands = is_pressed(e) && rests_pressed(island);
     const int most = is_costly(island) ? kMostFactorisations : kMostToTolerance;
+    // What raises bodies is a matter of places, and what it leaves is asked again. The path of the interior point knows
+    // no bounds, and of many contacts the other methods take as long as it.
+    const bool newton = !options.bounds.empty() && contacts_of(island, s) > kFewContacts;
     const ConeSolveStats stats =
         e.program.solve(e.bodies, e.contacts,
                         {.tolerance = island.exact_tolerance,
@@ -156,6 +160,7 @@ void solve(Island& island, const ContactBodies& bodies, const ContactSolveOption
                          .enough = island.tolerance,
                          .most_beyond = is_slender(island) ? kMostToTolerance : kMostFactorisations,
                          .polish = newton_is_enough(island, options) ? kPolish : 0,
+                         .newton = newton,
                          .rests = island.rests || stands},
                         e.impulses, e.scratch);
     island.solved = island.residual <= island.tolerance;

@@ -119,7 +119,9 @@ void GrowingProgram::take_in(double limit) {
 ConeSolveStats GrowingProgram::solve(std::span<const ConeBody> bodies, std::span<const ConeContact> contacts,
                                      const ConeSolveOptions& options, std::span<Vec3> impulses, ConeScratch& scratch) {
     list_pairs(contacts);
-    if (contacts.size() <= std::max(kContactsAsTheyAre, 4 * kContactsAtOnce * (pairs_.size() - 1))) {
+    const bool bounded =
+        std::ranges::any_of(contacts, [](const ConeContact& c) { return c.bound > 0; }); // each by itself
+    if (bounded || contacts.size() <= std::max(kContactsAsTheyAre, 4 * kContactsAtOnce * (pairs_.size() - 1))) {
         chosen_.assign(contacts.size(), 1);
         return solve_part(bodies, contacts, options, impulses, scratch);
     }

@@ -59,11 +59,13 @@ constexpr int kRounds = 10, kSweepsPerRound = 400, kStepsPerRound = 6;
 // leaves more than that other, is not worth another one.
 constexpr double kHopeless = 0.1, kRoundGains = 0.8;
 
-Vec3 cut_to_cone(const Vec3& r, double friction) {
-    if (!(r.x > 0)) return {};
-    const double bound = friction * r.x, size = tangential_length(r);
+Vec3 cut_to_cone(const Vec3& r, double friction, double given) {
+    const double normal = std::max(r.x, 0.0);
+    if (!(normal > 0) && given == 0) return {};
+    const double bound = friction * normal + given, size = tangential_length(r);
     // What was cut before stays as it is.
-    return size > (1 + kRounding) * bound ? Vec3{r.x, bound / size * r.y, bound / size * r.z} : r;
+    return size > (1 + kRounding) * bound ? Vec3{normal, bound / size * r.y, bound / size * r.z}
+                                          : Vec3{normal, r.y, r.z};
 }
 
 // (I + B E)^-1 B
@@ -102,7 +104,8 @@ double ConeSolver::least_diagonal() const {
 // `as_good` and than the rounding of the best.
 double ConeSolver::consider(double as_good) {
     for (std::size_t i = 0; i < size(); ++i)
-        s_.r[i] = movable(i) ? cut_to_cone(s_.r[i], has_friction(i) ? friction(i) : 0) : Vec3{};
+        s_.r[i] = movable(i) ? cut_to_cone(s_.r[i], has_friction(i) ? friction(i) : 0, has_friction(i) ? given(i) : 0)
+                             : Vec3{};
     if (bodies_.empty()) {
         s_.system.gather(s_.r);
         for (std::size_t i = 0; i < size(); ++i) s_.u[i] = p_.contacts[i].q + s_.system.spread(i);
@@ -112,7 +115,7 @@ double ConeSolver::consider(double as_good) {
     double residual = 0, load = 0;
     for (std::size_t i = 0; i < size(); ++i) {
         s_.u[i] += yields(i, s_.r[i]);
-        const double violation = cone_violation(s_.w[i], friction(i), s_.r[i], s_.u[i]);
+        const double violation = cone_violation(s_.w[i], friction(i), s_.r[i], s_.u[i], given(i));
         if (!std::isfinite(violation)) return kInfinity;
         residual = std::max(residual, violation);
         load = std::max(load, std::max(s_.w[i].normal, s_.w[i].tangential) * length(s_.r[i]));
@@ -168,7 +171,7 @@ void ConeSolver::sweep(int count) {
                 r.x = std::max(r.x - u.x / normal, 0.0);
                 u = u_before + s_.b[i] * (r - before);
                 if (!has_friction(i)) break;
-                r = cut_to_cone({r.x, r.y - u.y / tangential, r.z - u.z / tangential}, friction(i));
+                r = cut_to_cone({r.x, r.y - u.y / tangential, r.z - u.z / tangential}, friction(i), given(i));
                 u = u_before + s_.b[i] * (r - before);
             }
             s_.r[i] = r;
@@ -183,12 +186,14 @@ void ConeSolver::find() {
     const double near = not_worth_more();
     const auto far = [&] { return options_.polish == 0 && !done() && stats_.residual > near; };
     if (far()) {
-        interior();
+        if (!options_.newton) interior();
         s_.r = s_.best;
         newton(options_.max_iterations, 0); // loads of a heavy body on light ones end slowly, but they end
     }
     // What moves meets another problem in the next step.
-    const auto goes_on = [&] { return far() && (options_.rests || stats_.residual > options_.enough); };
+    const auto goes_on = [&] {
+        return far() && !options_.newton && (options_.rests || stats_.residual > options_.enough);
+    };
     for (int round = 0; round < kRounds && goes_on(); ++round) {
         const double before = stats_.residual;
         s_.r = s_.best;
@@ -214,7 +219,7 @@ ConeSolveStats ConeSolver::run(std::span<Vec3> impulses) {
         if (!presses || !yield_to_script(impulses)) {
             find();
             const bool contradicts = presses || stats_.residual > kHopeless * speed_;
-            if (contradicts && in_need()) yield(impulses, options_.max_iterations);
+            if (contradicts && in_need() && !options_.newton) yield(impulses, options_.max_iterations);
         }
     }
     stats_.solved = stats_.residual <= limit();

@@ -22,7 +22,8 @@ struct ConeSolveOptions {
     int most_beyond = 100;
     /// Newton steps alone, for as long as each divides the residual by so much; 0: all methods.
     double polish = 0;
-    bool rests = false; ///< bodies at rest, of which the estimate is what held them up in the step before
+    bool newton = false; ///< no other methods than Newton's steps, as many as gain, nor contacts that yield
+    bool rests = false;  ///< bodies at rest, of which the estimate is what held them up in the step before
 };
 
 struct ConeSolveStats {

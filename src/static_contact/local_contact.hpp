@@ -51,7 +51,10 @@ inline P clamp(P x, P bound) {
 
 template <Cone kCone, class P>
 inline P friction_bound(const LocalPack<P>& c, P normal_impulse) {
-    return kCone == Cone::frozen ? c.friction : c.friction * normal_impulse;
+    if constexpr (kCone == Cone::frozen) return c.friction;
+    const P of_load = c.friction * normal_impulse;
+    if constexpr (kCone != Cone::bounded) return of_load;
+    return select(c.friction < P::all(0), P::all(0) - c.friction, of_load);
 }
 
 /// The change of the normal impulse that eq. 17 asks for at normal velocity u_n.
@@ -97,7 +100,7 @@ template <Cone kCone, class P>
     const P bound = friction_bound<kCone>(c, c.impulse.x + r.change.x);
     const P u1 = (u.y - c.target.y) + c.coupling.x * r.change.x;
     const P u2 = (u.z - c.target.z) + c.coupling.y * r.change.x;
-    if constexpr (kCone == Cone::disc) {
+    if constexpr (is_disc(kCone)) {
         const PackVec2<P> l = disc_impulse(c, {u1, u2}, bound);
         r.change.y = l.x - c.impulse.y;
         r.change.z = l.y - c.impulse.z;
@@ -120,7 +123,7 @@ template <Cone kCone, class P>
     const P bound = friction_bound<kCone>(c, c.impulse.x);
     const P u1 = u.y - c.target.y, u2 = u.z - c.target.z;
     PackVec2<P> l, scale{c.mass_diagonal.y, c.mass_diagonal.z};
-    if constexpr (kCone == Cone::disc) {
+    if constexpr (is_disc(kCone)) {
         scale.x = scale.y = max(c.mass_diagonal.y, c.mass_diagonal.z);
         const P step = min(c.inv_mass_diagonal.y, c.inv_mass_diagonal.z);
         l = project_on_disc({c.impulse.y - u1 * step, c.impulse.z - u2 * step}, bound);

@@ -18,14 +18,14 @@ namespace {
 Cone cone_of(const ContactScratch& s) { return s.packed.frictionless ? Cone::none : Cone::frozen; }
 
 // The tangential bounds of PGS become constants; W is that of the masses the level sees.
-ContactRow shock_row(Cone cone, const ContactBlock& block, const ContactRow& row) {
+ContactRow shock_row(Cone cone, Cone of_island, const ContactBlock& block, const ContactRow& row) {
     ContactRow r = row;
     const bool locked = (block.locked_a | block.locked_b) != 0;
     if (cone == Cone::none) {
         locked ? set_locked_mass(cone, block, r) : set_normal_mass(block, r);
         return r;
     }
-    r.local.friction = std::max(row.local.friction * row.local.impulse.x,
+    r.local.friction = std::max(friction_bound(of_island, row.local.friction, row.local.impulse.x),
                                 std::max(std::abs(row.local.impulse.y), std::abs(row.local.impulse.z)));
     locked ? set_locked_mass(cone, block, r) : set_effective_mass(block, r);
     r.local.impulse = row.local.impulse;
@@ -91,7 +91,7 @@ void copy_level(std::int32_t first, std::int32_t end, const ContactSolveOptions&
         const ContactBlock& block = s.shock_blocks[i];
         const std::int32_t old = s.blocks[at(s.level_order[at(first) + i])].first;
         for (std::int32_t k = 0; k < block.end - block.first; ++k)
-            s.shock_rows[at(block.first + k)] = shock_row(cone_of(s), block, s.rows[at(old + k)]);
+            s.shock_rows[at(block.first + k)] = shock_row(cone_of(s), cone_of(options, s), block, s.rows[at(old + k)]);
     });
 }
 
@@ -189,6 +189,7 @@ Vec3 nearest_in_cone(const Vec3& n, double friction, const Vec3& impulse) {
     const double normal = dot(n, impulse);
     const Vec3 along = impulse - normal * n;
     const double size = length(along);
+    if (friction < 0) return std::max(0.0, normal) * n + (size > -friction ? -friction / size : 1.0) * along;
     if (size <= friction * normal) return impulse;
     if (friction * size <= -normal) return {};
     const double pressure = (normal + friction * size) / (1 + friction * friction);
@@ -198,10 +199,10 @@ Vec3 nearest_in_cone(const Vec3& n, double friction, const Vec3& impulse) {
 /// Whether contacts with bodies of infinite mass can have given the island the momentum by which the pass changed it.
 /// A frozen body takes any from what slides on it, and hands none on: a stack that slides would stand still.
 /// The impulses nearest to that momentum are found contact after contact.
-bool ground_gives(const ContactScratch::Island& island, Tangents tangents, ContactScratch& s) {
+bool ground_gives(const ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
     constexpr double kLeft = 0x1p-8, kLeastFall = 0.99; // of the momentum; of what is left, by a round
     constexpr int kRounds = 100;
-    const double of_pyramid = tangents == Tangents::random ? std::numbers::sqrt2 : 1; // in its corners
+    const double of_pyramid = options.tangents == Tangents::random ? std::numbers::sqrt2 : 1; // in its corners
     Vec3 momentum;
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
         const std::size_t body = at(s.island_bodies[at(k)]);
@@ -244,7 +245,7 @@ bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies
         return prescribed_at_rest(island, scratch) && kinetic_energy(island, bodies, options.team, scratch) >
                                                           std::max(island.energy_before, island.energy_pgs);
     };
-    if (solved && !adds_energy() && ground_gives(island, options.tangents, scratch)) {
+    if (solved && !adds_energy() && ground_gives(island, options, scratch)) {
         island.residual = residual;
         return true;
     }

@@ -101,7 +101,7 @@ void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactS
     const bool soon = island.rests || bodies <= tuning.bodies_factorised_soon;
     // What moves does not creep, and meets other contacts in the next step: what sweeps leave within the tolerance is
     // enough, and so is what an exact solve does. A lone body may rest all the same but for its spin: a top, a wheel.
-    const bool to_the_last = island.rests || bodies == 1 || options.patience == 0;
+    const bool to_the_last = (island.rests || bodies == 1 || options.patience == 0) && options.bounds.empty();
     island.exact_tolerance = (to_the_last ? kExactShare : tuning.aim_in_motion) * island.tolerance;
     if (soon && (few || is_slender(island)))
         island.exact_tolerance = std::max(island.exact_tolerance, kOfSpeed * island.speed);

@@ -66,6 +66,9 @@ struct ContactSolveOptions {
     /// cone, aligned: friction bounded by a disc, so that it is mu lambda_n in every direction. random: the paper's
     /// pyramid with keyed tangents.
     Tangents tangents = Tangents::cone;
+    /// N s, by contact: the bound of its friction in place of mu lambda_n; negative: none is given. May be empty. With
+    /// Tangents::cone alone.
+    std::span<const double> bounds;
     /// m/s, by contact: what is asked in addition where an exact solve is soon, because a script presses; negative:
     /// none does. May be empty: no script presses.
     std::span<const double> presses;

@@ -523,6 +523,7 @@ inline auto with_cone(Cone cone, Call&& call) {
     switch (cone) {
     case Cone::pyramid: return call.template operator()<Cone::pyramid>();
     case Cone::disc: return call.template operator()<Cone::disc>();
+    case Cone::bounded: return call.template operator()<Cone::bounded>();
     case Cone::none: return call.template operator()<Cone::none>();
     case Cone::frozen: break;
     }

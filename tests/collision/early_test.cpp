@@ -71,7 +71,7 @@ TEST_P(EarlyCollisions, ClosingEarlyDoesWhatTheTurnWouldDo) {
     for (const Way& way : kWays) {
         SCOPED_TRACE(way.name);
         OnePair early(way, GetParam()), in_turn(way, GetParam());
-        EXPECT_EQ(close_calm(early.view(), early.workers()[0], early.record()), !way.calls);
+        EXPECT_EQ(look_at(early.view(), early.workers()[0], early.record()).urgent.has_value(), way.calls);
         EXPECT_EQ(find_hits(in_turn.view(), in_turn.workers()[0], in_turn.record()), way.calls);
         EXPECT_EQ(in_turn.record().processed, way.processed);
         if (way.calls) {
@@ -91,7 +91,7 @@ TEST_P(EarlyCollisions, WhatWasExpectedIsVoidWhereABodyMovesBeforeTheTurn) {
     const StepView view = world.view();
     Worker& worker = world.workers()[0];
     PairRecord& pair = world.record();
-    ASSERT_TRUE(close_calm(view, worker, pair));
+    ASSERT_FALSE(look_at(view, worker, pair).urgent);
     ASSERT_TRUE(pair.processed);
     world.movers().trajectories().set_end(0, make_pose(world.model().shape_of(0), {0.3, 0.1, 2}, {}), {});
     EXPECT_EQ(world.verdict_now(), Verdict::open);

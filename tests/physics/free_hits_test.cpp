@@ -76,6 +76,71 @@ void ball_meets_both(const Run& run) {
     EXPECT_LT(off, 1e-3);
 }
 
+// A cube that is thrown at a wall without thickness, or knocked at it by another one, and one that stands behind the
+// wall within reach of its way in a step: nothing comes through the wall, in whatever order bodies are listed.
+void wall_stops_blows(const Run& run, bool knocked) {
+    constexpr double kEdge = 0.1, kThrown = 5, kBehind = 1e-3, e = 0.5;
+    constexpr int kStarts = 5;
+    enum Role { thrown, behind, wall, thrower };
+    std::vector<Role> order{thrown, behind, wall};
+    if (knocked) order.push_back(thrower);
+    double through = 0, slow = 0; // m/s: of the one behind, and of what the thrown one leaves short of its rebound
+    do {
+        for (int i = 0; i < kStarts; ++i) {
+            SceneDescription scene = make_scene_with(run.settings(), {});
+            const auto cube = add_solid(scene, make_box(kEdge, kEdge, kEdge), 1000);
+            const TriangleMesh upright{{{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}}, {{0, 1, 2}, {0, 2, 3}}};
+            const auto plate = add_shape(scene, upright);
+            const double way = kThrown * run.dt() * i / kStarts, near = knocked ? 0.01 : 0.1 + way;
+            std::size_t of_behind = 0, of_thrown = 0;
+            for (const Role role : order) {
+                const double x = role == behind    ? 0.5 * kEdge + kBehind
+                                 : role == thrown  ? -0.5 * kEdge - near
+                                 : role == thrower ? -1.5 * kEdge - near - 0.1 - way
+                                                   : 0;
+                if (role == wall) {
+                    add_body(scene, plate, BodyType::fixed, {}, 0, e);
+                    continue;
+                }
+                (role == behind ? of_behind : of_thrown) = scene.bodies.size();
+                add_body(scene, cube, BodyType::dynamic, {x, 0, 0}, 0, e).velocity = {
+                    role == (knocked ? thrower : thrown) ? kThrown : 0.0, 0, 0};
+            }
+            Motion motion(scene);
+            motion.run(0.2);
+            through = std::max(through, length(motion.body(of_behind).velocity));
+            if (!knocked) slow = std::max(slow, std::abs(motion.body(of_thrown).velocity.x + e * kThrown));
+        }
+    } while (std::ranges::next_permutation(order).found);
+    std::printf("behind the wall up to %.3g m/s, rebound off by up to %.3g m/s\n", through, slow);
+    EXPECT_LT(through, 1e-6);
+    EXPECT_LT(slow, 1e-3 * kThrown);
+}
+
+// Three rows of touching balls that a fourth one hits in the middle: the blow goes from row to row.
+void balls_hand_on(const Run& run) {
+    constexpr double kRadius = 0.0286, kBetween = 2e-3, kBall = 5;
+    constexpr int kStarts = 8;
+    int skipped = 0;
+    for (int i = 0; i < kStarts; ++i) {
+        SceneDescription scene = make_scene_with(run.settings(), {});
+        const auto ball = add_solid(scene, make_sphere(kRadius, 2), 1700);
+        const double apart = 2 * kRadius + kBetween;
+        add_body(scene, ball, BodyType::dynamic, {-0.2 - kBall * run.dt() * i / kStarts, 0, 0}, 0, 1).velocity = {kBall,
+                                                                                                                  0, 0};
+        for (int row = 0; row < 3; ++row)
+            for (int k = 0; k <= row; ++k)
+                add_body(scene, ball, BodyType::dynamic,
+                         {0.5 * std::sqrt(3.0) * apart * row, apart * (k - 0.5 * row), 0}, 0, 1);
+        Motion motion(scene);
+        motion.run(0.3);
+        const auto speed = [&](std::size_t k) { return length(motion.body(k).velocity); };
+        const double second = std::max(speed(2), speed(3)), third = std::max({speed(4), speed(5), speed(6)});
+        if (second < 0.05 * kBall && third > 0.05 * kBall) ++skipped;
+    }
+    EXPECT_EQ(skipped, 0) << "of " << kStarts;
+}
+
 const bool kRegistered = [] {
     const std::vector<Run> list{
         {"balanced", 60}, {"balanced", 24}, {"balanced", 240}, {"preview", 60}, {"accurate", 60}};
@@ -87,6 +152,11 @@ const bool kRegistered = [] {
                  [size = size](const Run& r) { boxes_keep_momenta(r, size, 0, 1); });
     }
     add_runs("FreeHits", "BallMeetsBoth", list, true, ball_meets_both);
+    const std::vector<Run> sequential{
+        {"balanced", 60}, {"balanced", 24}, {"balanced", 240}, {"accurate", 60}, {"reference", 60}};
+    add_runs("FreeHits", "WallStopsThrownCube", sequential, true, [](const Run& r) { wall_stops_blows(r, false); });
+    add_runs("FreeHits", "WallStopsKnockedCube", sequential, true, [](const Run& r) { wall_stops_blows(r, true); });
+    add_runs("FreeHits", "BallsHandOn", sequential, true, balls_hand_on);
     return true;
 }();
 

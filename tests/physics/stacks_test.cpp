@@ -387,6 +387,12 @@ void pressed_fall_asleep(const Run& run, const TriangleMesh& mesh, const Pieces&
     add_runs("Stacks", "TwentyPlatesFallAsleep", {{"balanced", 24}, {"balanced", 60}}, true, [=](const Run& r) {
         crockery_falls_asleep(r, plate, {20, 0.004, 0.008, 0.07, 0.2});
     });
+    const TriangleMesh cone = library::revolve({{0.001, 0}, {0.2, 0}, {0.3, 0.4}}, 24);
+    add_runs("Stacks", "ConesInEachOtherFallAsleep", {{"balanced", 60}, {"preview", 60}, {"balanced", 24}}, true,
+             [=](const Run& r) {
+                 Motion motion(piled(r, cone, 3, {8, 0.02, 0.15, 0.05, 0.3}));
+                 EXPECT_LT(asleep_by(motion, 4), 1.5) << "s";
+             });
     add_runs("Stacks", "CupsInEachOtherFallAsleep", {{"balanced", 24}, {"accurate", 24}}, true, [=](const Run& r) {
         crockery_falls_asleep(r, cup, {4, 0.004, 0.03, 0.1, 0.3});
     });
