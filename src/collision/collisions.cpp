@@ -136,14 +136,16 @@ class SequentialCollisions {
         scratch_.first.start();
         while (sweeps_left() > 0 && goes_on()) {
             const FrozenList list = pairs_to_resolve();
-            if (list.num_open == 0 || resolve_first(list.pairs) == 0) {
+            const FirstHits::Looked looked = scratch_.first.look(view_, workers_, list.pairs);
+            counters_.pairs += static_cast<std::int64_t>(looked.examined);
+            if (resolve_first() == 0) {
                 // What was known of pairs, a cache, must not decide how many sweeps count: resolving in turn those that
                 // were closed ahead of it would have been one.
-                if (list.num_closed() > 0) ++counters_.sweeps;
+                if (list.num_closed() + looked.closed > 0) ++counters_.sweeps;
                 counters_.limit = sweeps_left() <= 0;
                 return counters_;
             }
-            add_active(list.pairs);
+            add_active(scratch_.first.hitting());
             note_progress();
             resolve_active();
         }
@@ -172,10 +174,9 @@ class SequentialCollisions {
         return list;
     }
 
-    /// Goes once over the pairs of a list that hit before either of their bodies meets others.
-    std::size_t resolve_first(std::span<const ListedPair> list) {
-        scratch_.first.look(view_, workers_, list);
-        return resolve(list, 1, &scratch_.first);
+    /// Goes once over the pairs that were seen to hit, where neither of their bodies meets others first.
+    std::size_t resolve_first() {
+        return scratch_.first.hitting().empty() ? 0 : resolve(scratch_.first.hitting(), 1, &scratch_.first);
     }
 
     /// Goes `rounds` times over the pairs of a list that are open, or until none is; odd sweeps go backwards. Returns
@@ -192,18 +193,14 @@ class SequentialCollisions {
         const SweepPlan plan{sweep_order(view_, book_, workers_.team, list.size(), pair_of), counters_.sweeps % 2 != 0,
                              rounds};
         const SweepOperation operation{
-            "collide",
-            [&](std::size_t i) {
-                return (first != nullptr && !first->hits(i)) ||
-                       verdict(view_.trajectories, *list[i].record) != Verdict::open;
-            },
+            "collide", [&](std::size_t i) { return verdict(view_.trajectories, *list[i].record) != Verdict::open; },
             [&](std::size_t i) { fetch_record(*list[i].record); },
             [&](std::size_t i, int round, Worker& worker) {
                 const std::size_t r = at(round);
                 ++worker.work[r];
-                if (first != nullptr && first->waits(view_, list[i].pair, i)) return;
+                if (first != nullptr && first->waits(view_, i)) return;
                 take_largest_push(worker); // of operations before
-                const auto* known = first != nullptr ? first->found(view_, list[i].pair, i) : nullptr;
+                const auto* known = first != nullptr ? first->found(view_, i) : nullptr;
                 if (collide(view_, {scratch_.touching, scratch_.grounds, join_}, movers_, worker, list[i], known))
                     ++worker.hitting[r];
                 worker.hardest[r] = std::max(worker.hardest[r], take_largest_push(worker));

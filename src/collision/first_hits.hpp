@@ -21,24 +21,26 @@ namespace flotilla {
 class FirstHits {
   public:
     /// Begins a step: what looks of the one before found is forgotten, as it is about other starts.
-    void start() { hitting_.clear(); }
+    void start();
+    /// Of all ranks.
+    struct Looked {
+        std::size_t examined = 0, closed = 0; ///< pairs
+    };
     /// Looks at the open pairs of a list, side by side, and closes those in which nothing calls for an impulse.
-    void look(const StepView& view, Workers& workers, std::span<const ListedPair> list);
-    /// Whether the pair at a place of that list was seen to hit.
-    [[nodiscard]] bool hits(std::size_t place) const { return seen_[place].hits(); }
-    /// Whether that, though it does, waits for the next list. Bodies are never nearer than a separation: what comes
-    /// within the time in which they go as far does not lie behind the other.
-    [[nodiscard]] bool waits(const StepView& view, const CandidatePair& pair, std::size_t place) const;
-    /// What was seen of the pair; null where one of its bodies moved since, and where another rank looked.
-    [[nodiscard]] const CollisionFinding* found(const StepView& view, const CandidatePair& pair,
-                                                std::size_t place) const;
+    Looked look(const StepView& view, Workers& workers, std::span<const ListedPair> list);
+    /// The pairs that were seen to hit, in the order of the list.
+    [[nodiscard]] std::span<const ListedPair> hitting() const { return hitting_; }
+    /// Whether one of these waits for the next list. Bodies are never nearer than a separation: what comes within the
+    /// time in which they go as far does not lie behind the other.
+    [[nodiscard]] bool waits(const StepView& view, std::size_t hit) const;
+    /// What was seen of it; null where one of its bodies moved since, and where another rank looked.
+    [[nodiscard]] const CollisionFinding* found(const StepView& view, std::size_t hit) const;
 
   private:
     static constexpr double kNever = 2;
     struct Seen {
         double time = kNever, room = 0; ///< shares of the step: until the hit, and in which others are of its time
-        std::int32_t thread = -1, number = -1; ///< in hits_
-        [[nodiscard]] bool hits() const { return time < kNever; }
+        std::int32_t thread = -1, number = -1; ///< in hits_; negative: another rank's
     };
     struct Hit {
         CandidatePair pair;
@@ -49,25 +51,22 @@ class FirstHits {
         double time = kNever;
         std::uint64_t version = 0;
     };
-    struct Place {
-        CandidatePair pair;
-        std::size_t place = 0;
-        Seen seen;
+    struct alignas(64) OfThread {
+        std::vector<Hit> hits;
+        Looked looked;
     };
-    using HitsByThread = std::vector<std::vector<Hit>>;
 
     bool look_at_pair(const StepView& view, Worker& worker, int thread, const ListedPair& listed, std::size_t place);
-    void share_times(const Division& division, std::span<const ListedPair> list);
+    Looked share(const Division& division, std::size_t examined, std::size_t closed);
     void find_first(const StepView& view, Workers& workers, std::span<const ListedPair> list);
     /// What the look before found, where neither body has moved since.
     [[nodiscard]] const CollisionFinding* known(const StepView& view, const CandidatePair& pair) const;
-    [[nodiscard]] static bool stands(const StepView& view, const Hit& hit);
 
-    std::vector<Seen> seen_;     ///< by place in the list
-    std::vector<Place> hitting_; ///< those that hit, in their order
-    std::vector<First> first_;   ///< by body; those of hitting_ alone are those of this look
-    HitsByThread hits_, hits_before_;
-    std::vector<Place> before_; ///< hitting_ of the look before
+    std::vector<Seen> seen_;                       ///< by place in the list
+    std::vector<ListedPair> hitting_, before_;     ///< the latter of the look before
+    std::vector<Seen> seen_hitting_, seen_before_; ///< of these
+    std::vector<OfThread> by_thread_, by_thread_before_;
+    std::vector<First> first_; ///< by body; of those that hit alone it is of this look
     std::vector<std::size_t> places_;
 };
 

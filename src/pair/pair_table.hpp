@@ -44,7 +44,7 @@ class VersionedVerdict {
 };
 
 /// Whether stage 1 examined a pair in the step and found it hitting, or near at its end. Where it is examined ahead of
-/// its turn that is only expected: operations before its turn may still move the bodies.
+/// its turn that is only expected, until its turn or the next list: operations may still move the bodies.
 class Processed {
   public:
     void set() { state_ = State::yes; }

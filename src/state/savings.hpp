@@ -9,8 +9,7 @@ namespace flotilla {
 struct Savings {
     /// Where no contact has friction, each has its normal's row alone. Without, rounding differs.
     bool normal_rows = true;
-    /// Stage 1 runs no sweep over pairs of which bounds or a query, side by side, show that nothing in them calls for
-    /// an impulse.
+    /// Stage 1 looks at no pairs of which bounds show that nothing in them calls for an impulse.
     bool calm_pairs = true;
     /// Pairs of bodies are searched with a margin, and again only when a body leaves its own: until then one without
     /// pairs is ballistic and costs its bounds alone.

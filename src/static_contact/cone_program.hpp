@@ -71,8 +71,8 @@ void cone_velocities(std::span<const ConeBody> bodies, std::span<const ConeConta
                      std::vector<ConeMotion>& motion, std::span<Vec3> u);
 
 /// How far a contact is from the law, m/s: |r_n - max(r_n - u_n / W_nn, 0)| W_nn or |r_t - P(r_t - u_t / W_t)| W_t,
-/// whichever is larger, where P projects on the disc of radius mu r_n + bound. It is zero exactly where the law holds,
+/// whichever is larger, where P projects on the disc of radius mu r_n + given. It is zero exactly where the law holds,
 /// and is the `violation` of local_contact.hpp for Cone::disc.
-double cone_violation(const ConeDiagonal& w, double friction, const Vec3& r, const Vec3& u, double bound = 0);
+double cone_violation(const ConeDiagonal& w, double friction, const Vec3& r, const Vec3& u, double given = 0);
 
 } // namespace flotilla

@@ -25,7 +25,7 @@ struct LocalContact {
     Vec3 coupling;          ///< 1/kg: W_n1, W_n2, W_12
     Vec3 impulse;           ///< N s: lambda_n >= 0, lambda_1, lambda_2
     Vec3 target;            ///< m/s: u_n >= target.x; friction brings u_1, u_2 to the others
-    double friction = 0;    ///< mu; with Cone::frozen the bound itself, N s, with Cone::bounded mu or less the bound
+    double friction = 0;    ///< mu; with Cone::frozen the bound, N s, with Cone::bounded mu or minus the bound
 };
 
 /// A symmetric matrix.

@@ -152,7 +152,7 @@ void solve(Island& island, const ContactBodies& bodies, const ContactSolveOption
     const int most = is_costly(island) ? kMostFactorisations : kMostToTolerance;
     // What raises bodies is a matter of places, and what it leaves is asked again. The path of the interior point knows
     // no bounds, and of many contacts the other methods take as long as it.
-    const bool newton = !options.bounds.empty() && contacts_of(island, s) > kFewContacts;
+    const bool newton = island.bounded && contacts_of(island, s) > kFewContacts;
     const ConeSolveStats stats =
         e.program.solve(e.bodies, e.contacts,
                         {.tolerance = island.exact_tolerance,

@@ -3,6 +3,8 @@
 // |u_t| n scaled likewise, it reads x in L, y in L, x perpendicular to y, for the Lorentz cone L. But for the term
 // |u_t| this is a convex second-order cone program with W = H H^T.
 //
+// A contact may have a bound of friction that is given, beside mu r_n: method 1 and the sweeps of 3 know it.
+//
 // Three methods, each begun only where those before it failed:
 //  1. Semismooth Newton on the residual itself, from the best impulses known (Alart, Curnier 1991). A few steps solve
 //     what is nearly solved and most problems of a few bodies. It has no guarantee from afar.
@@ -77,7 +79,7 @@ Mat3 softened(const Mat3& b, const Vec3& compliance) {
 
 bool ConeSolver::finite_input() const {
     for (const ConeProgram::Contact& c : p_.contacts)
-        if (!is_finite(c.q) || !std::isfinite(c.friction)) return false;
+        if (!is_finite(c.q) || !std::isfinite(c.friction) || !std::isfinite(c.bound)) return false;
     for (const ConeProgram::Entry& e : p_.entries)
         if (!is_finite(e.h)) return false;
     for (const ConeDiagonal& w : s_.w) // a mass that is not finite has no entries, but shows here

@@ -184,7 +184,7 @@ bool solve_levels(ContactScratch::Island& island, const ContactSolveOptions& opt
     return true;
 }
 
-/// What of the impulse a contact with normal `n`, towards what it pushes, can give.
+/// What of the impulse a contact with normal `n`, towards what it pushes, can give. `friction`: as LocalContact has it.
 Vec3 nearest_in_cone(const Vec3& n, double friction, const Vec3& impulse) {
     const double normal = dot(n, impulse);
     const Vec3 along = impulse - normal * n;

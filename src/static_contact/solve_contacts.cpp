@@ -91,6 +91,15 @@ double least_tolerance(const Island& island, double of_load, const ContactScratc
     return of_load * most;
 }
 
+bool has_bounds(const Island& island, std::span<const double> bounds, const ContactScratch& s) {
+    if (bounds.empty()) return false;
+    const auto given = [&](std::int32_t source) { return bounds[static_cast<std::size_t>(source)] >= 0; };
+    const std::span<const ContactBlock> blocks = blocks_of(island, s);
+    const auto first = static_cast<std::size_t>(blocks.front().first),
+               end = static_cast<std::size_t>(blocks.back().end);
+    return std::ranges::any_of(std::span(s.source).subspan(first, end - first), given);
+}
+
 // How long an island that may be solved exactly is swept, and to which tolerance.
 void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactScratch& s) {
     const ContactTuning& tuning = options.tuning;
@@ -101,7 +110,7 @@ void leave_to_exact(Island& island, ContactSolveOptions& options, const ContactS
     const bool soon = island.rests || bodies <= tuning.bodies_factorised_soon;
     // What moves does not creep, and meets other contacts in the next step: what sweeps leave within the tolerance is
     // enough, and so is what an exact solve does. A lone body may rest all the same but for its spin: a top, a wheel.
-    const bool to_the_last = (island.rests || bodies == 1 || options.patience == 0) && options.bounds.empty();
+    const bool to_the_last = (island.rests || bodies == 1 || options.patience == 0) && !island.bounded;
     island.exact_tolerance = (to_the_last ? kExactShare : tuning.aim_in_motion) * island.tolerance;
     if (soon && (few || is_slender(island)))
         island.exact_tolerance = std::max(island.exact_tolerance, kOfSpeed * island.speed);
@@ -151,6 +160,7 @@ void solve_island(Island& island, const ContactBodies& bodies, const ContactSolv
                   int thread = 0) {
     ContactSolveOptions options = of_all;
     island.asked = island.tolerance;
+    island.bounded = has_bounds(island, options.bounds, s);
     if (options.patience == 0 && options.warm_start)
         island.tolerance = std::max(island.tolerance, least_tolerance(island, options.tuning.of_load, s));
     options.rest_speed = rest_speed_of(island, bodies, options.rest_speed, s);

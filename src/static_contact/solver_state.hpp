@@ -106,9 +106,10 @@ struct ContactScratch {
         bool rests = false;     ///< slow on entry (ContactSolveOptions::rest_speed); nothing to do with sleep
         bool solved = false;    ///< the tolerance holds, apart from rounding
         bool shocked = false;
-        bool moves = false;  ///< bodies that sweeps left unsolved, and fast among each other
-        bool cold = false;   ///< the warm start was taken back
-        bool stands = false; ///< a script presses on it, and it is left as it is: at rest
+        bool moves = false;   ///< bodies that sweeps left unsolved, and fast among each other
+        bool cold = false;    ///< the warm start was taken back
+        bool bounded = false; ///< bounds of friction are given for some of its contacts
+        bool stands = false;  ///< a script presses on it, and it is left as it is: at rest
     };
     /// Of a body in the metric of kinetic energy, kg and kg m^2.
     struct Weight {

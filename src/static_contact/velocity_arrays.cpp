@@ -71,7 +71,11 @@ void VelocityArrays::set_rest_speeds(Team* team, const Model& model, const Conta
 void VelocityArrays::set_unloaded(Team* team, const Model& model, double accelerated) {
     unloaded.clear();
     const auto turned_by_load = [&](std::int32_t body) { return model.bodies[at(body)].torque != Vec3{}; };
-    if (std::ranges::none_of(model.active, turned_by_load)) return;
+    std::atomic<bool> any = false;
+    for_each(team, "own torques", model.active.size(), kBodyGrain, [&](std::size_t k) {
+        if (turned_by_load(model.active[k])) any.store(true, std::memory_order_relaxed);
+    });
+    if (!any) return;
     unloaded = angular_velocity;
     for_each(team, "unloaded turns", model.active.size(), kBodyGrain, [&](std::size_t k) {
         const std::int32_t body = model.active[k];

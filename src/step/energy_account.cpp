@@ -149,6 +149,14 @@ void EnergyAccount::weigh_islands(const Model& model, std::span<const double> li
     }
 }
 
+void EnergyAccount::find_scripted(const Model& model) {
+    for (const std::int32_t i : model.active) {
+        if (!model.bodies[at(i)].movable()) continue;
+        Balance& island = islands_[at(root(i))];
+        island.grounded = island.grounded || scripted_[at(i)] != 0;
+    }
+}
+
 double EnergyAccount::cost_of(const Model& model, std::size_t i, const Vec3& way) {
     const double cost = -model.bodies[i].mass * dot(model.gravity, way);
     return model.bodies[i].force_acts() ? cost - dot(model.bodies[i].force, way) : cost;

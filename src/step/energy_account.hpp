@@ -61,7 +61,9 @@ class EnergyAccount {
     /// Bodies of islands that can hardly be raised any more: their energy and the lift they have left would raise them
     /// by no more than `share` of their rest distances.
     [[nodiscard]] std::span<const std::int32_t> spent(const Model& model, double share, std::span<const double> lift);
-    /// Whether the island of a movable body touches a scripted one, as paid() found it.
+    /// Finds the islands that touch scripted bodies, anew where islands were joined since paid() or spent().
+    void find_scripted(const Model& model);
+    /// Whether the island of a movable body touches a scripted one, as paid(), spent() or find_scripted() found it.
     [[nodiscard]] bool touches_script(std::int32_t body) {
         return islands_[static_cast<std::size_t>(root(body))].grounded;
     }

@@ -186,9 +186,6 @@ KnownImpulses Stepper::known_impulses(ContactStage stage) {
 /// friction locks itself, and has no solution. Of what a script touches all impulses count: it squeezes what is there.
 std::span<const double> Stepper::bounds_of_raise(std::span<const Contact> contacts, std::span<const Vec3> impulses) {
     if (model_.settings.tangents == Tangents::random) return {};
-    const auto with_script = [&](std::int32_t body) {
-        return model_.bodies[at(body)].movable() ? energy_.touches_script(body) : model_.bodies[at(body)].scripted();
-    };
     std::vector<double>& bounds = static_.bounds;
     bounds.resize(contacts.size());
     constexpr std::size_t kContactGrain = 256; // contacts of a task
@@ -196,6 +193,11 @@ std::span<const double> Stepper::bounds_of_raise(std::span<const Contact> contac
         const Contact& c = contacts[i];
         bounds[i] = c.friction * std::max(0.0, dot(impulses[i], c.normal));
     });
+    if (!has_scripts_) return bounds;
+    energy_.find_scripted(model_);
+    const auto with_script = [&](std::int32_t body) {
+        return model_.bodies[at(body)].movable() ? energy_.touches_script(body) : model_.bodies[at(body)].scripted();
+    };
     for (std::size_t i = 0; i < contacts.size(); ++i)
         if (with_script(contacts[i].a) || with_script(contacts[i].b)) bounds[i] = -1;
     return bounds;
@@ -229,8 +231,8 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                  accelerated * model_.settings.time_step, options_.tuning},
                 targets);
     ContactSolveOptions options = solve_options(model_, options_);
-    if (raises) options.bounds = bounds_of_raise(targets.contacts, impulses);
     give_landing_loads(model_, targets, accelerated * model_.settings.time_step, impulses, velocities, landing);
+    if (raises) options.bounds = bounds_of_raise(targets.contacts, impulses); // with what landing loads leave
     options.team = &workers_.team;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);
     options.presses = targets.presses;
