@@ -2,6 +2,7 @@
 // Contact points between two bodies: what proximity detection hands to the contact solver (paper, section 4.3).
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -38,13 +39,28 @@ struct Contact {
     return i == 0 || contacts[i - 1].a != contacts[i].a || contacts[i - 1].b != contacts[i].b;
 }
 
+/// Cosine of the angle beyond which contacts oppose each other. From 120 degrees on 29 rings of mail are merged 29 times
+/// in 15 steps and one is held, with this six times and none; from a right angle on twice, but one pile of ten of 102
+/// boats does not rest.
+inline constexpr double kOpposed = -0.25;
 /// Whether contacts of a pair oppose each other: the one body is between sides of the other, as a peg in its hole.
 /// Their normals make clearly more than a right angle, that of a floor and a wall.
 [[nodiscard]] inline bool oppose(const Contact& first, const Contact& second) {
-    // From 120 degrees on 29 rings of mail are merged 29 times in 15 steps and one is held, with this six times and
-    // none; from a right angle on twice, but one pile of ten of 102 boats does not rest.
-    constexpr double kOpposed = -0.25; // cosine
     return dot(first.normal, second.normal) < kOpposed;
+}
+/// Whether any of those of a pair do.
+[[nodiscard]] inline bool holds_between(std::span<const Contact> pair) {
+    Vec3 sum;
+    for (const Contact& c : pair) sum += c.normal;
+    // All within half of that angle of one direction: none do.
+    const double least = std::sqrt(0.5 * (1 + kOpposed)) * length(sum);
+    bool spread = false;
+    for (const Contact& c : pair) spread |= !(dot(c.normal, sum) > least);
+    if (!spread) return false;
+    for (std::size_t i = 1; i < pair.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k)
+            if (oppose(pair[k], pair[i])) return true;
+    return false;
 }
 
 } // namespace flotilla

@@ -206,10 +206,7 @@ class PairTargets {
     /// the body: a peg hung in its hole for ever, pressed by 120 times its weight. So while such a pair waits it yields
     /// a little everywhere.
     [[nodiscard]] bool holds_between(std::size_t first, std::size_t end) const {
-        for (std::size_t i = first + 1; i < end; ++i)
-            for (std::size_t k = first; k < i; ++k)
-                if (oppose(set_.contacts[k], set_.contacts[i])) return true;
-        return false;
+        return flotilla::holds_between(std::span(set_.contacts).subspan(first, end - first));
     }
 
     /// `distance`: m, to where the contact may raise bodies. One that is farther apart stays as it is, up to the rest

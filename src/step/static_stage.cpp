@@ -62,7 +62,6 @@ void Stepper::half_static_contact(std::span<const Motion> collided, std::span<Mo
     const PhaseWatch watch(report, Phase::half_static_contact, workers_.team);
     unpaid_.clear();
     if (model_.settings.velocity_update == VelocityUpdate::end) return raise_or_stay(collided, half, report);
-    state_.warm[ContactStage::half].clear();
     copy_active<Motion>(half, kept);
     mark_spent();
     static_contact(contacts_at_start(), kept, state_.pose, ContactStage::kept, report);
@@ -71,6 +70,7 @@ void Stepper::half_static_contact(std::span<const Motion> collided, std::span<Mo
         static_contact(contacts_at_start(), half, state_.pose, ContactStage::half, report);
         raise_as_far_as_paid(kept, half);
     } else {
+        state_.warm[ContactStage::half].clear();
         copy_active<Motion>(kept, half);
     }
     move_as_far_as_paid(half);
@@ -161,16 +161,16 @@ void Stepper::static_contact(ContactSet& contacts, std::span<Motion> motion, std
         stats = solve_contacts_at(contacts, motion, poses, stage, report);
         report.iterations += stats.iterations;
     }
-    // What raises bodies leaves a place undone, which the next step asks for again, and no velocity.
-    const bool raises = stage == ContactStage::half && model_.settings.velocity_update == VelocityUpdate::trapezoidal;
-    if (!raises) report.residual = std::max(report.residual, stats.residual);
+    // What raises pairs with such bounds leaves is a place, which the next step asks for again, and no velocity.
+    const bool bounded = stage == ContactStage::half && !static_.bounds.empty();
+    if (!bounded) report.residual = std::max(report.residual, stats.residual);
     if (final_stage) report.contacts = static_cast<std::int64_t>(contacts.size());
-    if (stats.unsolved_islands > 0 && !raises) report.warnings |= kStaticLimit;
+    if (stats.unsolved_islands > 0 && !bounded) report.warnings |= kStaticLimit;
 }
 
-/// Each solve begins with what it found itself a step ago, but for the one that raises bodies, which begins with what
-/// the kept one found now. Where the kept one began with what raised bodies in the step before, some of that stayed in
-/// their velocities: piles at rest took a third more sweeps (102 boats, six seeds), at several times the energy.
+/// Each solve begins with what it found itself a step ago. Where the kept one began with what raised bodies in the step
+/// before, some of that stayed in their velocities: piles at rest took a third more sweeps (102 boats, six seeds), at
+/// several times the energy.
 KnownImpulses Stepper::known_impulses(ContactStage stage) {
     const bool trapezoidal = model_.settings.velocity_update == VelocityUpdate::trapezoidal;
     // Stage 3 carries half a step's gravity; stage 7 the other half, or a whole one's.
@@ -178,28 +178,32 @@ KnownImpulses Stepper::known_impulses(ContactStage stage) {
     const ContactStage first = trapezoidal ? ContactStage::kept : ContactStage::half;
     if (stage == ContactStage::final) return {state_.warm[stage], state_.warm[first], of_half};
     if (stage == first) return {state_.warm[stage], state_.warm[ContactStage::final], 1 / of_half};
-    return {state_.warm[first], {}, 0};
+    return {state_.warm[stage], state_.warm[first]};
 }
 
-/// Friction of what raises bodies, by contact: that of the loads that the kept solve found. It is a place that is put
-/// right, and nothing presses there: with friction in proportion to impulses that raise, a wedge below the angle of
-/// friction locks itself, and has no solution. Of what a script touches all impulses count: it squeezes what is there.
-std::span<const double> Stepper::bounds_of_raise(std::span<const Contact> contacts, std::span<const Vec3> impulses) {
-    if (model_.settings.tangents == Tangents::random) return {};
+/// Friction of what raises bodies, of pairs whose contacts oppose each other: that of the loads that the kept solve
+/// found. A cone that a cone holds at walls steeper than the angle of friction is raised by no impulses whose friction
+/// grows with them: they lock it, and the solve has no solution. Empty: there are no such pairs. Of what a script touches
+/// all impulses count: it squeezes what is there.
+std::span<const double> Stepper::bounds_of_raise(std::span<const Contact> contacts) {
     std::vector<double>& bounds = static_.bounds;
-    bounds.resize(contacts.size());
-    constexpr std::size_t kContactGrain = 256; // contacts of a task
-    workers_.team.for_each("bounds of friction", contacts.size(), kContactGrain, [&](std::size_t i, int) {
-        const Contact& c = contacts[i];
-        bounds[i] = c.friction * std::max(0.0, dot(impulses[i], c.normal));
-    });
-    if (!has_scripts_) return bounds;
-    energy_.find_scripted(model_);
+    if (model_.settings.tangents == Tangents::random) return bounds;
     const auto with_script = [&](std::int32_t body) {
         return model_.bodies[at(body)].movable() ? energy_.touches_script(body) : model_.bodies[at(body)].scripted();
     };
-    for (std::size_t i = 0; i < contacts.size(); ++i)
-        if (with_script(contacts[i].a) || with_script(contacts[i].b)) bounds[i] = -1;
+    if (has_scripts_) energy_.find_scripted(model_);
+    for (std::size_t first = 0, end = 0; first < contacts.size(); first = end) {
+        const Contact& c = contacts[first];
+        while (end < contacts.size() && contacts[end].a == c.a && contacts[end].b == c.b) ++end;
+        if (!holds_between(contacts.subspan(first, end - first))) continue;
+        if (has_scripts_ && (with_script(c.a) || with_script(c.b))) continue;
+        if (bounds.empty()) {
+            load_warm(&workers_.team, contacts, {state_.warm[ContactStage::kept], {}, 0}, static_.loads);
+            bounds.assign(contacts.size(), -1);
+        }
+        for (std::size_t i = first; i < end; ++i)
+            bounds[i] = contacts[i].friction * std::max(0.0, dot(static_.loads[i], contacts[i].normal));
+    }
     return bounds;
 }
 
@@ -208,7 +212,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                                              std::span<const Pose> poses, ContactStage stage,
                                              const StepReport& report) {
     const bool final_stage = stage == ContactStage::final;
-    auto& [velocities, targets, impulses, carried, bounds, stored, landing, stiffness, solver] = static_;
+    auto& [velocities, targets, impulses, carried, bounds, loads, stored, landing, stiffness, solver] = static_;
     stiffness.relax(velocities);
     velocities.load(&workers_.team, model_, pairs_.lists.still_version, poses, motion);
     velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);
@@ -231,8 +235,11 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                  accelerated * model_.settings.time_step, options_.tuning},
                 targets);
     ContactSolveOptions options = solve_options(model_, options_);
+    bounds.clear();
+    if (raises) options.bounds = bounds_of_raise(targets.contacts);
+    if (!options.bounds.empty())
+        std::ranges::copy(loads, impulses.begin()); // within them, and near what is to be found
     give_landing_loads(model_, targets, accelerated * model_.settings.time_step, impulses, velocities, landing);
-    if (raises) options.bounds = bounds_of_raise(targets.contacts, impulses); // with what landing loads leave
     options.team = &workers_.team;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);
     options.presses = targets.presses;
@@ -246,7 +253,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     // The impulses of stage 7 in State are those of the contacts at its poses, whose features the next step may reuse.
     const std::span<const std::uint8_t> left_out =
         final_stage ? std::span<const std::uint8_t>(contacts.ahead) : std::span<const std::uint8_t>();
-    if (!raises) store_warm(&workers_.team, {targets.contacts, impulses, left_out}, stored, state_.warm[stage]);
+    store_warm(&workers_.team, {targets.contacts, impulses, left_out}, stored, state_.warm[stage]);
     contact_visits_ += stats.visits;
     return stats;
 }

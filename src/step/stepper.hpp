@@ -220,8 +220,7 @@ class Stepper {
     ContactSolveStats solve_contacts_at(const ContactSet& contacts, std::span<Motion> motion,
                                         std::span<const Pose> poses, ContactStage stage, const StepReport& report);
     [[nodiscard]] KnownImpulses known_impulses(ContactStage stage);
-    [[nodiscard]] std::span<const double> bounds_of_raise(std::span<const Contact> contacts,
-                                                          std::span<const Vec3> impulses);
+    [[nodiscard]] std::span<const double> bounds_of_raise(std::span<const Contact> contacts);
     void add_script_work(std::span<const Pose> poses);
     void record_failsafe(const DynamicContactStats& dynamic, const FailsafeStats& failsafe, StepReport& report);
     [[nodiscard]] Vec3 within_energy(std::size_t i, const Vec3& before, const Vec3& turned_on) const;
@@ -297,7 +296,8 @@ class Stepper {
         ContactTargets targets;
         std::vector<Vec3> impulses;       ///< N s, on b, by contact of `targets`
         std::vector<Vec3> carried;        ///< likewise, of the stage before
-        std::vector<double> bounds;       ///< N s, of friction in the solve that raises bodies
+        std::vector<double> bounds;       ///< N s, of friction in the solve that raises bodies; empty: none
+        std::vector<Vec3> loads;          ///< N s, on b, by contact: what the kept solve found, where there are bounds
         std::vector<std::int32_t> stored; ///< of `targets`, those whose impulses are kept
         LandingLoads landing;
         GeometricStiffness stiffness;

@@ -117,7 +117,7 @@ void wall_stops_blows(const Run& run, bool knocked) {
     EXPECT_LT(slow, 1e-3 * kThrown);
 }
 
-// Three rows of touching balls that a fourth one hits in the middle: the blow goes from row to row.
+// Three rows of balls, a little apart, that another one hits in the middle: the blow goes from row to row.
 void balls_hand_on(const Run& run) {
     constexpr double kRadius = 0.0286, kBetween = 2e-3, kBall = 5;
     constexpr int kStarts = 8;
@@ -126,12 +126,12 @@ void balls_hand_on(const Run& run) {
         SceneDescription scene = make_scene_with(run.settings(), {});
         const auto ball = add_solid(scene, make_sphere(kRadius, 2), 1700);
         const double apart = 2 * kRadius + kBetween;
-        add_body(scene, ball, BodyType::dynamic, {-0.2 - kBall * run.dt() * i / kStarts, 0, 0}, 0, 1).velocity = {kBall,
-                                                                                                                  0, 0};
+        add_body(scene, ball, BodyType::dynamic, {-0.2 - kBall * run.dt() * i / kStarts, 0, 0}, 0, 0.5).velocity = {
+            kBall, 0, 0};
         for (int row = 0; row < 3; ++row)
             for (int k = 0; k <= row; ++k)
                 add_body(scene, ball, BodyType::dynamic,
-                         {0.5 * std::sqrt(3.0) * apart * row, apart * (k - 0.5 * row), 0}, 0, 1);
+                         {0.5 * std::sqrt(3.0) * apart * row, apart * (k - 0.5 * row), 0}, 0, 0.5);
         Motion motion(scene);
         motion.run(0.3);
         const auto speed = [&](std::size_t k) { return length(motion.body(k).velocity); };
