@@ -39,9 +39,9 @@ struct Contact {
     return i == 0 || contacts[i - 1].a != contacts[i].a || contacts[i - 1].b != contacts[i].b;
 }
 
-/// Cosine of the angle beyond which contacts oppose each other. From 120 degrees on 29 rings of mail are merged 29 times
-/// in 15 steps and one is held, with this six times and none; from a right angle on twice, but one pile of ten of 102
-/// boats does not rest.
+/// Cosine of the angle beyond which contacts oppose each other. From 120 degrees on 29 rings of mail are merged 29
+/// times in 15 steps and one is held, with this six times and none; from a right angle on twice, but one pile of ten of
+/// 102 boats does not rest.
 inline constexpr double kOpposed = -0.25;
 /// Whether contacts of a pair oppose each other: the one body is between sides of the other, as a peg in its hole.
 /// Their normals make clearly more than a right angle, that of a floor and a wall.

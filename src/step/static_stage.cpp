@@ -183,8 +183,8 @@ KnownImpulses Stepper::known_impulses(ContactStage stage) {
 
 /// Friction of what raises bodies, of pairs whose contacts oppose each other: that of the loads that the kept solve
 /// found. A cone that a cone holds at walls steeper than the angle of friction is raised by no impulses whose friction
-/// grows with them: they lock it, and the solve has no solution. Empty: there are no such pairs. Of what a script touches
-/// all impulses count: it squeezes what is there.
+/// grows with them: they lock it, and the solve has no solution. Empty: there are no such pairs. Of what a script
+/// touches all impulses count: it squeezes what is there.
 std::span<const double> Stepper::bounds_of_raise(std::span<const Contact> contacts) {
     std::vector<double>& bounds = static_.bounds;
     if (model_.settings.tangents == Tangents::random) return bounds;
