@@ -63,7 +63,7 @@ struct StepReport {
     std::int64_t collisions = 0; ///< impulses of stage 1
     std::int64_t contacts = 0;   ///< contact points of stage 7
     std::int64_t iterations = 0; ///< sweeps of PGS, stages 3 and 7 together
-    /// m/s, largest constraint violation that contact solves left in velocities; not that of raising bodies.
+    /// m/s, largest constraint violation that contact solves left; not that of raising bodies that hold each other.
     double residual = 0;
     std::int64_t merges = 0; ///< clusters merged: by the failsafe, and pairs that dynamic contact rigidified
     /// Steps down the failsafe's ladder free, kinematic, rigid, held; and bodies that were slowed down: whose end was

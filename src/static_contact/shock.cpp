@@ -199,10 +199,10 @@ Vec3 nearest_in_cone(const Vec3& n, double friction, const Vec3& impulse) {
 /// Whether contacts with bodies of infinite mass can have given the island the momentum by which the pass changed it.
 /// A frozen body takes any from what slides on it, and hands none on: a stack that slides would stand still.
 /// The impulses nearest to that momentum are found contact after contact.
-bool ground_gives(const ContactScratch::Island& island, const ContactSolveOptions& options, ContactScratch& s) {
+bool ground_gives(const ContactScratch::Island& island, Tangents tangents, ContactScratch& s) {
     constexpr double kLeft = 0x1p-8, kLeastFall = 0.99; // of the momentum; of what is left, by a round
     constexpr int kRounds = 100;
-    const double of_pyramid = options.tangents == Tangents::random ? std::numbers::sqrt2 : 1; // in its corners
+    const double of_pyramid = tangents == Tangents::random ? std::numbers::sqrt2 : 1; // in its corners
     Vec3 momentum;
     for (std::int32_t k = island.first_body; k < island.end_body; ++k) {
         const std::size_t body = at(s.island_bodies[at(k)]);
@@ -245,7 +245,7 @@ bool propagate_shock(ContactScratch::Island& island, const ContactBodies& bodies
         return prescribed_at_rest(island, scratch) && kinetic_energy(island, bodies, options.team, scratch) >
                                                           std::max(island.energy_before, island.energy_pgs);
     };
-    if (solved && !adds_energy() && ground_gives(island, options, scratch)) {
+    if (solved && !adds_energy() && ground_gives(island, options.tangents, scratch)) {
         island.residual = residual;
         return true;
     }

@@ -323,8 +323,10 @@ ContactSolveStats summarize(const ContactScratch& s) {
     for (const Island& island : s.islands) {
         stats.iterations = std::max(stats.iterations, island.iterations);
         stats.visits += island.visits;
-        stats.residual = std::max(stats.residual, island.residual);
-        stats.unsolved_islands += island.solved ? 0 : 1;
+        if (!island.bounded) {
+            stats.residual = std::max(stats.residual, island.residual);
+            stats.unsolved_islands += island.solved ? 0 : 1;
+        }
         stats.part_rounds += island.part_rounds;
         stats.shocked_islands += island.shocked ? 1 : 0;
         stats.exact_islands += island.factorisations > 0 ? 1 : 0;

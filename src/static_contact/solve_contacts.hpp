@@ -23,7 +23,9 @@ struct ContactSolveStats {
     /// Contact updates, shock passes included; of activated contacts as if from the start, without those of packets
     /// that a sweep visits again.
     std::int64_t visits = 0;
-    double residual = 0; ///< m/s, violation of all of eqs 17-20 by the final state, a shock pass included (shock.hpp)
+    /// m/s, violation of all of eqs 17-20 by the final state, a shock pass included (shock.hpp). This and the next
+    /// without islands with bounds of friction: what they leave undone are places (ContactSolveOptions::bounds).
+    double residual = 0;
     int unsolved_islands = 0; ///< whose sweeps, or whose exact solve, ended above their tolerance
     int shocked_islands = 0;  ///< islands whose velocities come from a shock pass
     int part_rounds = 0;      ///< times that a part of an island was swept alone

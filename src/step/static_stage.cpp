@@ -161,11 +161,9 @@ void Stepper::static_contact(ContactSet& contacts, std::span<Motion> motion, std
         stats = solve_contacts_at(contacts, motion, poses, stage, report);
         report.iterations += stats.iterations;
     }
-    // What raises pairs with such bounds leaves is a place, which the next step asks for again, and no velocity.
-    const bool bounded = stage == ContactStage::half && !static_.bounds.empty();
-    if (!bounded) report.residual = std::max(report.residual, stats.residual);
+    report.residual = std::max(report.residual, stats.residual);
     if (final_stage) report.contacts = static_cast<std::int64_t>(contacts.size());
-    if (stats.unsolved_islands > 0 && !bounded) report.warnings |= kStaticLimit;
+    if (stats.unsolved_islands > 0) report.warnings |= kStaticLimit;
 }
 
 /// Each solve begins with what it found itself a step ago. Where the kept one began with what raised bodies in the step

@@ -296,7 +296,7 @@ class Stepper {
         ContactTargets targets;
         std::vector<Vec3> impulses;       ///< N s, on b, by contact of `targets`
         std::vector<Vec3> carried;        ///< likewise, of the stage before
-        std::vector<double> bounds;       ///< N s, of friction in the solve that raises bodies; empty: none
+        std::vector<double> bounds;       ///< N s, of friction where pairs that hold between are raised
         std::vector<Vec3> loads;          ///< N s, on b, by contact: what the kept solve found, where there are bounds
         std::vector<std::int32_t> stored; ///< of `targets`, those whose impulses are kept
         LandingLoads landing;

@@ -117,30 +117,6 @@ void wall_stops_blows(const Run& run, bool knocked) {
     EXPECT_LT(slow, 1e-3 * kThrown);
 }
 
-// Three rows of balls, a little apart, that another one hits in the middle: the blow goes from row to row.
-void balls_hand_on(const Run& run) {
-    constexpr double kRadius = 0.0286, kBetween = 2e-3, kBall = 5;
-    constexpr int kStarts = 8;
-    int skipped = 0;
-    for (int i = 0; i < kStarts; ++i) {
-        SceneDescription scene = make_scene_with(run.settings(), {});
-        const auto ball = add_solid(scene, make_sphere(kRadius, 2), 1700);
-        const double apart = 2 * kRadius + kBetween;
-        add_body(scene, ball, BodyType::dynamic, {-0.2 - kBall * run.dt() * i / kStarts, 0, 0}, 0, 0.5).velocity = {
-            kBall, 0, 0};
-        for (int row = 0; row < 3; ++row)
-            for (int k = 0; k <= row; ++k)
-                add_body(scene, ball, BodyType::dynamic,
-                         {0.5 * std::sqrt(3.0) * apart * row, apart * (k - 0.5 * row), 0}, 0, 0.5);
-        Motion motion(scene);
-        motion.run(0.3);
-        const auto speed = [&](std::size_t k) { return length(motion.body(k).velocity); };
-        const double second = std::max(speed(2), speed(3)), third = std::max({speed(4), speed(5), speed(6)});
-        if (second < 0.05 * kBall && third > 0.05 * kBall) ++skipped;
-    }
-    EXPECT_EQ(skipped, 0) << "of " << kStarts;
-}
-
 const bool kRegistered = [] {
     const std::vector<Run> list{
         {"balanced", 60}, {"balanced", 24}, {"balanced", 240}, {"preview", 60}, {"accurate", 60}};
@@ -156,7 +132,6 @@ const bool kRegistered = [] {
         {"balanced", 60}, {"balanced", 24}, {"balanced", 240}, {"accurate", 60}, {"reference", 60}};
     add_runs("FreeHits", "WallStopsThrownCube", sequential, true, [](const Run& r) { wall_stops_blows(r, false); });
     add_runs("FreeHits", "WallStopsKnockedCube", sequential, true, [](const Run& r) { wall_stops_blows(r, true); });
-    add_runs("FreeHits", "BallsHandOn", sequential, true, balls_hand_on);
     return true;
 }();
 
