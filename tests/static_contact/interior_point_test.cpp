@@ -95,9 +95,9 @@ struct Island {
             local.mass_diagonal = w;
             local.inv_mass_diagonal = {1 / w.x, 1 / w.y, 1 / w.z};
             local.impulse = impulses[i];
-            local.friction = c.friction;
+            local.friction = c.bound > 0 ? -c.bound : c.friction;
             const Vec3 u = c.free_velocity + Vec3{dot(c.normal, v), dot(c.tangent_1, v), dot(c.tangent_2, v)};
-            worst = std::max(worst, violation<Cone::disc>(to_pack(local), to_pack(u)).v);
+            worst = std::max(worst, violation<Cone::bounded>(to_pack(local), to_pack(u)).v);
         }
         return worst;
     }
@@ -105,7 +105,8 @@ struct Island {
     void expect_in_cones() const {
         for (std::size_t i = 0; i < contacts.size(); ++i) {
             EXPECT_GE(impulses[i].x, 0);
-            EXPECT_LE(std::hypot(impulses[i].y, impulses[i].z), contacts[i].friction * impulses[i].x * (1 + 1e-15));
+            const double bound = contacts[i].friction * impulses[i].x + contacts[i].bound;
+            EXPECT_LE(std::hypot(impulses[i].y, impulses[i].z), bound * (1 + 1e-15));
         }
     }
 
@@ -286,6 +287,30 @@ TEST(InteriorPoint, FrictionOpposesTheSlipInEveryHeading) {
             total += island.impulses[k].y * island.contacts[k].tangent_1 +
                      island.impulses[k].z * island.contacts[k].tangent_2;
         EXPECT_LE(length(total + mu * mass * kFall * slip), 1e-9 * mu * mass * kFall);
+    }
+}
+
+// A slab that slides, with bounds of friction in place of a coefficient: it loses what they allow, and stops where that
+// is more than it has.
+TEST(InteriorPoint, FrictionGoesToItsGivenBounds) {
+    constexpr double kMass = 2, kSlip = 0.05;
+    const Vec3 half{0.5, 0.4, 0.001}, slip{0.6 * kSlip, 0.8 * kSlip, 0};
+    for (const double share : {0.1, 0.5, 2.0}) { // of the momentum
+        Island island;
+        island.bodies.push_back({1 / kMass, inverse_box_inertia(kMass, half)});
+        for (int k = 0; k < 4; ++k) {
+            ConeContact c = contact_between(-1, 0, {}, 0.7 * k, 0);
+            c.arm_b = {(k & 1) != 0 ? half.x : -half.x, (k & 2) != 0 ? half.y : -half.y, -half.z};
+            c.bound = share * kMass * kSlip / 4;
+            set_free_velocity(c, slip - Vec3{0, 0, kFall});
+            island.add(c);
+        }
+        island.expect_solved(1e-12 * kFall);
+        Vec3 total;
+        for (std::size_t k = 0; k < 4; ++k)
+            total += island.impulses[k].y * island.contacts[k].tangent_1 +
+                     island.impulses[k].z * island.contacts[k].tangent_2;
+        EXPECT_LE(length(total + std::min(share, 1.0) * kMass * slip), 1e-9 * kMass * kSlip);
     }
 }
 
