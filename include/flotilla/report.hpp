@@ -132,7 +132,8 @@ struct ContactState {
     double distance = 0;                 ///< m, along the normal
     /// On b, N s, world: what the contact carried in the last step, divided by the time step the mean force; a got its
     /// opposite. That of stages 3 and 7 of all inner steps, without the blows of stage 1. What contacts of the pair
-    /// carried that are none any more at its end is shared out to those that are.
+    /// carried that are none any more at its end is shared out to those that are; a pair that has none then, having
+    /// landed or parted in the step, is listed with those that carried, at their places at its end.
     Vec3 impulse;
     /// Neither body moves: they sleep, or have infinite mass. Point, normal and distance are what they are; the impulse
     /// is that of the inner step in which the island fell asleep, times the number of substeps.

@@ -2,11 +2,17 @@
 #include "api/contact_states.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <span>
 #include <utility>
 
+#include "base/index.hpp"
+#include "pair/impulses.hpp"
+#include "proximity/contact_set.hpp"
+#include "proximity/feature_points.hpp"
 #include "static_contact/thin_bodies.hpp"
+#include "static_contact/warm_impulses.hpp"
 
 namespace flotilla {
 namespace {
@@ -32,6 +38,11 @@ class ImpulsesByPair {
   private:
     std::span<const WarmImpulse> left_;
 };
+
+/// Without an impulse.
+ContactState state_of(const Contact& c, bool asleep) {
+    return {c.a, c.b, c.point, c.normal, c.distance, {}, asleep, c.across};
+}
 
 /// What contacts of the step carried that are none any more at its end, as one that rolls has them, goes to those of
 /// the pair that carry at its end, by their share: the force between the bodies is whole.
@@ -91,10 +102,36 @@ void append(std::span<const Contact> contacts, const Carried& carried, const Ste
         for (std::size_t i = first; i < contacts.size() && bodies(contacts[i]) == pair; ++i) {
             const Contact c = thin ? with_two_points(contacts[i]) : contacts[i];
             features.push_back(c.feature_key);
-            out.push_back({c.a, c.b, c.point, c.normal, c.distance, {}, sleep, c.across});
+            out.push_back(state_of(c, sleep));
         }
         set_impulses(ends.of(pair), {starts.of(pair), earlier.of(pair)}, features, carried.times,
                      std::span(out).subspan(place));
+    }
+}
+
+/// What pairs carried in the step that have no contacts at its end: what lands or parts in it, or goes with a script
+/// farther than the contact search sees. `touching`: the contacts at its end. At the places where the features are now.
+void append_parted(const Stepper& stepper, std::span<const Contact> touching, std::vector<ContactState>& out) {
+    const Model& model = stepper.model();
+    const State& state = stepper.state();
+    std::vector<WarmImpulse> carried = state.earlier, scratch;
+    if (model.settings.velocity_update == VelocityUpdate::trapezoidal)
+        add_impulses(state.warm[ContactStage::kept], 1, carried, scratch);
+    const auto placed = [&](std::int32_t body) { return PosedShape{model.shape_of(at(body)), state.pose[at(body)]}; };
+    auto next = touching.begin();
+    for (const WarmImpulse& w : carried) {
+        while (next != touching.end() && bodies(*next) < bodies(w)) ++next;
+        if (w.impulse == Vec3{} || (next != touching.end() && bodies(*next) == bodies(w))) continue;
+        if (!model.bodies[at(w.a)].movable() && !model.bodies[at(w.b)].movable()) continue; // asleep since
+        const FeaturePair features = features_of(w.feature_key);
+        const ClosestPoints p = closest_points(features, placed(w.a), placed(w.b));
+        const double distance = std::sqrt(p.distance_sq);
+        const ProximityPoint point{features, p.a, p.b, normalized(p.b - p.a), distance};
+        const double friction = pair_friction(model, w.a, w.b);
+        const double rest = pair_lengths(model, state, w.a, w.b).rest;
+        const Contact c = contact_of(w.a, w.b, point, friction);
+        out.push_back(state_of(is_thin_pair(model, w.a, w.b, friction, rest) ? with_two_points(c) : c, false));
+        out.back().impulse = w.impulse;
     }
 }
 
@@ -103,13 +140,20 @@ void append(std::span<const Contact> contacts, const Carried& carried, const Ste
 void list_contact_states(const Stepper& stepper, std::vector<ContactState>& out) {
     out.clear();
     const State& state = stepper.state();
+    const auto by_pair = [](const ContactState& x, const ContactState& y) {
+        return std::pair(x.body_a, x.body_b) < std::pair(y.body_a, y.body_b);
+    };
+    const auto join = [&](std::ptrdiff_t first) {
+        std::inplace_merge(out.begin(), out.begin() + first, out.end(), by_pair);
+    };
     append(stepper.contacts().contacts, {state.warm, state.earlier, 1}, stepper, false, out);
-    const auto awake = static_cast<std::ptrdiff_t>(out.size());
+    const std::ptrdiff_t touching = std::ssize(out);
+    append_parted(stepper, stepper.contacts().contacts, out);
+    join(touching);
+    const std::ptrdiff_t awake = std::ssize(out);
     append(stepper.sleeping_contacts(), {state.waiting, {}, static_cast<double>(stepper.substeps())}, stepper, true,
            out);
-    std::inplace_merge(out.begin(), out.begin() + awake, out.end(), [](const ContactState& x, const ContactState& y) {
-        return std::pair(x.body_a, x.body_b) < std::pair(y.body_a, y.body_b);
-    });
+    join(awake);
 }
 
 } // namespace flotilla

@@ -115,8 +115,8 @@ bool carries_on(const StepView& view, const PairRecord& pair, const FeaturePair&
 /// Fills worker.points with the proximities of the bodies at the end of the step that approach too fast, the nearest
 /// first, with the normals at which they meet. Static contact stops the others, and those that are slower than `least`.
 template <class ContactOf>
-void find_fast_points(const StepView& view, Worker& worker, const PairRecord& pair, const PlacedShape& place_a,
-                      const PlacedShape& place_b, ContactOf&& contact) {
+void find_fast_points(const StepView& view, Worker& worker, const PairRecord& pair, const PosedShape& place_a,
+                      const PosedShape& place_b, ContactOf&& contact) {
     worker.points.clear();
     const double least = least_approach(view, pair.a, pair.b, pair.lengths.rest);
     const Impulsive body_a = view.clusters.impulsive(pair.a), body_b = view.clusters.impulsive(pair.b);

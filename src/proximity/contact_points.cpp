@@ -9,11 +9,11 @@
 
 #include "base/index.hpp"
 #include "ccd/leaf_features.hpp"
-#include "geometry/closest.hpp"
 #include "geometry/plane_test.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/rounding.hpp"
 #include "geometry/support.hpp"
+#include "proximity/feature_points.hpp"
 #include "proximity/same_place.hpp"
 
 namespace flotilla {
@@ -208,26 +208,14 @@ struct PassingPair {
     }
 };
 
-struct ClosestPoints {
-    Vec3 a, b;
-    double distance_sq;
-    bool interior; ///< not at the end of an edge of an edge-edge pair
-    Vec3 e, f;     ///< edges of the face, or both edges
+/// A body at its start.
+struct AtStart {
+    const RigidShape& shape;
+    const BodyMotion& body;
+    [[nodiscard]] Vec3 vertex(std::int32_t v) const { return body.at0.x[at(v)]; }
 };
 ClosestPoints closest(const BodyMotion& a, const BodyMotion& b, const FeaturePair& f) {
-    if (f.kind == FeatureKind::edge_edge) {
-        const Edge &ea = a.shape->topology.edges[at(f.a)], &eb = b.shape->topology.edges[at(f.b)];
-        const Vec3 &a0 = a.at0.x[at(ea[0])], &a1 = a.at0.x[at(ea[1])], &b0 = b.at0.x[at(eb[0])],
-                   &b1 = b.at0.x[at(eb[1])];
-        const auto c = closest_edge_edge(a0, a1, b0, b1);
-        return {c.p, c.q, c.distance_sq, c.s > 0 && c.s < 1 && c.t > 0 && c.t < 1, a1 - a0, b1 - b0};
-    }
-    const bool vertex_first = f.kind == FeatureKind::vertex_face;
-    const Vec3& v = vertex_first ? a.at0.x[at(f.a)] : b.at0.x[at(f.b)];
-    const auto face = vertex_first ? corners(b, f.b) : corners(a, f.a);
-    const auto c = closest_vertex_triangle(v, face[0], face[1], face[2]);
-    return {vertex_first ? v : c.point, vertex_first ? c.point : v, c.distance_sq, true,
-            face[1] - face[0],          face[2] - face[0]};
+    return closest_points(f, AtStart{*a.shape, a}, AtStart{*b.shape, b});
 }
 
 /// Of one body's feature at its start.

@@ -42,12 +42,10 @@ struct Exit {
 /// One of two bodies, of which the other moves.
 class Side {
   public:
-    explicit Side(const PlacedShape& body) : body_(body) {}
+    explicit Side(const PosedShape& body) : body_(body) {}
     Nearest nearest;
 
-    [[nodiscard]] Vec3 vertex(std::int32_t v) const {
-        return body_.pose.origin + rotate(body_.pose.rotation, body_.shape.mesh.vertices[at(v)]);
-    }
+    [[nodiscard]] Vec3 vertex(std::int32_t v) const { return body_.vertex(v); }
     [[nodiscard]] Vec3 start() const { return vertex(nearest.ends[0]); }
     [[nodiscard]] Vec3 edge_way() const { return vertex(nearest.ends[1]) - start(); }
     [[nodiscard]] const Topology& topology() const { return body_.shape.topology; }
@@ -126,13 +124,13 @@ class Side {
         }
     }
 
-    const PlacedShape& body_;
+    const PosedShape& body_;
 };
 
 /// The way of body b, seen from a, and what is nearest on it.
 class Passage {
   public:
-    Passage(const FeaturePair& f, const PlacedShape& a, const PlacedShape& b, const Vec3& way, const Vec3& from)
+    Passage(const FeaturePair& f, const PosedShape& a, const PosedShape& b, const Vec3& way, const Vec3& from)
         : a_(a), b_(b), way_(way), r_(from) {
         if (f.kind == FeatureKind::edge_edge) {
             a_.nearest = edge(a_.topology().edges[at(f.a)]);
@@ -227,7 +225,7 @@ class Passage {
 
 } // namespace
 
-PointGap gap_on_the_way(const FeaturePair& features, const PlacedShape& a, const PlacedShape& b, const Vec3& way,
+PointGap gap_on_the_way(const FeaturePair& features, const PosedShape& a, const PosedShape& b, const Vec3& way,
                         double radius, const PointGap& now) {
     if (!(now.distance > radius) || !(now.distance + dot(now.normal, way) < radius)) return now;
     const Vec3 from = now.distance * now.normal;

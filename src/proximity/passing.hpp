@@ -13,16 +13,9 @@
 // come as near as the rest distance, or nearest. The plane to stay beyond is the one across their gap there.
 #pragma once
 
-#include "state/feature_pair.hpp"
-#include "state/model.hpp"
+#include "proximity/feature_points.hpp"
 
 namespace flotilla {
-
-/// A body's shape at a pose.
-struct PlacedShape {
-    const RigidShape& shape;
-    const Pose& pose;
-};
 
 /// Where the point of body b is, seen from that of body a.
 struct PointGap {
@@ -33,7 +26,7 @@ struct PointGap {
 /// `way`: m, of b relative to a. The normal at which it leads what is nearest to `radius` (m) from each other, or where
 /// it leads that nearest, and the present distance of the points along it; `now` where the present normal allows the
 /// way, or is the one at which they meet.
-[[nodiscard]] PointGap gap_on_the_way(const FeaturePair& features, const PlacedShape& a, const PlacedShape& b,
+[[nodiscard]] PointGap gap_on_the_way(const FeaturePair& features, const PosedShape& a, const PosedShape& b,
                                       const Vec3& way, double radius, const PointGap& now);
 
 } // namespace flotilla

@@ -148,8 +148,9 @@ struct State {
     /// Those of contacts that no awake body is part of: they wait for the day their bodies wake.
     WarmImpulses waiting;
     std::vector<Searched> searched; ///< by body; empty where contacts are searched for in every step (contact_reuse)
-    /// Sums of what static contact did in the inner steps of the last step but its last one, sorted by (a, b), of pairs
-    /// of which a body is awake: for who asks, no bit depends on it.
+    /// Sums of what static contact did in the inner steps of the last step but its last one, and at contacts ahead
+    /// (step/look_ahead.hpp) at the end of all, sorted by (a, b), of pairs of which a body is awake: for who asks, no
+    /// bit depends on it.
     std::vector<WarmImpulse> earlier;
 };
 

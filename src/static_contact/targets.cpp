@@ -138,7 +138,7 @@ class PairTargets {
     void turn_normal(std::size_t i) const {
         Contact& c = out_.contacts[i];
         const auto placed = [&](std::int32_t body) {
-            return PlacedShape{model_.shape_of(at(body)), input_.poses[at(body)]};
+            return PosedShape{model_.shape_of(at(body)), input_.poses[at(body)]};
         };
         const PointGap gap = gap_on_the_way(features_of(c.feature_key), placed(c.a), placed(c.b), way(c),
                                             set_.rest[i] - dt_ * band(i, 1), {c.normal, c.distance});

@@ -104,9 +104,22 @@ void Stepper::final_static_contact(std::span<const Pose> end, std::span<Motion> 
     find_contacts_at_end(report);
     note_squeezed();
     static_contact(contacts_, next, end, ContactStage::final, report);
+    note_carried_ahead();
     give_held_impulses();
     settle_energy(next, end, report);
     report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
+}
+
+/// What contacts ahead carried in stage 7, which no solve goes on from.
+void Stepper::note_carried_ahead() {
+    std::vector<WarmImpulse>& ahead = static_.ahead;
+    ahead.clear();
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+        const Contact& c = contacts_.contacts[i];
+        if (contacts_.ahead[i] != 0 && static_.impulses[i] != Vec3{})
+            ahead.push_back({c.a, c.b, c.feature_key, static_.impulses[i]});
+    }
+    if (!ahead.empty()) add_impulses(ahead, 1, state_.earlier, earlier_scratch_);
 }
 
 /// What stage 3 gave to bodies that the failsafe acted on went with their velocities (held_velocities): stage 7's half
@@ -210,7 +223,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                                              std::span<const Pose> poses, ContactStage stage,
                                              const StepReport& report) {
     const bool final_stage = stage == ContactStage::final;
-    auto& [velocities, targets, impulses, carried, bounds, loads, stored, landing, stiffness, solver] = static_;
+    auto& [velocities, targets, impulses, carried, bounds, loads, stored, ahead, landing, stiffness, solver] = static_;
     stiffness.relax(velocities);
     velocities.load(&workers_.team, model_, pairs_.lists.still_version, poses, motion);
     velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);

@@ -204,6 +204,7 @@ class Stepper {
     void final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report);
     void find_contacts_at_end(StepReport& report);
     void note_squeezed();
+    void note_carried_ahead();
     void give_held_impulses();
     /// Whether a body did not go as its half velocity says: the failsafe acted on it, or slow_down().
     [[nodiscard]] bool moved_otherwise(std::size_t body) const {
@@ -299,6 +300,7 @@ class Stepper {
         std::vector<double> bounds;       ///< N s, of friction where pairs that hold between are raised
         std::vector<Vec3> loads;          ///< N s, on b, by contact: what the kept solve found, where there are bounds
         std::vector<std::int32_t> stored; ///< of `targets`, those whose impulses are kept
+        std::vector<WarmImpulse> ahead;   ///< of stage 7's contacts ahead
         LandingLoads landing;
         GeometricStiffness stiffness;
         ContactScratch solver;
