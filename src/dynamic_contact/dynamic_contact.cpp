@@ -5,6 +5,7 @@
 #include <atomic>
 #include <limits>
 
+#include "dynamic_contact/joint_hits.hpp"
 #include "pair/divided_sweep.hpp"
 #include "pair/progress.hpp"
 
@@ -68,7 +69,11 @@ class DynamicContact {
             FrozenList frozen = freeze_clusters(view_, book_, workers_.team, clusters_);
             if (clusters_.pairs.empty()) return stats_;
             stats_.counters.limit = patience_.ends() || progress_.stalled();
-            if (stats_.counters.limit) return stats_;
+            if (stats_.counters.limit) {
+                if (alone() && sweep > 0)
+                    stats_.counters.limit = !resolve_jointly(view_, movers_, book_, workers_, stats_.counters);
+                return stats_;
+            }
             if (alone()) close_apart(frozen);
             stats_.counters.pairs += static_cast<std::int64_t>(frozen.num_closed());
             if (frozen.num_open == 0) return stats_;

@@ -22,10 +22,6 @@ namespace {
 // that in each of 141 steps).
 constexpr double kPushSeparations = 4;
 
-// So many impulses share out the tries of such targets, whatever the limit: where the exact one does not end the hit,
-// 50,000 tries of it do not either, and cost 40 s. Pushes after as many more are twice as far: with a rest distance of
-// a micrometre those of four separations do not end in minutes where bodies of a metre are in each other's way.
-constexpr int kMostTries = 20;
 // Of those pushes: no end of tries may throw bodies out of what numbers can hold.
 constexpr int kMostDoublings = 20;
 
@@ -34,10 +30,6 @@ constexpr int kMostDoublings = 20;
 // next impulse would push again. Beyond this angle an impulse acts on the centre of mass alone, which moves the point
 // by just as much as is asked for.
 constexpr double kLargestTurn = 1; // radians
-
-bool turns_far(const Vec3& angular_velocity, double dt) {
-    return length_sq(angular_velocity) * dt * dt > kLargestTurn * kLargestTurn;
-}
 
 /// The impulse for the target; sets the arms of bodies that it, or their own spin, would turn too far to zero.
 std::optional<Vec3> displacing_impulse(const Impulsive& a, const Impulsive& b, double dt, double target,
@@ -55,36 +47,6 @@ std::optional<Vec3> displacing_impulse(const Impulsive& a, const Impulsive& b, d
     return contact_impulse(a, b, point, target);
 }
 
-/// Whether displacing impulses leave the turns of both bodies as they are, however many they are: then a hit by turn
-/// stays.
-bool turns_stay(const Impulsive& a, const Impulsive& b, double dt) {
-    const auto stays = [&](const Impulsive& body) {
-        return !(body.inverse_mass > 0) || turns_far(body.angular_velocity, dt);
-    };
-    return stays(a) && stays(b);
-}
-
-/// What a hit is answered with.
-struct Answer {
-    double target;           ///< m/s, along the normal
-    bool on_centres = false; ///< the impulse turns no body
-};
-
-// Impulses at one corner after the other of a side that lands flat tilt it to and fro for longer than there are tries,
-// and what stops its points then stops the body where the step began: plates that met the floor by what gravity adds
-// in one step fell no further, and hung above it for ever. An impulse on the centres of mass moves all points alike, so
-// that each is asked for once: where it is these that come too near, at `centres` m/s, and not what turning does.
-Answer answer_to(double dt, const SweptContact& contact, double centres, const PairLengths& lengths, int iteration,
-                 int iterations) {
-    const double vn = dot(contact.point.normal, contact.point.relative_velocity);
-    const double exact = (lengths.rest - contact.start_gap) / dt;
-    if (exact > vn && iteration < iterations / 2) return {exact};
-    if (vn < 0 && exact <= vn && iteration < iterations / 4) return {0.5 * vn};
-    if (exact > std::max(vn, centres) && exact < 0 && iteration < 3 * iterations / 4) return {exact, true};
-    const double pushes = std::exp2(std::clamp((iteration - iterations) / kMostTries, 0, kMostDoublings));
-    return {std::max(0.0, vn + kPushSeparations * pushes * lengths.separation / dt)};
-}
-
 /// Whether two bodies meet on a side, not at a point or along a line.
 bool meets_flat(const StepView& view, Worker& worker, const ClusterHit& hit, const SweptContact& contact,
                 double reach) {
@@ -96,6 +58,32 @@ bool meets_flat(const StepView& view, Worker& worker, const ClusterHit& hit, con
 }
 
 } // namespace
+
+bool turns_far(const Vec3& angular_velocity, double dt) {
+    return length_sq(angular_velocity) * dt * dt > kLargestTurn * kLargestTurn;
+}
+
+// Impulses at one corner after the other of a side that lands flat tilt it to and fro for longer than there are tries,
+// and what stops its points then stops the body where the step began: plates that met the floor by what gravity adds
+// in one step fell no further, and hung above it for ever. An impulse on the centres of mass moves all points alike, so
+// that each is asked for once: where it is these that come too near, at `centres` m/s, and not what turning does.
+HitAnswer answer_to(double dt, const SweptContact& contact, double centres, const PairLengths& lengths, int iteration,
+                    int iterations) {
+    const double vn = dot(contact.point.normal, contact.point.relative_velocity);
+    const double exact = (lengths.rest - contact.start_gap) / dt;
+    if (exact > vn && iteration < iterations / 2) return {exact};
+    if (vn < 0 && exact <= vn && iteration < iterations / 4) return {0.5 * vn};
+    if (exact > std::max(vn, centres) && exact < 0 && iteration < 3 * iterations / 4) return {exact, true};
+    const double pushes = std::exp2(std::clamp((iteration - iterations) / kMostTries, 0, kMostDoublings));
+    return {std::max(0.0, vn + kPushSeparations * pushes * lengths.separation / dt)};
+}
+
+bool turns_stay(const Impulsive& a, const Impulsive& b, double dt) {
+    const auto stays = [&](const Impulsive& body) {
+        return !(body.inverse_mass > 0) || turns_far(body.angular_velocity, dt);
+    };
+    return stays(a) && stays(b);
+}
 
 Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pairs, Worker& worker,
                              const CandidatePair& clusters, int iterations) {
@@ -115,7 +103,7 @@ Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pa
         SweptContact contact = swept_contact(view, hit);
         const PairLengths lengths = pair_lengths(view.model, view.state, hit.a, hit.b);
         const double centres = dot(contact.point.normal, body_b.velocity - body_a.velocity);
-        const Answer answer = answer_to(view.dt, contact, centres, lengths, i, std::min(iterations, kMostTries));
+        const HitAnswer answer = answer_to(view.dt, contact, centres, lengths, i, std::min(iterations, kMostTries));
         if (answer.on_centres || (answer.target < 0 && meets_flat(view, worker, hit, contact, lengths.rest)))
             contact.point.arm_a = contact.point.arm_b = {};
         const auto impulse = displacing_impulse(body_a, body_b, view.dt, answer.target, contact.point);

@@ -56,6 +56,24 @@ TEST(DynamicContact, LeavesAloneWhatIsApart) {
     EXPECT_TRUE(proved_apart(world));
 }
 
+// A sweep takes a share of one in a thousand of what a body of that mass brings the one before the wall: thousands of
+// sweeps, or one solve of all three.
+TEST(DynamicContact, ALightBodyBetweenAHeavyOneAndAWall) {
+    for (const double ratio : {10.0, 1e3, 1e6}) {
+        StageWorld world(row({{0, 0}, {1, -2}, {ratio, -5}}));
+        const DynamicContactStats stats = run(world);
+        EXPECT_EQ(stats.merges, 0) << ratio;
+        EXPECT_FALSE(stats.counters.limit) << ratio;
+        EXPECT_LE(stats.counters.sweeps, 100) << ratio;
+        EXPECT_TRUE(proved_apart(world));
+        for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+            const double rest = world.lengths(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i) + 1).rest;
+            EXPECT_GT(world.end(i + 1).com.x - world.end(i).com.x - 1, 0.5 * rest) << ratio;
+            EXPECT_LT(world.end(i + 1).com.x - world.end(i).com.x - 1, 1.5 * rest) << ratio;
+        }
+    }
+}
+
 // Equations 5 to 10: with no impulses to spend the pair moves as one, with its momentum and its angular momentum.
 TEST(DynamicContact, APairThatIsNotResolvedMovesAsOne) {
     SceneDescription s = row({{2, 12}, {1, 0}}, 0.02, 0.3);

@@ -210,6 +210,33 @@ void axle_slides(const Run& run) {
     expect_no_rise(motion);
 }
 
+// A roller on a plank that lies loose on two blocks, so many times lighter: in each step a side of the one comes down a
+// little ahead of it, and pushes the other to the blocks.
+void rolls_over_a_plank(const Run& run, double ratio) {
+    constexpr double kSpeed = 1, kTime = 0.8, kRadius = 0.1, kWay = 0.8;
+    constexpr int kSides = 96;
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh plank = make_box(2.3, 0.3, 0.02), mesh = make_cylinder(kRadius, 0.25, kSides);
+    const auto block = add_shape(scene, make_box(0.4, 0.4, 0.2));
+    const double under = rest_gap(plank), over = under + 0.02 + std::min(under, rest_gap(mesh)) + kRadius;
+    add_body(scene, add_shape(scene, mesh, ratio), BodyType::dynamic, {-kWay, 0, over}, 0.5, 0).rotation =
+        rotation_from_vector({kPi / 2, 0, 0});
+    scene.bodies.back().velocity = {kSpeed, 0, 0};
+    scene.bodies.back().angular_velocity = {0, kSpeed / kRadius, 0};
+    add_body(scene, add_shape(scene, plank, 1), BodyType::dynamic, {0, 0, under + 0.01}, 0.5, 0);
+    for (const double x : {-1.0, 1.0}) add_body(scene, block, BodyType::fixed, {x, 0, -0.1}, 0.5, 0);
+    Motion motion(scene);
+    motion.run(kTime);
+    const double kept = motion.body(0).velocity.x / kSpeed,
+                 due = std::exp(-kPi * kSpeed * kTime / kRadius / kSides / 1.5);
+    motion.print("keeps %.4f of its speed, due %.4f", kept, due);
+    EXPECT_GT(kept, due - 0.03);
+    EXPECT_LT(kept, 1.02);
+    EXPECT_EQ(motion.outcome().held, 0);
+    EXPECT_EQ(motion.outcome().merges, 0);
+    expect_no_rise(motion);
+}
+
 TriangleMesh wide_cylinder_mesh() { return make_cylinder(kRollerRadius, 6 * kRollerRadius, 512); }
 
 [[maybe_unused]] const bool registered = [] {
@@ -230,6 +257,10 @@ TriangleMesh wide_cylinder_mesh() { return make_cylinder(kRollerRadius, 6 * kRol
         add_runs("Rolling", name + "InGravity", often, true,
                  [=](const Run& r) { wheel_turns_on_its_axle(r, kGravity, play, 32); });
     }
+    for (const int ratio : {10, 100, 1000})
+        add_runs("Rolling", "RollerOnAPlank" + std::to_string(ratio) + "TimesLighter",
+                 {{"balanced", 60}, {"balanced", 24}, {"preview", 60}, {"balanced", 120}, {"accurate", 60}}, true,
+                 [=](const Run& r) { rolls_over_a_plank(r, ratio); });
     add_runs("Rolling", "Prism16RollsToItsSide", prism, true, rolls_to_its_side);
     add_runs("Rolling", "Prism64RollsAlikeOnStrips", {{"balanced", 240}, {"accurate", 60}}, true,
              rolls_alike_on_strips);
