@@ -121,11 +121,11 @@ class JointHits {
         }
     }
 
-    /// Whether a hit is of a body that is left, or of one that goes on as it is told whatever is in its way: what that
-    /// squeezes has no place to go, and the failsafe makes it wait.
+    /// Whether a hit is of a body that is left, or of a script: what that squeezes goes aside here, without friction, by
+    /// any way that is asked for, and is to make it wait.
     [[nodiscard]] bool leads_to_left(const KeptPush& hit) const {
         const auto leads = [&](std::int32_t body) {
-            return is_left(body) || (view_.clusters[body].infinite() && !view_.trajectories.still(at(body)));
+            return is_left(body) || view_.model.bodies[at(body)].scripted();
         };
         return leads(hit.a) || leads(hit.b);
     }
