@@ -98,6 +98,34 @@ void mail_moves(const Run& run, int rows, int columns, double size, int steps) {
     expect_no_rise(motion);
 }
 
+// A ring that carries one of ten times its mass, and neither has friction: between that and the ring above it the light
+// one hands on in a sweep no more than its own mass takes.
+void load_swings_on_a_ring(const Run& run, double speed) {
+    constexpr double kLink = 0.78, kLoad = 8, kPlay = 0.6e-3;
+    const TriangleMesh mesh = make_ring(0.05, 0.01, 24, 10);
+    const double pitch = 2 * (0.05 - 0.01) - kPlay, length = 2 * pitch;
+    SceneDescription scene = make_scene_with(run.settings());
+    for (int i = 0; i < 3; ++i) {
+        const double mass = i == 1 ? kLink : kLoad;
+        BodyDescription& ring = add_body(scene, add_shape(scene, mesh, i == 0 ? 0 : mass),
+                                         i == 0 ? BodyType::fixed : BodyType::dynamic, {0, 0, -i * pitch}, 0, 0);
+        ring.rotation = rotation_from_vector({0, 0, i % 2 * kPi / 2}) * rotation_from_vector({kPi / 2, 0, 0});
+        ring.velocity = {speed * i * pitch / length, 0, 0};
+        ring.angular_velocity = {0, -speed / length, 0};
+    }
+    scene.bodies[0].velocity = scene.bodies[0].angular_velocity = {};
+    Motion motion(scene);
+    double back = 0; // s
+    motion.run(0.6 * 2 * kPi * std::sqrt(length / kGravity), [&](const StepReport& r) {
+        if (back == 0 && motion.body(2).velocity.x < 0) back = r.time;
+    });
+    motion.print("turns back after %.3f s", back);
+    EXPECT_GT(back, 0);
+    EXPECT_EQ(motion.outcome().merges, 0);
+    EXPECT_EQ(motion.outcome().held, 0);
+    expect_no_rise(motion);
+}
+
 /// A chain of `links` free links, `pitch` m from one contact to the next, with the moment of inertia `inertia` m^2 per
 /// kg about a diameter.
 struct Hanging {
@@ -188,6 +216,10 @@ void frequency_of_a_chain(const Run& run, int links) {
     add_runs("Chains", "MailOf29Rings", runs({100}), false, [](const Run& r) { mail_moves(r, 4, 3, 6.5e-3, 15); });
     add_runs("Chains", "MailOf62Rings", runs({100}), false, [](const Run& r) { mail_moves(r, 4, 6, 6.5e-3, 30); });
     add_runs("Chains", "MailOf671Rings", runs({100}), false, [](const Run& r) { mail_moves(r, 13, 18, 6.5e-3, 15); });
+    for (const double speed : {0.2, 0.3, 0.4})
+        add_runs("Chains", "LoadSwingsOnARingAt" + std::to_string(std::lround(1e3 * speed)) + "mm",
+                 {{"balanced", 60}, {"balanced", 24}, {"preview", 60}, {"balanced", 240}}, true,
+                 [=](const Run& r) { load_swings_on_a_ring(r, speed); });
     add_runs("Chains", "TenTorusLinksHang", runs({100}), true, [](const Run& r) { torus_links_hang(r, 11); });
     add_runs("Chains", "ThreeTorusLinksHang", runs({100}), true, [](const Run& r) { torus_links_hang(r, 4); });
     add_runs("Chains", "TenFlatLinksHang", runs({100}), false, [](const Run& r) { flat_links_hang(r, 11); });
