@@ -55,11 +55,12 @@ constexpr double kOfMassRatio = 1.0 / 16, kMostSlower = 8;
 /// Algorithm 2.
 class DynamicContact {
   public:
-    DynamicContact(const StepView& view, Movers movers, PairBook& book, Workers& workers)
+    DynamicContact(const StepView& view, Movers movers, PairBook& book, Workers& workers, const SolveHits& solve)
         : view_(view),
           movers_(movers),
           book_(book),
           workers_(workers),
+          solve_(solve),
           patience_(view.model.settings.dynamic_iterations) {}
 
     /// For all pairs of clusters that are not proved apart, resolve their hits; rigidify what did not resolve; again,
@@ -70,8 +71,8 @@ class DynamicContact {
             if (clusters_.pairs.empty()) return stats_;
             stats_.counters.limit = patience_.ends() || progress_.stalled();
             if (stats_.counters.limit) {
-                if (alone() && sweep > 0)
-                    stats_.counters.limit = !resolve_jointly(view_, movers_, book_, workers_, stats_.counters);
+                if (solve_ && alone() && sweep > 0)
+                    stats_.counters.limit = !resolve_jointly(view_, movers_, book_, workers_, solve_, stats_.counters);
                 return stats_;
             }
             if (alone()) close_apart(frozen);
@@ -183,6 +184,7 @@ class DynamicContact {
     Movers movers_;
     PairBook& book_;
     Workers& workers_;
+    const SolveHits& solve_;
     DynamicContactStats stats_;
     ClusterPairs clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
@@ -196,8 +198,9 @@ class DynamicContact {
 
 } // namespace
 
-DynamicContactStats handle_dynamic_contact(const StepView& view, Movers movers, PairBook& book, Workers& workers) {
-    return DynamicContact(view, movers, book, workers).run();
+DynamicContactStats handle_dynamic_contact(const StepView& view, Movers movers, PairBook& book, Workers& workers,
+                                           const SolveHits& solve) {
+    return DynamicContact(view, movers, book, workers, solve).run();
 }
 
 } // namespace flotilla

@@ -3,7 +3,7 @@
 // Pairs that do not resolve within their iterations are rigidified at the end of the sweep (section 4.2.1).
 #pragma once
 
-#include "pair/inelastic.hpp"
+#include "dynamic_contact/joint_hits.hpp"
 
 namespace flotilla {
 
@@ -13,6 +13,8 @@ struct DynamicContactStats {
     std::int32_t trigger_a = -1, trigger_b = -1; ///< bodies of the first pair that was rigidified
 };
 
-DynamicContactStats handle_dynamic_contact(const StepView& view, Movers movers, PairBook& book, Workers& workers);
+/// `solve`: for hits of which sweeps do not see the end; may be empty: they are given up.
+DynamicContactStats handle_dynamic_contact(const StepView& view, Movers movers, PairBook& book, Workers& workers,
+                                           const SolveHits& solve);
 
 } // namespace flotilla

@@ -2,23 +2,28 @@
 // Where sweeps of dynamic contact gain nothing: its hits solved together.
 //
 // A light body between heavy ones, or between one and the ground, hands on in a sweep no more than its own mass takes:
-// pushes fall by the ratio of the masses, a plank under a roller of 10 times its mass takes 8 sweeps for each half of
-// them, the links of a chain under a load of 100 times theirs thousands. So hits are kept here, each as what it asks
-// for, n . u >= target, and after each round of queries the least impulses are found that satisfy all of an island's
-// at once:
-//
-//     A l + q >= 0,  l >= 0,  l . (A l + q) = 0,     A = J M^-1 J^T,
-//
-// directly, by block principal pivoting (Judice and Pires, Comput. Oper. Res. 21, 1994). What that makes hit elsewhere
-// is met in the next round. Rounds end where nothing hits any more, or a pair does so too often.
+// pushes fall by the ratio of the masses, and the links of a chain under a load of 100 times theirs take thousands of
+// sweeps. So hits are kept here, each as the contact that it is: what it asks for along its normal, with friction.
+// After each round of queries all of an island's are solved at once, as stage 3 solves its contacts. What that makes
+// hit elsewhere is met in the next round. Rounds end where nothing hits any more. The failsafe takes
+// what they do not end.
 #pragma once
 
+#include <functional>
+#include <span>
+
 #include "pair/inelastic.hpp"
+#include "state/contact.hpp"
 
 namespace flotilla {
 
+/// Solves contacts, sorted by bodies, of bodies that move as `motion` (by body) without them. `impulses`: N s, on b, by
+/// contact; in, what was found in the last round.
+using SolveHits =
+    std::function<void(std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses)>;
+
 /// Whether nothing hits any more. Clusters must be single bodies. `counters`: added to.
 [[nodiscard]] bool resolve_jointly(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                   StageCounters& counters);
+                                   const SolveHits& solve, StageCounters& counters);
 
 } // namespace flotilla

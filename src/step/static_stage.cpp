@@ -269,4 +269,16 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     return stats;
 }
 
+/// Hits of stage 5, all that are met so far. The exact solver is what they are here for.
+void Stepper::solve_hits(std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses) {
+    hits_.velocities.load(&workers_.team, model_, pairs_.lists.still_version, state_.pose, motion);
+    hits_.velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);
+    ContactSolveOptions options = solve_options(model_, options_);
+    options.warm_start = options.exact = true;
+    options.exact_few = options.shock = false;
+    options.team = &workers_.team;
+    options.step = 2 * static_cast<std::uint64_t>(state_.step);
+    (void)solve_contacts(hits, hits_.velocities.bodies(), options, impulses, hits_.solver);
+}
+
 } // namespace flotilla

@@ -382,7 +382,12 @@ void Stepper::candidate_end_states(std::span<const Motion> half, StepReport& rep
 
 DynamicContactStats Stepper::dynamic_contact(StepReport& report) {
     const PhaseWatch watch(report, Phase::dynamic_contact, workers_.team);
-    const DynamicContactStats stats = handle_dynamic_contact(view(), movers(), pairs_, workers_);
+    SolveHits solve;
+    if (model_.settings.contact_solver != ContactSolver::pgs)
+        solve = [&](std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses) {
+            solve_hits(hits, motion, impulses);
+        };
+    const DynamicContactStats stats = handle_dynamic_contact(view(), movers(), pairs_, workers_, solve);
     add_counters(stats.counters, report);
     return stats;
 }

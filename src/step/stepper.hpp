@@ -198,6 +198,7 @@ class Stepper {
     FailsafeStats move_bodies(std::span<Motion> half, StepReport& report);
     void candidate_end_states(std::span<const Motion> half, StepReport& report);
     DynamicContactStats dynamic_contact(StepReport& report);
+    void solve_hits(std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses);
     void certify_end(std::span<Pose> end, StepReport& report);
     void new_velocities(std::span<const Motion> collided, std::span<const Motion> kept, std::span<const Pose> end,
                         std::span<Motion> next, StepReport& report);
@@ -306,6 +307,12 @@ class Stepper {
         ContactScratch solver;
     };
     StaticBuffers static_;
+    /// The same of hits of stage 5.
+    struct HitBuffers {
+        VelocityArrays velocities;
+        ContactScratch solver;
+    };
+    HitBuffers hits_;
     std::vector<WarmImpulse> earlier_scratch_;
     SqueezedPairs squeezed_;
     std::int64_t contact_visits_ = 0;

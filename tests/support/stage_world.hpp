@@ -58,6 +58,7 @@ class StageWorld {
     [[nodiscard]] Vec3 spin(std::int32_t body) const { ///< rad/s
         return angular_velocity(model_.shape_of(at(body)), start(body).rotation, clusters_.motion()[at(body)].momentum);
     }
+    [[nodiscard]] const std::vector<Pose>& starts() const { return state_.pose; }
     [[nodiscard]] const Pose& start(std::int32_t body) const { return state_.pose[at(body)]; }
     [[nodiscard]] const Pose& end(std::int32_t body) const { return trajectories_.end_pose(at(body)); }
     [[nodiscard]] PairLengths lengths(std::int32_t a, std::int32_t b) const {
