@@ -123,6 +123,7 @@ void append_parted(const Stepper& stepper, std::span<const Contact> touching, st
         while (next != touching.end() && bodies(*next) < bodies(w)) ++next;
         if (w.impulse == Vec3{} || (next != touching.end() && bodies(*next) == bodies(w))) continue;
         if (!model.bodies[at(w.a)].movable() && !model.bodies[at(w.b)].movable()) continue; // asleep since
+        if (model.ignores(w.a, w.b)) continue;                                              // edited since
         const FeaturePair features = features_of(w.feature_key);
         const ClosestPoints p = closest_points(features, placed(w.a), placed(w.b));
         const double distance = std::sqrt(p.distance_sq);

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <limits>
 
-#include "dynamic_contact/joint_hits.hpp"
 #include "pair/divided_sweep.hpp"
 #include "pair/progress.hpp"
 
@@ -46,11 +45,6 @@ class Patience {
     std::size_t shortest_ = std::numeric_limits<std::size_t>::max();
     double weakest_ = std::numeric_limits<double>::infinity(); ///< N s
 };
-
-/// How many times longer a stage may gain nothing where bodies of different mass hit, in their mass ratio, and at most.
-/// The least patience is eight sweeps, so that this is half a sweep for each of the ratio; without a limit of sweeps it
-/// is what ends the stage.
-constexpr double kOfMassRatio = 1.0 / 16, kMostSlower = 8;
 
 /// Algorithm 2.
 class DynamicContact {
@@ -124,35 +118,22 @@ class DynamicContact {
         const double pushed = take_largest_push(workers_);
         patience_.add(static_cast<std::ptrdiff_t>(hits), clusters_.pairs.size(), pushed);
         progress_.add(hits, clusters_.pairs.size(), pushed);
-        progress_.slow_by(std::min(kOfMassRatio * mass_ratio_, kMostSlower));
     }
 
-    /// Of two clusters that can move, at least 1.
-    [[nodiscard]] double mass_ratio(const CandidatePair& pair) const {
-        const double a = view_.clusters[pair.a].inverse_mass, b = view_.clusters[pair.b].inverse_mass;
-        return a > 0 && b > 0 ? std::max(a / b, b / a) : 1;
-    }
-
-    /// Returns how many pairs hit, and notes whether all of them resolved and the largest mass ratio among them.
+    /// Returns how many pairs hit, and notes whether all of them resolved.
     std::size_t look_at_resolutions() {
         constexpr std::size_t kGrain = 1024; // pairs of a task
         std::atomic<std::size_t> hits = 0, left = 0;
-        std::atomic<double> largest = 1;
         const std::size_t n = resolutions_.size();
         for_each(&workers_.team, "look at resolutions", (n + kGrain - 1) / kGrain, 1, [&](std::size_t chunk) {
             std::size_t found = 0, unresolved = 0;
-            double ratio = 1;
             for (std::size_t i = chunk * kGrain; i < std::min(n, (chunk + 1) * kGrain); ++i) {
                 found += resolutions_[i].found ? 1u : 0u;
-                if (resolutions_[i].found) ratio = std::max(ratio, mass_ratio(clusters_.pairs[i]));
                 unresolved += resolutions_[i].resolved ? 0u : 1u;
             }
             hits.fetch_add(found, std::memory_order_relaxed);
             left.fetch_add(unresolved, std::memory_order_relaxed);
-            for (double last = largest; ratio > last && !largest.compare_exchange_weak(last, ratio);) {
-            }
         });
-        mass_ratio_ = largest;
         any_unresolved_ = left > 0;
         return hits;
     }
@@ -189,7 +170,6 @@ class DynamicContact {
     ClusterPairs clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
     bool any_unresolved_ = false; ///< of these
-    double mass_ratio_ = 1;       ///< the largest of those that hit
     Patience patience_;
     /// Giving up makes clusters of what hits: of 8 links of a tight chain in 100 steps, preset accurate, two trips
     /// alone leave 6 merges without need.

@@ -22,6 +22,11 @@ namespace {
 // that in each of 141 steps).
 constexpr double kPushSeparations = 4;
 
+// So many impulses share out the tries of targets, whatever the limit: where the exact one does not end the hit,
+// 50,000 tries of it do not either, and cost 40 s. Pushes after as many more are twice as far: with a rest distance of
+// a micrometre those of four separations do not end in minutes where bodies of a metre are in each other's way.
+constexpr int kMostTries = 20;
+
 // Of those pushes: no end of tries may throw bodies out of what numbers can hold.
 constexpr int kMostDoublings = 20;
 

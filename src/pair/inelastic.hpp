@@ -17,11 +17,6 @@ struct Resolution {
     double toi = 1;                          ///< of it, [0, 1]
 };
 
-/// So many impulses share out the tries of targets, whatever the limit: where the exact one does not end the hit,
-/// 50,000 tries of it do not either, and cost 40 s. Pushes after as many more are twice as far: with a rest distance of
-/// a micrometre those of four separations do not end in minutes where bodies of a metre are in each other's way.
-inline constexpr int kMostTries = 20;
-
 /// What a hit is answered with.
 struct HitAnswer {
     double target;           ///< m/s, along the normal

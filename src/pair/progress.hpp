@@ -32,12 +32,7 @@ class Progress {
         weakest_ = hits > 0 ? pushed : kNoPush;
         since_ = sweeps_;
     }
-    /// Where bodies of a mass `ratio` meet, pushes halve in as many times more sweeps: a light one between a heavy one
-    /// and the ground hands on to either no more than its own mass takes. The largest counts.
-    void slow_by(double ratio) { slower_ = std::max(slower_, ratio); }
-    [[nodiscard]] bool stalled() const {
-        return static_cast<double>(sweeps_ - since_) > slower_ * static_cast<double>(patience());
-    }
+    [[nodiscard]] bool stalled() const { return sweeps_ - since_ > patience(); }
 
   private:
     [[nodiscard]] std::size_t patience() const {
@@ -51,7 +46,6 @@ class Progress {
     bool halves_;
     std::size_t sweeps_ = 0, since_ = 0, all_ = 0, fewest_ = kNone;
     double weakest_ = kNoPush; ///< N s
-    double slower_ = 1;
 };
 
 } // namespace flotilla

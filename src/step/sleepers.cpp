@@ -222,6 +222,7 @@ void Stepper::give_back_memory() {
         return;
     sleepers_.freed = 0;
     static_ = {};
+    hits_ = {};
     collisions_ = {};
     search_.parts.clear();
     release_free_memory();

@@ -110,14 +110,17 @@ void Stepper::final_static_contact(std::span<const Pose> end, std::span<Motion> 
     report.sleeping_contacts = static_cast<std::int64_t>(sleeping_contacts_.size());
 }
 
-/// What contacts ahead carried in stage 7, which no solve goes on from.
+/// What contacts ahead carried in stage 7, which no solve goes on from; of bodies that the failsafe acted on for both
+/// halves of the step (give_held_impulses).
 void Stepper::note_carried_ahead() {
+    const bool trapezoidal = model_.settings.velocity_update == VelocityUpdate::trapezoidal;
     std::vector<WarmImpulse>& ahead = static_.ahead;
     ahead.clear();
     for (std::size_t i = 0; i < contacts_.size(); ++i) {
+        if (contacts_.ahead[i] == 0 || static_.impulses[i] == Vec3{}) continue;
         const Contact& c = contacts_.contacts[i];
-        if (contacts_.ahead[i] != 0 && static_.impulses[i] != Vec3{})
-            ahead.push_back({c.a, c.b, c.feature_key, static_.impulses[i]});
+        WarmImpulse& w = ahead.emplace_back(WarmImpulse{c.a, c.b, c.feature_key, static_.impulses[i]});
+        if (trapezoidal && of_failsafe(w)) w.impulse *= 2;
     }
     if (!ahead.empty()) add_impulses(ahead, 1, state_.earlier, earlier_scratch_);
 }
