@@ -87,8 +87,8 @@ class JointHits {
         return std::tuple(x.contact.a, x.contact.b) < std::tuple(y.contact.a, y.contact.b);
     }
 
-    /// Adds what was found to what is kept, by bodies. Bodies of a pair that has had all its tries are left, and those of
-    /// all pairs in the last round.
+    /// Adds what was found to what is kept, by bodies. Left are bodies of a pair that has had all its tries, and in the
+    /// last round those of all pairs.
     void keep(bool last_round) {
         const auto before = static_cast<std::ptrdiff_t>(kept_.size());
         const int most = std::min(view_.model.settings.dynamic_pair_iterations, kMostRounds);
