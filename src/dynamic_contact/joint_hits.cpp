@@ -50,7 +50,7 @@ class JointHits {
             const FrozenList frozen = freeze_clusters(view_, book_, workers_.team, clusters_);
             look(frozen);
             if (found_.empty()) return !any_left_;
-            keep(round == kMostRounds);
+            keep(round >= kMostRounds);
             find_islands_of_hits();
             leave_islands();
             solve();
@@ -88,8 +88,8 @@ class JointHits {
     }
 
     /// Adds what was found to what is kept, by bodies. Left are bodies of a pair that has had all its tries, and in the
-    /// last round those of all pairs.
-    void keep(bool last_round) {
+    /// last rounds those of all pairs.
+    void keep(bool at_last) {
         const auto before = static_cast<std::ptrdiff_t>(kept_.size());
         const int most = std::min(view_.model.settings.dynamic_pair_iterations, kMostRounds);
         for (const ClusterHit& found : found_) {
@@ -98,7 +98,7 @@ class JointHits {
             const auto [first, last] = std::equal_range(kept_.begin(), kept_.begin() + before, hit, by_bodies);
             const auto tries = static_cast<int>(last - first);
             const Impulsive a = impulsive(found.a), b = impulsive(found.b);
-            if (last_round || tries >= most || (found.hit.by_turn && turns_stay(a, b, view_.dt)))
+            if (at_last || tries >= most || (found.hit.by_turn && turns_stay(a, b, view_.dt)))
                 leave(found.a, found.b);
             else
                 kept_.push_back(met_hit(found, a, b, tries, most));
