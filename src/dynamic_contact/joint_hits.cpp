@@ -146,8 +146,30 @@ class JointHits {
         changed_.assign(at(find_islands(bodies_of_, movable_, graph_, island_)), 0);
     }
 
-    /// Islands of too many hits, and those that have a body which is left: all of their bodies move as before.
+    /// Marks islands of one body that others of infinite mass hold between them: impulses make no room there, and what
+    /// is found takes it out sideways.
+    void mark_pinched() {
+        constexpr std::int32_t kNone = -1, kSeveral = -2;
+        std::vector<std::int32_t> alone(changed_.size(), kNone);
+        for (std::size_t i = 0; i < kept_.size(); ++i)
+            for (const std::int32_t body : {kept_[i].contact.a, kept_[i].contact.b}) {
+                std::int32_t& of_island = alone[at(island_[i])];
+                if (movable_[at(body)] != 0) of_island = of_island == kNone || of_island == body ? body : kSeveral;
+            }
+        const auto towards = [&](const Contact& c, std::int32_t body) { return c.b == body ? c.normal : -c.normal; };
+        for (std::size_t i = 0; i < kept_.size(); ++i) {
+            const std::int32_t body = alone[at(island_[i])];
+            for (std::size_t k = 0; body >= 0 && k < i; ++k)
+                if (island_[k] == island_[i] &&
+                    dot(towards(kept_[k].contact, body), towards(kept_[i].contact, body)) < kOpposed)
+                    changed_[at(island_[i])] = 1;
+        }
+    }
+
+    /// Pinched bodies, islands of too many hits, and those that have a body which is left: all of their bodies move as
+    /// before.
     void leave_islands() {
+        mark_pinched();
         std::vector<std::ptrdiff_t> hits(changed_.size(), 0);
         for (const std::int32_t i : island_) ++hits[at(i)];
         for (std::size_t i = 0; i < kept_.size(); ++i) {
