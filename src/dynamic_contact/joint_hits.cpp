@@ -156,13 +156,17 @@ class JointHits {
                 std::int32_t& of_island = alone[at(island_[i])];
                 if (movable_[at(body)] != 0) of_island = of_island == kNone || of_island == body ? body : kSeveral;
             }
-        const auto towards = [&](const Contact& c, std::int32_t body) { return c.b == body ? c.normal : -c.normal; };
-        for (std::size_t i = 0; i < kept_.size(); ++i) {
-            const std::int32_t body = alone[at(island_[i])];
-            for (std::size_t k = 0; body >= 0 && k < i; ++k)
-                if (island_[k] == island_[i] &&
-                    dot(towards(kept_[k].contact, body), towards(kept_[i].contact, body)) < kOpposed)
-                    changed_[at(island_[i])] = 1;
+        const auto towards = [](const Contact& c, std::int32_t body) { return c.b == body ? c.normal : -c.normal; };
+        places_.clear(); // of hits on one body alone, by island
+        for (std::size_t i = 0; i < kept_.size(); ++i)
+            if (alone[at(island_[i])] >= 0) places_.push_back(i);
+        std::ranges::stable_sort(places_, {}, [&](std::size_t i) { return island_[i]; });
+        for (std::size_t first = 0, i = 0; i < places_.size(); ++i) {
+            const std::int32_t island = island_[places_[i]], body = alone[at(island)];
+            if (island_[places_[first]] != island) first = i;
+            const Vec3 normal = towards(kept_[places_[i]].contact, body);
+            for (std::size_t k = first; k < i; ++k)
+                if (dot(towards(kept_[places_[k]].contact, body), normal) < kOpposed) changed_[at(island)] = 1;
         }
     }
 
@@ -245,6 +249,7 @@ class JointHits {
     std::vector<BodyPair> bodies_of_; ///< of kept_, as the next
     std::vector<std::int32_t> island_;
     std::vector<std::uint8_t> changed_; ///< by island, as flags
+    std::vector<std::size_t> places_;   ///< in kept_
     std::vector<std::uint8_t> movable_; ///< by body
     ContactGraphScratch graph_;
     std::vector<Contact> contacts_; ///< of kept_

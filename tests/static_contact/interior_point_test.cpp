@@ -269,24 +269,34 @@ TEST(InteriorPoint, HangsAChainWhoseLinksAreHeldBothWays) {
     }
 }
 
+/// A slab on its four corners, which slides with the velocity `slip`.
+struct SlidingSlab : Island {
+    SlidingSlab(double mass, const Vec3& half, const Vec3& slip, double friction, double bound) {
+        bodies.push_back({1 / mass, inverse_box_inertia(mass, half)});
+        for (int k = 0; k < 4; ++k) {
+            ConeContact c = contact_between(-1, 0, {}, 0.7 * k, friction);
+            c.arm_b = {(k & 1) != 0 ? half.x : -half.x, (k & 2) != 0 ? half.y : -half.y, -half.z};
+            c.bound = bound;
+            set_free_velocity(c, slip - Vec3{0, 0, kFall});
+            add(c);
+        }
+    }
+    /// N s, of friction.
+    [[nodiscard]] Vec3 friction() const {
+        Vec3 total;
+        for (std::size_t k = 0; k < contacts.size(); ++k)
+            total += impulses[k].y * contacts[k].tangent_1 + impulses[k].z * contacts[k].tangent_2;
+        return total;
+    }
+};
+
 TEST(InteriorPoint, FrictionOpposesTheSlipInEveryHeading) {
     for (int heading = 0; heading < 8; ++heading) {
         const double angle = 0.1 + heading * std::numbers::pi / 4, mu = 0.3, mass = 2;
-        const Vec3 slip{std::cos(angle), std::sin(angle), 0}, half{0.5, 0.4, 0.1};
-        Island island;
-        island.bodies.push_back({1 / mass, inverse_box_inertia(mass, half)});
-        for (int k = 0; k < 4; ++k) {
-            ConeContact c = contact_between(-1, 0, {}, 0.7 * k, mu);
-            c.arm_b = {(k & 1) != 0 ? half.x : -half.x, (k & 2) != 0 ? half.y : -half.y, -half.z};
-            set_free_velocity(c, slip - Vec3{0, 0, kFall});
-            island.add(c);
-        }
-        island.expect_solved(1e-12 * kFall);
-        Vec3 total;
-        for (std::size_t k = 0; k < 4; ++k)
-            total += island.impulses[k].y * island.contacts[k].tangent_1 +
-                     island.impulses[k].z * island.contacts[k].tangent_2;
-        EXPECT_LE(length(total + mu * mass * kFall * slip), 1e-9 * mu * mass * kFall);
+        const Vec3 slip{std::cos(angle), std::sin(angle), 0};
+        SlidingSlab slab(mass, {0.5, 0.4, 0.1}, slip, mu, 0);
+        slab.expect_solved(1e-12 * kFall);
+        EXPECT_LE(length(slab.friction() + mu * mass * kFall * slip), 1e-9 * mu * mass * kFall);
     }
 }
 
@@ -294,23 +304,11 @@ TEST(InteriorPoint, FrictionOpposesTheSlipInEveryHeading) {
 // is more than it has.
 TEST(InteriorPoint, FrictionGoesToItsGivenBounds) {
     constexpr double kMass = 2, kSlip = 0.05;
-    const Vec3 half{0.5, 0.4, 0.001}, slip{0.6 * kSlip, 0.8 * kSlip, 0};
+    const Vec3 slip{0.6 * kSlip, 0.8 * kSlip, 0};
     for (const double share : {0.1, 0.5, 2.0}) { // of the momentum
-        Island island;
-        island.bodies.push_back({1 / kMass, inverse_box_inertia(kMass, half)});
-        for (int k = 0; k < 4; ++k) {
-            ConeContact c = contact_between(-1, 0, {}, 0.7 * k, 0);
-            c.arm_b = {(k & 1) != 0 ? half.x : -half.x, (k & 2) != 0 ? half.y : -half.y, -half.z};
-            c.bound = share * kMass * kSlip / 4;
-            set_free_velocity(c, slip - Vec3{0, 0, kFall});
-            island.add(c);
-        }
-        island.expect_solved(1e-12 * kFall);
-        Vec3 total;
-        for (std::size_t k = 0; k < 4; ++k)
-            total += island.impulses[k].y * island.contacts[k].tangent_1 +
-                     island.impulses[k].z * island.contacts[k].tangent_2;
-        EXPECT_LE(length(total + std::min(share, 1.0) * kMass * slip), 1e-9 * kMass * kSlip);
+        SlidingSlab slab(kMass, {0.5, 0.4, 0.001}, slip, 0, share * kMass * kSlip / 4);
+        slab.expect_solved(1e-12 * kFall);
+        EXPECT_LE(length(slab.friction() + std::min(share, 1.0) * kMass * slip), 1e-9 * kMass * kSlip);
     }
 }
 
