@@ -49,12 +49,12 @@ class Patience {
 /// Algorithm 2.
 class DynamicContact {
   public:
-    DynamicContact(const StepView& view, Movers movers, PairBook& book, Workers& workers, const SolveHits& solve)
+    DynamicContact(const StepView& view, Movers movers, PairBook& book, Workers& workers, JointSolve* joint)
         : view_(view),
           movers_(movers),
           book_(book),
           workers_(workers),
-          solve_(solve),
+          joint_(joint),
           patience_(view.model.settings.dynamic_iterations) {}
 
     /// For all pairs of clusters that are not proved apart, resolve their hits; rigidify what did not resolve; again,
@@ -65,8 +65,8 @@ class DynamicContact {
             if (clusters_.pairs.empty()) return stats_;
             stats_.counters.limit = patience_.ends() || progress_.stalled();
             if (stats_.counters.limit) {
-                if (solve_ && alone() && progress_.stalled())
-                    stats_.counters.limit = !resolve_jointly(view_, movers_, book_, workers_, solve_, stats_.counters);
+                if (joint_ != nullptr && alone() && progress_.stalled())
+                    stats_.counters.limit = !resolve_jointly(view_, movers_, book_, workers_, *joint_, stats_.counters);
                 return stats_;
             }
             if (alone()) close_apart(frozen);
@@ -165,7 +165,7 @@ class DynamicContact {
     Movers movers_;
     PairBook& book_;
     Workers& workers_;
-    const SolveHits& solve_;
+    JointSolve* joint_; ///< may be null
     DynamicContactStats stats_;
     ClusterPairs clusters_; ///< frozen
     std::vector<Resolution> resolutions_;
@@ -179,8 +179,8 @@ class DynamicContact {
 } // namespace
 
 DynamicContactStats handle_dynamic_contact(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                           const SolveHits& solve) {
-    return DynamicContact(view, movers, book, workers, solve).run();
+                                           JointSolve* joint) {
+    return DynamicContact(view, movers, book, workers, joint).run();
 }
 
 } // namespace flotilla

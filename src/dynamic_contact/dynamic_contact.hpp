@@ -13,8 +13,8 @@ struct DynamicContactStats {
     std::int32_t trigger_a = -1, trigger_b = -1; ///< bodies of the first pair that was rigidified
 };
 
-/// `solve`: for hits of which sweeps do not see the end; may be empty: they are given up.
+/// `joint`: for hits of which sweeps do not see the end; may be none: they are given up.
 DynamicContactStats handle_dynamic_contact(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                           const SolveHits& solve);
+                                           JointSolve* joint);
 
 } // namespace flotilla

@@ -2,6 +2,7 @@
 #include "dynamic_contact/joint_hits.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <tuple>
 #include <utility>
 
@@ -31,16 +32,17 @@ struct MetHit {
 
 class JointHits {
   public:
-    JointHits(const StepView& view, Movers movers, PairBook& book, Workers& workers, const SolveHits& solve,
+    JointHits(const StepView& view, Movers movers, PairBook& book, Workers& workers, JointSolve& joint,
               StageCounters& counters)
         : view_(view),
           movers_(movers),
           book_(book),
           workers_(workers),
-          solve_(solve),
+          solve_(joint.solve),
           counters_(counters),
           motion_(view.clusters.motion()),
-          left_(view.model.size(), 0) {
+          left_(joint.left) {
+        left_.resize(view.model.size());
         before_.resize(view.model.size());
         for (const std::int32_t body : view.model.active) before_[at(body)] = view.clusters.change(body);
     }
@@ -49,7 +51,7 @@ class JointHits {
         for (int round = 0;; ++round) {
             const FrozenList frozen = freeze_clusters(view_, book_, workers_.team, clusters_);
             look(frozen);
-            if (found_.empty()) return !any_left_;
+            if (found_.empty()) return !passed_over_;
             keep(round >= kMostRounds);
             find_islands_of_hits();
             leave_islands();
@@ -62,9 +64,14 @@ class JointHits {
     /// Fills found_ with the first hit of each pair, in the order of the pairs, but for bodies that are left.
     void look(const FrozenList& frozen) {
         hits_.assign(clusters_.pairs.size(), {});
+        passed_over_ = false;
         workers_.team.for_each("look for hits", clusters_.pairs.size(), kPairGrain, [&](std::size_t i, int thread) {
             const CandidatePair& pair = clusters_.pairs[i];
-            if (apart(view_.trajectories, *frozen.pairs[i].record) || is_left(pair.a) || is_left(pair.b)) return;
+            if (apart(view_.trajectories, *frozen.pairs[i].record)) return;
+            if (is_left(pair.a) || is_left(pair.b)) {
+                passed_over_.store(true, std::memory_order_relaxed);
+                return;
+            }
             Worker& worker = workers_[thread];
             ++worker.counters.pairs;
             hits_[i] = query_clusters(view_, book_.table, worker, pair.a, pair.b);
@@ -78,7 +85,6 @@ class JointHits {
     [[nodiscard]] bool is_left(std::int32_t body) const { return left_[at(body)] != 0; }
     /// To the failsafe.
     void leave(std::int32_t a, std::int32_t b) {
-        any_left_ = true;
         for (const std::int32_t body : {a, b})
             if (!view_.clusters[body].infinite()) left_[at(body)] = 1;
     }
@@ -238,15 +244,15 @@ class JointHits {
     Workers& workers_;
     const SolveHits& solve_;
     StageCounters& counters_;
-    std::vector<Motion> motion_;        ///< by body, before any of it
-    std::vector<ClusterChange> before_; ///< the same of its cluster
-    ClusterPairs clusters_;             ///< frozen
-    std::vector<ClusterHit> hits_;      ///< by pair of clusters
-    std::vector<ClusterHit> found_;     ///< of these, what there is
-    std::vector<MetHit> kept_;          ///< sorted by bodies
-    std::vector<std::uint8_t> left_;    ///< by body, as flags: to the failsafe
-    bool any_left_ = false;
-    std::vector<BodyPair> bodies_of_; ///< of kept_, as the next
+    std::vector<Motion> motion_;            ///< by body, before any of it
+    std::vector<ClusterChange> before_;     ///< the same of its cluster
+    ClusterPairs clusters_;                 ///< frozen
+    std::vector<ClusterHit> hits_;          ///< by pair of clusters
+    std::vector<ClusterHit> found_;         ///< of these, what there is
+    std::vector<MetHit> kept_;              ///< sorted by bodies
+    std::vector<std::uint8_t>& left_;       ///< by body, as flags: to the failsafe
+    std::atomic<bool> passed_over_ = false; ///< a pair of theirs that may hit
+    std::vector<BodyPair> bodies_of_;       ///< of kept_, as the next
     std::vector<std::int32_t> island_;
     std::vector<std::uint8_t> changed_; ///< by island, as flags
     std::vector<std::size_t> places_;   ///< in kept_
@@ -259,9 +265,9 @@ class JointHits {
 
 } // namespace
 
-bool resolve_jointly(const StepView& view, Movers movers, PairBook& book, Workers& workers, const SolveHits& solve,
+bool resolve_jointly(const StepView& view, Movers movers, PairBook& book, Workers& workers, JointSolve& joint,
                      StageCounters& counters) {
-    return JointHits(view, movers, book, workers, solve, counters).run();
+    return JointHits(view, movers, book, workers, joint, counters).run();
 }
 
 } // namespace flotilla

@@ -9,8 +9,10 @@
 // what they do not end.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "pair/inelastic.hpp"
 #include "state/contact.hpp"
@@ -22,8 +24,15 @@ namespace flotilla {
 using SolveHits =
     std::function<void(std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses)>;
 
+/// What solves hits, and the bodies that it did not help, as flags by body: those are left to the failsafe at once
+/// where a step goes through stages 4 and 5 again.
+struct JointSolve {
+    SolveHits solve;
+    std::vector<std::uint8_t> left;
+};
+
 /// Whether nothing hits any more. Clusters must be single bodies. `counters`: added to.
 [[nodiscard]] bool resolve_jointly(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                   const SolveHits& solve, StageCounters& counters);
+                                   JointSolve& joint, StageCounters& counters);
 
 } // namespace flotilla

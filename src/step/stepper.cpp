@@ -358,6 +358,7 @@ void Stepper::start_trajectories(std::span<const Motion> motion) {
 /// Stages 4 and 5. What could not go as far as its half velocity says is tried again with less (slow_down).
 FailsafeStats Stepper::move_bodies(std::span<Motion> half, StepReport& report) {
     slowed_.assign(model_.size(), 0);
+    joint_.left.assign(model_.size(), 0);
     for (int round = 0;; ++round) {
         candidate_end_states(half, report);                          // 4
         const DynamicContactStats dynamic = dynamic_contact(report); // 5: dynamic contact
@@ -382,12 +383,8 @@ void Stepper::candidate_end_states(std::span<const Motion> half, StepReport& rep
 
 DynamicContactStats Stepper::dynamic_contact(StepReport& report) {
     const PhaseWatch watch(report, Phase::dynamic_contact, workers_.team);
-    SolveHits solve;
-    if (model_.settings.contact_solver != ContactSolver::pgs)
-        solve = [&](std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses) {
-            solve_hits(hits, motion, impulses);
-        };
-    const DynamicContactStats stats = handle_dynamic_contact(view(), movers(), pairs_, workers_, solve);
+    JointSolve* joint = model_.settings.contact_solver != ContactSolver::pgs ? &joint_ : nullptr;
+    const DynamicContactStats stats = handle_dynamic_contact(view(), movers(), pairs_, workers_, joint);
     add_counters(stats.counters, report);
     return stats;
 }

@@ -313,6 +313,10 @@ class Stepper {
         ContactScratch solver;
     };
     HitBuffers hits_;
+    JointSolve joint_{[this](std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses) {
+                          solve_hits(hits, motion, impulses);
+                      },
+                      {}};
     std::vector<WarmImpulse> earlier_scratch_;
     SqueezedPairs squeezed_;
     std::int64_t contact_visits_ = 0;
