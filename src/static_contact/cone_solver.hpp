@@ -22,6 +22,7 @@ struct ConeScratch::Storage {
     std::vector<ConeMotion> motion;
     std::vector<Vec3> best;               ///< N s: the best impulses so far
     std::vector<Vec3> rigid;              ///< N s: those of contacts that do not yield
+    std::vector<Vec3> before;             ///< N s: the best before begin_anew()
     std::vector<Vec3> r, u, c, du;        ///< present impulses and velocities, and the step dr = c - B du
     std::vector<Mat3> b;                  ///< B of body_system.hpp
     std::vector<Vec3> x, y, infeasible;   ///< iterate of the interior point; y(u) - y
@@ -108,6 +109,7 @@ class ConeSolver {
 
     void sweep(int count);
     void find();
+    void begin_anew();
     bool pressed() const;
     bool loaded() const;
     bool yield(std::span<const Vec3> estimate, int most_iterations);

@@ -181,6 +181,20 @@ void ConeSolver::sweep(int count) {
         }
 }
 
+// The best impulses may balance each other, of which sweeps take back next to nothing: those that begin without any have
+// none of those. What is no solution either is not kept.
+void ConeSolver::begin_anew() {
+    const ConeSolveStats before = stats_;
+    s_.before = s_.best;
+    s_.r.assign(size(), {});
+    sweep(kSweepsPerRound);
+    newton(kStepsPerRound, 0);
+    if (stats_.residual <= options_.enough) return;
+    stats_.residual = before.residual;
+    stats_.rounding = before.rounding;
+    s_.best = s_.before;
+}
+
 // The three methods, from the best impulses.
 void ConeSolver::find() {
     s_.r = s_.best;
@@ -196,6 +210,7 @@ void ConeSolver::find() {
     const auto goes_on = [&] {
         return far() && !options_.newton && (options_.rests || stats_.residual > options_.enough);
     };
+    if (goes_on()) begin_anew();
     for (int round = 0; round < kRounds && goes_on(); ++round) {
         const double before = stats_.residual;
         s_.r = s_.best;

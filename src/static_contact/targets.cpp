@@ -121,8 +121,10 @@ class PairTargets {
             bodies_, out_.turning, std::span(out_.arcs).subspan(first, end - first));
         const Contact& c = set_.contacts[first];
         const double due = due_distance(input_.squeezed, c.a, c.b, set_.rest[first]);
-        const bool yields = due < set_.rest[first] && holds_between(first, end);
-        for (std::size_t i = first; i < end; ++i) set(i, {due, yields}, band(i, rolls ? share : 1));
+        const double rest = std::min(set_.rest[first], out_.between.room(first));
+        const bool yields = (due < set_.rest[first] && holds_between(first, end)) || out_.between.yields(first);
+        for (std::size_t i = first; i < end; ++i)
+            set(i, {std::min(due, rest), rest, yields}, band(i, rolls ? share : 1));
     }
 
   private:
@@ -209,20 +211,20 @@ class PairTargets {
         return flotilla::holds_between(std::span(set_.contacts).subspan(first, end - first));
     }
 
-    /// `distance`: m, to where the contact may raise bodies. One that is farther apart stays as it is, up to the rest
-    /// distance, or where the pair yields comes down to a little less.
+    /// m: `distance`, to where the contact may raise bodies; `rest`, as far apart as they are when it carries. In between
+    /// it stays as it is, or where the pair yields comes down to a little less than the former.
     struct Due {
-        double distance;
+        double distance, rest;
         bool yields;
     };
     void set(std::size_t i, const Due& due, double band) const {
         Contact& c = out_.contacts[i];
         const ArcContact& arcs = out_.arcs[i];
         const double distance = c.distance - arcs.closer;
-        const double least = due.yields ? (1 - input_.tuning.most_of_rest) * due.distance : due.distance;
-        const double to = due.yields ? least : std::clamp(distance, least, set_.rest[i]);
-        double full = equation_16(to - distance, dt_, band);
-        if (due.yields) full = std::max(full, -kYields * c.tolerance);
+        const double least = (1 - input_.tuning.most_of_rest) * due.distance;
+        double full = equation_16(std::clamp(distance, due.distance, due.rest) - distance, dt_, band);
+        if (due.yields)
+            full = std::min(full, std::max(equation_16(least - distance, dt_, band), -kYields * c.tolerance));
         full += arcs.approach;
         // Arcs that bring points together do so by the end of the step. More than the rest distance is not to be lost
         // there, but by bodies that go round as one.
@@ -326,6 +328,7 @@ void set_targets(Team* team, const Model& model, const ContactSet& set, const Ve
     out.presses.assign(input.due_motion.empty() ? 0 : set.size(), -1);
     out.would_raise = false;
     if (set.contacts.empty()) return; // what sleeps costs nothing
+    out.between.find(model, set, input.noted, input.squeezed);
     const PairTargets targets(model, set, bodies, input, out);
     const std::span<const Contact> contacts = set.contacts;
     const auto end_of_pair = [&](std::size_t i) {

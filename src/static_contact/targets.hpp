@@ -15,6 +15,7 @@
 #include "parallel/team.hpp"
 #include "proximity/contact_set.hpp"
 #include "response/arc.hpp"
+#include "static_contact/between.hpp"
 #include "static_contact/contact_tuning.hpp"
 #include "static_contact/rolling.hpp"
 #include "static_contact/squeezed_pairs.hpp"
@@ -40,6 +41,7 @@ struct TargetInput {
     std::span<const std::uint8_t> level;
     bool all_level = false;                 ///< of none at all
     std::span<const SqueezedPair> squeezed; ///< State::squeezed
+    std::span<const RestDistance> noted;    ///< State::rest_distances
     /// By body: what of the velocities does not move it in this step (Cluster::late, but for the mean of free islands);
     /// empty: nothing.
     std::span<const Motion> late;
@@ -58,7 +60,8 @@ struct ContactTargets {
     std::vector<ArcContact> arcs;      ///< by contact
     std::vector<std::uint8_t> carries; ///< by contact: arcs.carries is not zero
     std::vector<double> presses;       ///< m/s, by contact (ContactSolveOptions); empty: none
-    bool would_raise = false;          ///< whether all_level made a difference that counts
+    Between between;
+    bool would_raise = false; ///< whether all_level made a difference that counts
     TurningBodies turning;
 };
 

@@ -243,7 +243,7 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     const bool raises = kept && stage == ContactStage::half;
     set_targets(&workers_.team, model_, contacts, velocities,
                 {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, stage == ContactStage::kept,
-                 state_.squeezed,
+                 state_.squeezed, state_.rest_distances,
                  final_stage || !any_late_ ? std::span<const Motion>() : std::span<const Motion>(buffers_.late),
                  scripts_stopped_ ? scripts_.due_motion() : std::span<const Motion>(), raises, impulses, carried,
                  accelerated * model_.settings.time_step, options_.tuning},

@@ -306,10 +306,18 @@ double asleep_by(Motion& motion, double time) {
 }
 
 // Crockery on each other, with hundreds of contacts a pair, few of which carry.
-void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, const Pieces& pieces) {
-    Motion motion(piled(run, mesh, 6, pieces));
-    EXPECT_LT(asleep_by(motion, 4), 1) << "s";
-    EXPECT_LT(motion.outcome().above, 8) << "steps whose contacts were left unsolved: 9 to 72 with all of them at once";
+// In the mean of several starts: some take twice as long as others.
+void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, const Pieces& pieces, int starts) {
+    double sum = 0; // s
+    for (int start = 0; start < starts; ++start) {
+        Pieces turned = pieces;
+        turned.turn += 0.02 * start;
+        Motion motion(piled(run, mesh, 6, turned));
+        sum += asleep_by(motion, 4);
+        EXPECT_LT(motion.outcome().above, 8)
+            << "steps whose contacts were left unsolved: 9 to 72 with all of them at once";
+    }
+    EXPECT_LT(sum / starts, 1) << "s";
 }
 
 // What lands nearer than its rest distance and has no energy left to part: what solves leave undone would raise it.
@@ -385,7 +393,7 @@ void pressed_fall_asleep(const Run& run, const TriangleMesh& mesh, const Pieces&
     const TriangleMesh cup =
         library::revolve({{0, 0}, {0.032, 0}, {0.034, 0.025}, {0.036, 0.05}, {0.038, 0.075}, {0.04, 0.1}}, 24);
     add_runs("Stacks", "TwentyPlatesFallAsleep", {{"balanced", 24}, {"balanced", 60}}, true, [=](const Run& r) {
-        crockery_falls_asleep(r, plate, {20, 0.004, 0.008, 0.07, 0.2});
+        crockery_falls_asleep(r, plate, {20, 0.004, 0.008, 0.07, 0.2}, 1);
     });
     const TriangleMesh cone = library::revolve({{0.001, 0}, {0.2, 0}, {0.3, 0.4}}, 24);
     add_runs("Stacks", "ConesInEachOtherFallAsleep", {{"balanced", 60}, {"preview", 60}, {"balanced", 24}}, true,
@@ -394,7 +402,7 @@ void pressed_fall_asleep(const Run& run, const TriangleMesh& mesh, const Pieces&
                  EXPECT_LT(asleep_by(motion, 4), 1.5) << "s";
              });
     add_runs("Stacks", "CupsInEachOtherFallAsleep", {{"balanced", 24}, {"accurate", 24}}, true, [=](const Run& r) {
-        crockery_falls_asleep(r, cup, {4, 0.004, 0.03, 0.1, 0.3});
+        crockery_falls_asleep(r, cup, {4, 0.004, 0.03, 0.1, 0.3}, 5);
     });
     std::vector<library::OutlinePoint> side{{0.0005, 0}};
     for (int k = 0; k < 7; ++k) {

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Bodies that others hold between them, of several pairs, with no room for their rest distances.
+//
+// A disc between a floor and a plate, a tile between its neighbours in a tray: at rest no pair may come nearer, and what
+// is at the ends of the row does not give way. Any impulses that balance each other are then a solution, and friction
+// goes by them: discs stopped, pressed by 300 times their weight. So of the play between two fixed bodies, the sum of
+// the gaps on both sides, pairs are due a quarter each, and half is left to move in; rows of bodies yield a little
+// (targets.cpp), as pairs do whose own contacts oppose each other.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "proximity/contact_set.hpp"
+#include "state/model.hpp"
+
+namespace flotilla {
+
+class Between {
+  public:
+    void find(const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
+              std::span<const SqueezedPair> squeezed);
+    /// `first`: the first contact of a pair. m, the distance that is due to it; infinite: its rest distance.
+    [[nodiscard]] double room(std::size_t first) const {
+        return sides_.empty() ? std::numeric_limits<double>::infinity() : rooms_[first];
+    }
+    /// Of a row.
+    [[nodiscard]] bool yields(std::size_t first) const { return !sides_.empty() && yields_[first] != 0; }
+
+  private:
+    /// What a movable body has beside it.
+    struct Side {
+        std::int32_t body, other;
+        std::size_t first; ///< contact of the pair
+        Vec3 normal;       ///< towards the body
+        double distance;   ///< m
+        double rest;       ///< m
+        bool fixed;        ///< the other
+        bool lacks_room;   ///< the pair, of its rest distance
+        bool holds;        ///< the other does not give way, or is held in the same direction
+    };
+    void list_sides(const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
+                    std::span<const SqueezedPair> squeezed);
+    void add_sides(const Model& model, const ContactSet& set, std::size_t first, std::size_t end, bool lacks_room);
+    [[nodiscard]] std::span<Side> sides_of(std::int32_t body);
+    void follow_rows();
+    void compare(std::span<const Side> around);
+
+    std::vector<Side> sides_; ///< sorted by bodies
+    // By contact, the first ones of pairs; where there are sides.
+    std::vector<double> rooms_;
+    std::vector<std::uint8_t> yields_;
+};
+
+} // namespace flotilla
