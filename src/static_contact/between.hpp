@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Bodies that others hold between them, of several pairs, with no room for their rest distances.
 //
-// A disc between a floor and a plate, a tile between its neighbours in a tray: at rest no pair may come nearer, and what
-// is at the ends of the row does not give way. Any impulses that balance each other are then a solution, and friction
-// goes by them: discs stopped, pressed by 300 times their weight. So of the play between two fixed bodies, the sum of
-// the gaps on both sides, pairs are due a quarter each, and half is left to move in; rows of bodies yield a little
-// (targets.cpp), as pairs do whose own contacts oppose each other.
+// A disc between a floor and a plate, a tile between its neighbours in a tray: at rest no pair may come nearer, and
+// what is at the ends of the row does not give way. Any impulses that balance each other are then a solution, and
+// friction goes by them: discs stopped, pressed by 300 times their weight. So of the play between two fixed bodies, the
+// sum of the gaps on both sides, a quarter is due to either pair, and half is left to move in; rows of bodies yield a
+// little (targets.cpp), as pairs do whose own contacts oppose each other.
 #pragma once
 
 #include <cstdint>

@@ -181,8 +181,8 @@ void ConeSolver::sweep(int count) {
         }
 }
 
-// The best impulses may balance each other, of which sweeps take back next to nothing: those that begin without any have
-// none of those. What is no solution either is not kept.
+// The best impulses may balance each other, of which sweeps take back next to nothing; those that begin without any
+// have none of that. What is no solution either is not kept.
 void ConeSolver::begin_anew() {
     const ConeSolveStats before = stats_;
     s_.before = s_.best;

@@ -211,8 +211,8 @@ class PairTargets {
         return flotilla::holds_between(std::span(set_.contacts).subspan(first, end - first));
     }
 
-    /// m: `distance`, to where the contact may raise bodies; `rest`, as far apart as they are when it carries. In between
-    /// it stays as it is, or where the pair yields comes down to a little less than the former.
+    /// m: `distance`, to where the contact may raise bodies; `rest`, as far apart as they are when it carries. In
+    /// between it stays as it is, or where the pair yields comes down to a little less than the former.
     struct Due {
         double distance, rest;
         bool yields;
