@@ -20,14 +20,18 @@ constexpr std::size_t kPairGrain = 16; // pairs of a task
 constexpr double kUndone = 1.0 / 16;
 /// Rounds, and tries of a pair: of 10,435 solves that ended 10,406 did so within ten.
 constexpr int kMostRounds = 16;
+/// Rounds in a row without a solution.
+constexpr int kMostFailures = 2;
 /// Hits of an island, of all rounds: what a solve takes grows faster than their number.
 constexpr std::ptrdiff_t kMostHits = 128;
 
 /// A hit that is kept, and what it was answered with.
 struct MetHit {
-    Contact contact;   ///< without its points
-    Vec3 arm_a, arm_b; ///< m, from the centres of mass
-    Vec3 impulse;      ///< N s, on b
+    Contact contact;      ///< without its points
+    Vec3 arm_a, arm_b;    ///< m, from the centres of mass
+    Vec3 impulse;         ///< N s, on b
+    bool changed = false; ///< that, in this round
+    int failures = 0;     ///< rounds in a row whose solve found no solution
 };
 
 class JointHits {
@@ -186,6 +190,10 @@ class JointHits {
             const Contact& c = kept_[i].contact;
             if (hits[at(island_[i])] > kMostHits || is_left(c.a) || is_left(c.b)) changed_[at(island_[i])] = 1;
         }
+        leave_changed();
+    }
+
+    void leave_changed() {
         if (std::ranges::find(changed_, 1) == changed_.end()) return;
         move_islands(false);
         std::size_t kept = 0;
@@ -222,7 +230,8 @@ class JointHits {
         for (const std::int32_t body : moved_) movers_.evolve(body);
     }
 
-    /// Moves bodies by what solves all that is kept, or comes near to it: what still hits then is met again.
+    /// Moves bodies by what solves all that is kept; what hits then is met again. Islands that have no solution are left:
+    /// more hits would not give them one.
     void solve() {
         contacts_.clear(), impulses_.clear();
         for (const MetHit& hit : kept_) {
@@ -232,9 +241,17 @@ class JointHits {
             contacts_.push_back(c), impulses_.push_back(hit.impulse);
         }
         const Stopwatch watch(workers_[0].counters.response_ms);
-        solve_(contacts_, motion_, impulses_);
+        const std::span<const std::uint8_t> unsolved = solve_(contacts_, motion_, impulses_);
+        for (std::size_t i = 0; i < kept_.size(); ++i) {
+            kept_[i].changed = std::exchange(kept_[i].impulse, impulses_[i]) != impulses_[i];
+            const Contact& c = kept_[i].contact;
+            const bool failed = unsolved[at(c.a)] != 0 || unsolved[at(c.b)] != 0;
+            kept_[i].failures = failed ? kept_[i].failures + 1 : 0;
+            if (kept_[i].failures >= kMostFailures) changed_[at(island_[i])] = 1;
+        }
+        leave_changed();
         for (std::size_t i = 0; i < kept_.size(); ++i)
-            if (std::exchange(kept_[i].impulse, impulses_[i]) != impulses_[i]) changed_[at(island_[i])] = 1;
+            if (kept_[i].changed) changed_[at(island_[i])] = 1;
         move_islands(true);
     }
 

@@ -20,9 +20,10 @@
 namespace flotilla {
 
 /// Solves contacts, sorted by bodies, of bodies that move as `motion` (by body) without them. `impulses`: N s, on b, by
-/// contact; in, what was found in the last round.
-using SolveHits =
-    std::function<void(std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses)>;
+/// contact; in, what was found in the last round. Returns flags by body: islands that have no solution, or none that was
+/// found.
+using SolveHits = std::function<std::span<const std::uint8_t>(
+    std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses)>;
 
 /// What solves hits, and the bodies that it did not help, as flags by body: those are left to the failsafe at once
 /// where a step goes through stages 4 and 5 again.

@@ -273,7 +273,8 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
 }
 
 /// Hits of stage 5, all that are met so far. The exact solver is what they are here for.
-void Stepper::solve_hits(std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses) {
+std::span<const std::uint8_t> Stepper::solve_hits(std::span<const Contact> hits, std::span<const Motion> motion,
+                                                  std::span<Vec3> impulses) {
     hits_.velocities.load(&workers_.team, model_, pairs_.lists.still_version, state_.pose, motion);
     hits_.velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);
     ContactSolveOptions options = solve_options(model_, options_);
@@ -282,6 +283,14 @@ void Stepper::solve_hits(std::span<const Contact> hits, std::span<const Motion> 
     options.team = &workers_.team;
     options.step = 2 * static_cast<std::uint64_t>(state_.step);
     (void)solve_contacts(hits, hits_.velocities.bodies(), options, impulses, hits_.solver);
+    constexpr double kNear = 16; // tolerances
+    const ContactScratch& s = hits_.solver;
+    hits_.hopeless.assign(model_.size(), 0);
+    for (const ContactScratch::Island& island : s.islands)
+        if (island.residual > kNear * island.tolerance)
+            for (std::int32_t k = island.first_body; k < island.end_body; ++k)
+                hits_.hopeless[at(s.bodies[at(s.island_bodies[at(k)])])] = 1;
+    return hits_.hopeless;
 }
 
 } // namespace flotilla

@@ -198,7 +198,8 @@ class Stepper {
     FailsafeStats move_bodies(std::span<Motion> half, StepReport& report);
     void candidate_end_states(std::span<const Motion> half, StepReport& report);
     DynamicContactStats dynamic_contact(StepReport& report);
-    void solve_hits(std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses);
+    std::span<const std::uint8_t> solve_hits(std::span<const Contact> hits, std::span<const Motion> motion,
+                                             std::span<Vec3> impulses);
     void certify_end(std::span<Pose> end, StepReport& report);
     void new_velocities(std::span<const Motion> collided, std::span<const Motion> kept, std::span<const Pose> end,
                         std::span<Motion> next, StepReport& report);
@@ -311,10 +312,11 @@ class Stepper {
     struct HitBuffers {
         VelocityArrays velocities;
         ContactScratch solver;
+        std::vector<std::uint8_t> hopeless; ///< by body, as flags
     };
     HitBuffers hits_;
     JointSolve joint_{[this](std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses) {
-                          solve_hits(hits, motion, impulses);
+                          return solve_hits(hits, motion, impulses);
                       },
                       {}};
     std::vector<WarmImpulse> earlier_scratch_;

@@ -65,6 +65,7 @@ JointSolve exact_solver(StageWorld& world, VelocityArrays& velocities, ContactSc
                 ContactSolveOptions options;
                 options.exact = true;
                 (void)solve_contacts(hits, velocities.bodies(), options, impulses, scratch);
+                return std::span<const std::uint8_t>(scratch.unsolved);
             },
             {}};
 }
