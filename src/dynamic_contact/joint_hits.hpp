@@ -20,7 +20,7 @@
 namespace flotilla {
 
 /// Solves contacts, sorted by bodies, of bodies that move as `motion` (by body) without them. `impulses`: N s, on b, by
-/// contact; in, what was found in the last round. Returns flags by body: islands that have no solution, or none that was
+/// contact; in, what was found in the last round. Returns flags by body: islands for which nothing near a solution was
 /// found.
 using SolveHits = std::function<std::span<const std::uint8_t>(
     std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses)>;

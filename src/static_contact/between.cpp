@@ -10,9 +10,9 @@ namespace flotilla {
 namespace {
 
 constexpr double kAcross = 0.95; // cosine of 18 degrees
-/// Of the play, for either side; of the rest distances, what leaves no play beside them: those that were noted where
-/// bodies were placed (RestDistance) add up to it.
-constexpr double kOfPlay = 0.25, kNone = 1 + 1.0 / 64;
+/// Of a rest distance, what is due where there is no play. What of both rest distances is none: those that were noted
+/// where bodies were placed (RestDistance) add up to the play.
+constexpr double kDue = 0.5, kNoPlay = 1 + 1.0 / 64;
 
 /// Goes along pairs in the order of bodies.
 template <class Pair>
@@ -29,7 +29,7 @@ class Listed {
 };
 
 bool is_fixed(const Model& model, std::int32_t body) {
-    return !model.bodies[at(body)].movable() && !model.bodies[at(body)].scripted();
+    return !model.bodies[at(body)].dynamic() && !model.bodies[at(body)].scripted();
 }
 
 } // namespace
@@ -37,14 +37,13 @@ bool is_fixed(const Model& model, std::int32_t body) {
 void Between::find(const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
                    std::span<const SqueezedPair> squeezed) {
     list_sides(model, set, noted, squeezed);
+    for_bodies([](std::span<Side> around) { drop_where_none_is_across(around); });
+    std::erase_if(sides_, [](const Side& s) { return s.body < 0; });
     if (sides_.empty()) return;
     rooms_.assign(set.size(), std::numeric_limits<double>::infinity());
     yields_.assign(set.size(), 0);
     follow_rows();
-    for (std::size_t i = 0, end = 0; i < sides_.size(); i = end) {
-        for (end = i + 1; end < sides_.size() && sides_[end].body == sides_[i].body;) ++end;
-        compare(std::span(sides_).subspan(i, end - i));
-    }
+    for_bodies([&](std::span<Side> around) { compare(around); });
 }
 
 void Between::list_sides(const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
@@ -60,7 +59,8 @@ void Between::list_sides(const Model& model, const ContactSet& set, std::span<co
         const bool lacks_room = is_noted || is_squeezed;
         if (lacks_room || is_fixed(model, c.a) || is_fixed(model, c.b)) add_sides(model, set, first, end, lacks_room);
     }
-    std::ranges::stable_sort(sides_, {}, &Side::body);
+    // By pairs too, whose sides of one body face the same way or stand in the order of contacts: no two are alike.
+    std::ranges::sort(sides_, {}, [](const Side& s) { return std::pair(s.body, s.contact); });
 }
 
 /// One for all contacts of a pair, where they face one way.
@@ -71,16 +71,18 @@ void Between::add_sides(const Model& model, const ContactSet& set, std::size_t f
     double nearest = std::numeric_limits<double>::infinity();
     for (const Contact& c : pair) sum += c.normal, nearest = std::min(nearest, c.distance);
     const bool one_way = !holds_between(pair);
-    const auto add = [&](std::int32_t body, std::int32_t other, const Vec3& normal, double distance) {
+    const auto add = [&](std::int32_t body, std::int32_t other, std::size_t contact, const Vec3& normal,
+                         double distance) {
         if (!model.bodies[at(body)].movable()) return;
-        sides_.push_back({body, other, first, body == pair[0].b ? normal : -normal, distance, set.rest[first],
-                          is_fixed(model, other), lacks_room, !model.bodies[at(other)].movable()});
+        sides_.push_back({body, other, first, contact, body == pair[0].b ? normal : -normal, distance, set.rest[first],
+                          is_fixed(model, other), lacks_room, !model.bodies[at(other)].dynamic()});
     };
     for (const auto& [body, other] : {std::pair(pair[0].a, pair[0].b), std::pair(pair[0].b, pair[0].a)}) {
         if (one_way)
-            add(body, other, normalized(sum), nearest);
+            add(body, other, first, normalized(sum), nearest);
         else
-            for (const Contact& c : pair) add(body, other, c.normal, c.distance);
+            for (std::size_t i = first; i < end; ++i)
+                add(body, other, i, pair[i - first].normal, pair[i - first].distance);
     }
 }
 
@@ -89,18 +91,31 @@ std::span<Between::Side> Between::sides_of(std::int32_t body) {
     return {first, last};
 }
 
-/// From what does not give way on.
+/// From what does not give way on: what is beyond a body that is held is held by it, in the same direction.
 void Between::follow_rows() {
-    for (bool any = true; any;) {
-        any = false;
-        for (Side& side : sides_) {
-            if (side.holds || !side.lacks_room) continue;
-            side.holds = std::ranges::any_of(sides_of(side.other), [&](const Side& beyond) {
-                return beyond.holds && beyond.lacks_room && dot(beyond.normal, side.normal) > kAcross;
-            });
-            any |= side.holds;
+    follow_.clear();
+    for (std::size_t i = 0; i < sides_.size(); ++i)
+        if (sides_[i].holds && sides_[i].lacks_room) follow_.push_back(i);
+    for (std::size_t next = 0; next < follow_.size(); ++next) {
+        const Side& held = sides_[follow_[next]];
+        for (const Side& to : sides_of(held.body)) {
+            if (!to.lacks_room || to.first == held.first || !(dot(to.normal, held.normal) < -kAcross)) continue;
+            for (Side& beyond : sides_of(to.other))
+                if (beyond.first == to.first && !beyond.holds && dot(beyond.normal, held.normal) > kAcross) {
+                    beyond.holds = true;
+                    follow_.push_back(at(&beyond - sides_.data()));
+                }
         }
     }
+}
+
+/// Of a body all whose sides face one way, as on a floor of tiles.
+void Between::drop_where_none_is_across(std::span<Side> around) {
+    Vec3 sum;
+    for (const Side& s : around) sum += s.normal;
+    const double least = 0.5 * length(sum);
+    if (std::ranges::all_of(around, [&](const Side& s) { return dot(s.normal, sum) > least; }))
+        for (Side& s : around) s.body = -1;
 }
 
 void Between::compare(std::span<const Side> around) {
@@ -108,12 +123,12 @@ void Between::compare(std::span<const Side> around) {
         for (std::size_t k = 0; k < i; ++k) {
             const Side &p = around[i], &q = around[k];
             if (p.first == q.first || !p.holds || !q.holds || !(dot(p.normal, q.normal) < -kAcross)) continue;
-            const double play = p.distance + q.distance;
-            for (const std::size_t first : {p.first, q.first}) {
+            const bool no_play = p.distance + q.distance < kNoPlay * (p.rest + q.rest);
+            for (const Side* side : {&p, &q}) {
                 if (!(p.fixed && q.fixed))
-                    yields_[first] |= p.lacks_room && q.lacks_room ? 1 : 0;
-                else if (play < kNone * (p.rest + q.rest))
-                    rooms_[first] = std::min(rooms_[first], kOfPlay * play);
+                    yields_[side->first] |= p.lacks_room && q.lacks_room ? 1 : 0;
+                else if (no_play)
+                    rooms_[side->first] = kDue * side->rest;
             }
         }
 }

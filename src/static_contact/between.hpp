@@ -3,9 +3,9 @@
 //
 // A disc between a floor and a plate, a tile between its neighbours in a tray: at rest no pair may come nearer, and
 // what is at the ends of the row does not give way. Any impulses that balance each other are then a solution, and
-// friction goes by them: discs stopped, pressed by 300 times their weight. So of the play between two fixed bodies, the
-// sum of the gaps on both sides, a quarter is due to either pair, and half is left to move in; rows of bodies yield a
-// little (targets.cpp), as pairs do whose own contacts oppose each other.
+// friction goes by them: discs stopped, pressed by 300 times their weight. So where two fixed bodies leave no play
+// beside the rest distances of both pairs, half of these is due, and the other half is there to move in; rows of bodies
+// yield a little (targets.cpp), as pairs do whose own contacts oppose each other.
 #pragma once
 
 #include <cstdint>
@@ -33,13 +33,14 @@ class Between {
     /// What a movable body has beside it.
     struct Side {
         std::int32_t body, other;
-        std::size_t first; ///< contact of the pair
-        Vec3 normal;       ///< towards the body
-        double distance;   ///< m
-        double rest;       ///< m
-        bool fixed;        ///< the other
-        bool lacks_room;   ///< the pair, of its rest distance
-        bool holds;        ///< the other does not give way, or is held in the same direction
+        std::size_t first;   ///< contact of the pair
+        std::size_t contact; ///< that one, or where the pair faces several ways each
+        Vec3 normal;         ///< towards the body
+        double distance;     ///< m
+        double rest;         ///< m
+        bool fixed;          ///< the other
+        bool lacks_room;     ///< the pair, of its rest distance
+        bool holds;          ///< the other does not give way, or is held in the same direction
     };
     void list_sides(const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
                     std::span<const SqueezedPair> squeezed);
@@ -47,8 +48,17 @@ class Between {
     [[nodiscard]] std::span<Side> sides_of(std::int32_t body);
     void follow_rows();
     void compare(std::span<const Side> around);
+    static void drop_where_none_is_across(std::span<Side> around);
+    template <class Work>
+    void for_bodies(Work&& work) {
+        for (std::size_t i = 0, end = 0; i < sides_.size(); i = end) {
+            for (end = i + 1; end < sides_.size() && sides_[end].body == sides_[i].body;) ++end;
+            work(std::span(sides_).subspan(i, end - i));
+        }
+    }
 
-    std::vector<Side> sides_; ///< sorted by bodies
+    std::vector<Side> sides_;         ///< sorted by bodies, then by pairs
+    std::vector<std::size_t> follow_; ///< sides that hold, to go on from
     // By contact, the first ones of pairs; where there are sides.
     std::vector<double> rooms_;
     std::vector<std::uint8_t> yields_;

@@ -35,6 +35,8 @@ constexpr double kWorthRaising = 0.5;
 
 // In tolerances: how fast pairs yield that hold a body between them, so that a solve does not take it for rest.
 constexpr double kYields = 2;
+// How far down, of what a pair may lack before it counts as squeezed.
+constexpr double kComesDown = 0.5;
 
 // In tolerances: how fast a script that was stopped presses on what is in its way. A solve does not leave so much
 // undone, and bodies hardly move for it.
@@ -221,7 +223,7 @@ class PairTargets {
         Contact& c = out_.contacts[i];
         const ArcContact& arcs = out_.arcs[i];
         const double distance = c.distance - arcs.closer;
-        const double least = (1 - input_.tuning.most_of_rest) * due.distance;
+        const double least = (1 - kComesDown * input_.tuning.most_of_rest) * due.distance;
         double full = equation_16(std::clamp(distance, due.distance, due.rest) - distance, dt_, band);
         if (due.yields)
             full = std::min(full, std::max(equation_16(least - distance, dt_, band), -kYields * c.tolerance));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Bodies that have little play between others, from less than a rest distance on: sides that nothing presses on a body
-// press on it neither, and what may slide, roll or turn does so as if they were not there.
+// Bodies with little play between others, from less than a rest distance on. Sides that nothing presses on a body do
+// not press on it either: what may slide, roll or turn does so as if they were not there. Sides that carry it do so near
+// where they were.
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -156,6 +157,56 @@ void axle_spins_in_bushes(const Run& run, int sides) {
     EXPECT_GT(least, 0.8 * kSpin);
 }
 
+// It rests, and its contacts keep a share of the gaps that it was placed with.
+void expect_carried(Motion& motion, double gap) {
+    double least = 1e300;
+    motion.run(2, [&](const StepReport& r) { least = std::min(least, r.min_distance); });
+    motion.print("gaps of %g mm: nearest %.3f of them, sank %.3g mm", 1e3 * gap, least / gap, 1e3 * motion.farthest());
+    EXPECT_GT(least, 0.45 * gap);
+    EXPECT_EQ(motion.outcome().held, 0);
+    expect_rest(motion);
+    expect_no_rise(motion);
+}
+
+// A plank on a support in its middle, held down at its end: both sides carry, at different places.
+void plank_rests_between_a_support_and_a_hook(const Run& run) {
+    for (const double gap : {1e-4, 1e-3}) {
+        SceneDescription scene = make_scene_with(run.settings());
+        add_body(scene, add_solid(scene, make_box(1, 0.1, 0.05), 1000), BodyType::dynamic, {}, 0.5, 0);
+        const auto block = add_shape(scene, make_box(0.1, 0.1, 0.1));
+        add_body(scene, block, BodyType::fixed, {-0.1, 0, -0.075 - gap}, 0.5, 0);
+        add_body(scene, block, BodyType::fixed, {-0.45, 0, 0.075 + gap}, 0.5, 0);
+        Motion motion(scene);
+        expect_carried(motion, gap);
+    }
+}
+
+// A wedge between two fixed bodies with its slope: what it sinks takes the play away.
+void wedge_rests_between_two_bodies(const Run& run, double degrees) {
+    constexpr double kHalfWidth = 0.01, kHalfHeight = 0.05, kDepth = 0.05;
+    const double slope = std::tan(degrees * kDegree);
+    const auto prism = [&](double low_0, double high_0, double low_1, double high_1, double half_height) {
+        const auto face = [&](double x, double y, double z) { return Vec3{x, y, z}; };
+        return make_hexahedron({face(low_0, -kDepth, -half_height), face(high_0, -kDepth, -half_height),
+                                face(high_0, kDepth, -half_height), face(low_0, kDepth, -half_height),
+                                face(low_1, -kDepth, half_height), face(high_1, -kDepth, half_height),
+                                face(high_1, kDepth, half_height), face(low_1, kDepth, half_height)});
+    };
+    for (const double gap : {1e-4, 4e-4}) {
+        SceneDescription scene = make_scene_with(run.settings());
+        const double low = kHalfWidth, high = kHalfWidth + 2 * kHalfHeight * slope;
+        add_body(scene, add_solid(scene, prism(-low, low, -high, high, kHalfHeight), 2000), BodyType::dynamic, {}, 0.5,
+                 0);
+        const double beside = gap / std::cos(degrees * kDegree), at_middle = 0.5 * (low + high) + beside;
+        const double bottom = at_middle - 2 * kHalfHeight * slope, top = at_middle + 2 * kHalfHeight * slope;
+        add_body(scene, add_shape(scene, prism(bottom, 0.3, top, 0.3, 2 * kHalfHeight)), BodyType::fixed, {}, 0.5, 0);
+        add_body(scene, add_shape(scene, prism(-0.3, -bottom, -0.3, -top, 2 * kHalfHeight)), BodyType::fixed, {}, 0.5,
+                 0);
+        Motion motion(scene);
+        expect_carried(motion, gap);
+    }
+}
+
 [[maybe_unused]] const bool registered = [] {
     const std::vector<Run> list{
         {"balanced", 60}, {"balanced", 24}, {"preview", 60}, {"balanced", 240}, {"accurate", 60}};
@@ -163,6 +214,10 @@ void axle_spins_in_bushes(const Run& run, int sides) {
     add_runs("Play", "CoinRollsInASlot", list, true, coin_rolls_in_a_slot);
     add_runs("Play", "TilesSlideOutOfATray", list, true, tiles_slide_out_of_a_tray);
     add_runs("Play", "DrawerIsPulledBesideItsMiddle", list, true, drawer_is_pulled_beside_its_middle);
+    add_runs("Play", "PlankRestsBetweenASupportAndAHook", list, true, plank_rests_between_a_support_and_a_hook);
+    for (const int degrees : {3, 8})
+        add_runs("Play", "WedgeOf" + std::to_string(degrees) + "DegreesRestsBetweenTwoBodies", list, true,
+                 [=](const Run& r) { wedge_rests_between_two_bodies(r, degrees); });
     for (const int sides : {24, 64})
         add_runs("Play", "AxleOf" + std::to_string(sides) + "SidesSpinsInBushes", list, true,
                  [=](const Run& r) { axle_spins_in_bushes(r, sides); });
