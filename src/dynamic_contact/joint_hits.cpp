@@ -230,8 +230,8 @@ class JointHits {
         for (const std::int32_t body : moved_) movers_.evolve(body);
     }
 
-    /// Moves bodies by what solves all that is kept; what hits then is met again. Islands that have no solution are left:
-    /// more hits would not give them one.
+    /// Moves bodies by what solves all that is kept; what hits then is met again. Islands that have no solution are
+    /// left: more hits would not give them one.
     void solve() {
         contacts_.clear(), impulses_.clear();
         for (const MetHit& hit : kept_) {
