@@ -70,7 +70,8 @@ void Between::add_sides(const Model& model, const ContactSet& set, std::size_t f
     Vec3 sum;
     double nearest = std::numeric_limits<double>::infinity();
     for (const Contact& c : pair) sum += c.normal, nearest = std::min(nearest, c.distance);
-    const bool one_way = !holds_between(pair);
+    const double alike = kAcross * length(sum);
+    const bool one_way = std::ranges::all_of(pair, [&](const Contact& c) { return dot(c.normal, sum) > alike; });
     const auto add = [&](std::int32_t body, std::int32_t other, std::size_t contact, const Vec3& normal,
                          double distance) {
         if (!model.bodies[at(body)].movable()) return;

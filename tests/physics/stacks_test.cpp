@@ -313,7 +313,9 @@ void crockery_falls_asleep(const Run& run, const TriangleMesh& mesh, const Piece
         Pieces turned = pieces;
         turned.turn += 0.02 * start;
         Motion motion(piled(run, mesh, 6, turned));
-        sum += asleep_by(motion, 4);
+        const double slept = asleep_by(motion, 4);
+        EXPECT_LT(slept, 2) << "s";
+        sum += slept;
         EXPECT_LT(motion.outcome().above, 8)
             << "steps whose contacts were left unsolved: 9 to 72 with all of them at once";
     }
