@@ -202,6 +202,9 @@ MassProperties finish(const DoubleDouble& mass, const DdVec3& com, const DdMat3&
     if (!(p.mass > 0) || !(p.principal_inertia.z > 0))
         refuse(name, "mass properties are out of the range of numbers: its size or density is too small");
     if (p.principal_inertia.x > kMinInertiaRatio * p.principal_inertia.z) return p;
+    if (p.principal_inertia.x < -kMinInertiaRatio * p.principal_inertia.z)
+        refuse(name, "a part of its surface is inside out: what it encloses counts as less than nothing (turn its "
+                     "triangles round, so that they face outwards)");
     if (!of_elements)
         refuse(name, "all its triangles lie on one line: it has no inertia about that line (give \"inertia\" and "
                      "\"center_of_mass\", or make it wider)");

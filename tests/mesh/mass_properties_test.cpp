@@ -356,6 +356,12 @@ TEST(MassProperties, RefuseWhatHasNone) {
     TriangleMesh folded = plate;
     for (const Triangle& t : plate.triangles) folded.triangles.push_back({t[0], t[2], t[1]});
     const TriangleMesh hair = make_plate(1, 1e-8);
+    TriangleMesh with_hollow_beside = box;
+    for (const Vec3& v : box.vertices) with_hollow_beside.vertices.push_back(0.9 * v + Vec3{2, 0, 0});
+    for (const Triangle& t : box.triangles) with_hollow_beside.triangles.push_back({t[0] + 8, t[2] + 8, t[1] + 8});
+    EXPECT_EQ(message_of([&] { (void)solid_mass_properties(with_hollow_beside, 1, "s"); }),
+              "shape 's': a part of its surface is inside out: what it encloses counts as less than nothing (turn its "
+              "triangles round, so that they face outwards)");
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::string one_line =
         "shape 's': all its triangles lie on one line: it has no inertia about that line (give "
