@@ -170,6 +170,7 @@ StepperMemory Stepper::memory() const {
 }
 
 void Stepper::set_gravity(const Vec3& gravity) {
+    if (model_.gravity == gravity) return;
     model_.gravity = gravity;
     std::fill(state_.sleep.begin(), state_.sleep.end(), Sleep{});
     stale_ = true;

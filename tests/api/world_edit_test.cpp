@@ -296,6 +296,8 @@ TEST(WorldEdit, MaterialsAndGravityCountFromTheNextStep) {
     StepReport report;
     for (int i = 0; i < 40; ++i) report = world.step();
     ASSERT_EQ(report.sleeping, 1);
+    world.set_gravity(scene.gravity);
+    EXPECT_EQ(world.step().sleeping, 1) << "the same gravity wakes nobody";
     world.set_material(crate, 0.5, 0);
     world.set_material(floor, 0.5, 0);
     world.set_gravity({4, 0, -9.8}); // tan is 0.41: it stays
