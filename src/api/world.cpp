@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "api/world_impl.hpp"
 #include "base/assumptions.hpp"
 #include "base/floating_point.hpp"
+#include "base/index.hpp"
 #include "base/text.hpp"
 #include "parallel/threads.hpp"
 #include "scene/initial_overlap.hpp"
@@ -337,7 +339,24 @@ const std::shared_ptr<std::vector<ContactState>>& World::Impl::contacts() {
         contact_list = std::make_shared<std::vector<ContactState>>();
     list_contact_states(*stepper, *contact_list);
     contacts_of_step = stepper->steps();
+    contacts_by_body = false;
     return contact_list;
+}
+
+std::span<const std::size_t> World::Impl::contacts_of(std::size_t body) {
+    const std::vector<ContactState>& list = *contacts();
+    if (!contacts_by_body) { // a counting sort: ends are starts until all are placed
+        end_of_body.assign(now.present.size() + 1, 0);
+        for (const ContactState& c : list)
+            for (const std::int32_t i : {c.body_a, c.body_b}) ++end_of_body[at(i) + 1];
+        std::partial_sum(end_of_body.begin(), end_of_body.end(), end_of_body.begin());
+        contact_places.resize(2 * list.size());
+        for (std::size_t k = 0; k < list.size(); ++k)
+            for (const std::int32_t i : {list[k].body_a, list[k].body_b}) contact_places[end_of_body[at(i)]++] = k;
+        contacts_by_body = true;
+    }
+    const std::size_t first = body > 0 ? end_of_body[body - 1] : 0;
+    return std::span(contact_places).subspan(first, end_of_body[body] - first);
 }
 
 std::vector<ContactState> World::contacts() const { return *impl_->contacts(); }

@@ -83,6 +83,8 @@ struct World::Impl {
     void refresh() const;
     [[nodiscard]] std::uint64_t state_hash() const;
     [[nodiscard]] const std::shared_ptr<std::vector<ContactState>>& contacts();
+    /// Places in contacts(), ascending. The first call after a step goes over all of them.
+    [[nodiscard]] std::span<const std::size_t> contacts_of(std::size_t body);
     void refuse_where_pinned(const std::string& doing) const;
 
     Settings settings;                  ///< of the whole step
@@ -96,6 +98,8 @@ struct World::Impl {
     std::unordered_map<std::string, std::int32_t> place_of; ///< by name, of present bodies
     std::shared_ptr<std::vector<ContactState>> contact_list = std::make_shared<std::vector<ContactState>>();
     std::int64_t contacts_of_step = -1; ///< that contact_list is of; -1: it is not up to date
+    bool contacts_by_body = false;      ///< whether the next two are of contact_list
+    std::vector<std::size_t> contact_places, end_of_body;
 
     std::shared_ptr<const void> pin = std::make_shared<char>(); ///< who else holds it has pinned the places
 

@@ -168,8 +168,8 @@ BodyContacts World::contacts_of(BodyId body) const {
     const Vec3 center = impl_->stepper->state().pose[i].com;
     const double per_step = 1 / settings().time_step;
     BodyContacts out;
-    for (const ContactState& c : *impl_->contacts()) {
-        if (c.body_a != body.index && c.body_b != body.index) continue;
+    for (const std::size_t k : impl_->contacts_of(i)) {
+        const ContactState& c = (*impl_->contact_list)[k];
         const Vec3 force = (c.body_b == body.index ? per_step : -per_step) * c.impulse;
         out.force += force;
         const Vec3 point = c.body_b == body.index ? c.point + c.across : c.point;
@@ -185,7 +185,8 @@ MemoryUse World::memory() const {
     for (const RigidShape& shape : model.shapes) out.shapes += bytes_of(shape);
     const StepperMemory solver = impl_->stepper->memory();
     out.bodies = solver.bodies;
-    out.contacts = solver.contacts + bytes_of(*impl_->contact_list);
+    out.contacts = solver.contacts + bytes_of(*impl_->contact_list) + bytes_of(impl_->contact_places) +
+                   bytes_of(impl_->end_of_body);
     out.pairs = solver.pairs;
     return out;
 }

@@ -134,6 +134,18 @@ TEST(WorldQuery, ContactsOfABodyCarryItsWeight) {
     EXPECT_EQ(floor.contacts.size(), 8u);
     EXPECT_NEAR(floor.force.z, -4 * 9.8, 2e-3);
     EXPECT_EQ(world.contact_view().size(), 8u);
+    world.remove_body(world.find("near"));
+    EXPECT_EQ(world.contacts_of(world.find("floor")).contacts.size(), 4u) << "after an edit";
+    (void)world.step();
+    EXPECT_EQ(world.contacts_of(world.find("far")).contacts.size(), 4u) << "after a step";
+    const BodyId third = world.add_body([] {
+        BodyDescription body;
+        body.name = "third";
+        body.position = {0, 0, 5};
+        return body;
+    }());
+    EXPECT_TRUE(world.contacts_of(third).contacts.empty());
+    EXPECT_EQ(world.contacts_of(world.find("floor")).contacts.size(), 4u);
 }
 
 // A needle across the tops of two rails, which come before or after it, on a slope that friction holds it on: edges
