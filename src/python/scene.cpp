@@ -325,18 +325,17 @@ void bind_ignored(SceneClass& type) {
 }
 
 void bind_additions(SceneClass& type) {
-    type.def("add_shape", &add_shape, py::arg("mesh"), py::kw_only(), py::arg("name") = py::none(),
-             py::arg("scale") = 1.0, py::arg("surface_density") = py::none(), py::arg("density") = py::none(),
-             py::arg("mass") = py::none(), py::arg("line_density") = py::none(), py::arg("inertia") = py::none(),
-             py::arg("center_of_mass") = py::none(),
-             "Adds a mesh and returns its index. mesh: an object with .vertices (n, 3) and .faces (m, 3), or a pair of "
-             "such arrays; rows of two numbers in place of three are segments, rows of one are points; "
-             "vertices times scale are metres. Mass: surface_density (kg/m^2, thin shell), density (kg/m^3, closed "
-             "mesh), line_density (kg/m, segments) or mass (kg, "
-             "spread over the surface, the segments or the points); shapes of static and kinematic bodies need none. "
-             "inertia: kg m^2 about the "
-             "centre of mass, "
-             "mesh axes, shape (3) or (3, 3); center_of_mass: m, mesh coordinates; both replace what is computed.");
+    type.def(
+        "add_shape", &add_shape, py::arg("mesh"), py::kw_only(), py::arg("name") = py::none(), py::arg("scale") = 1.0,
+        py::arg("surface_density") = py::none(), py::arg("density") = py::none(), py::arg("mass") = py::none(),
+        py::arg("line_density") = py::none(), py::arg("inertia") = py::none(), py::arg("center_of_mass") = py::none(),
+        "Adds a mesh and returns its index. mesh: an object with .vertices (n, 3) and .faces (m, 3), or a pair of "
+        "such arrays; rows of two numbers in place of three are segments, rows of one are points; "
+        "vertices times scale are metres. Mass: surface_density (kg/m^2, thin shell), density (kg/m^3, closed "
+        "mesh), line_density (kg/m, segments) or mass (kg, spread over the surface, of a closed mesh too, which is "
+        "hollow then, the segments or the points); shapes of static and kinematic bodies need none. "
+        "inertia: kg m^2 about the centre of mass, "
+        "mesh axes, shape (3) or (3, 3); center_of_mass: m, mesh coordinates; both replace what is computed.");
     type.def("add_body", &add_body, py::arg("shape"), py::kw_only(), py::arg("name") = py::none(),
              py::arg("type") = "dynamic", py::arg("position") = Vec3{}, py::arg("rotation") = Quat{},
              py::arg("velocity") = Vec3{}, py::arg("angular_velocity") = Vec3{}, py::arg("friction") = py::none(),
