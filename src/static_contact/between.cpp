@@ -110,12 +110,13 @@ void Between::follow_rows() {
     }
 }
 
-/// Of a body all whose sides face one way, as on a floor of tiles.
+/// Of a body that touches one other alone, or all whose sides face one way, as on a floor of tiles.
 void Between::drop_where_none_is_across(std::span<Side> around) {
     Vec3 sum;
     for (const Side& s : around) sum += s.normal;
     const double least = 0.5 * length(sum);
-    if (std::ranges::all_of(around, [&](const Side& s) { return dot(s.normal, sum) > least; }))
+    const bool one_way = std::ranges::all_of(around, [&](const Side& s) { return dot(s.normal, sum) > least; });
+    if (one_way || around.front().first == around.back().first)
         for (Side& s : around) s.body = -1;
 }
 
