@@ -210,7 +210,8 @@ void ConeSolver::find() {
     const auto goes_on = [&] {
         return far() && !options_.newton && (options_.rests || stats_.residual > options_.enough);
     };
-    if (goes_on() && stats_.residual > options_.enough && compliance_ == 0 && !pressed()) begin_anew();
+    const bool unsolved = options_.enough > 0 && stats_.residual > options_.enough;
+    if (goes_on() && unsolved && compliance_ == 0 && !pressed()) begin_anew();
     for (int round = 0; round < kRounds && goes_on(); ++round) {
         const double before = stats_.residual;
         s_.r = s_.best;
