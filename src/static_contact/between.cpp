@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/index.hpp"
+#include "parallel/compact.hpp"
 
 namespace flotilla {
 namespace {
@@ -14,19 +15,13 @@ constexpr double kAcross = 0.95; // cosine of 18 degrees
 /// where bodies were placed (RestDistance) add up to the play.
 constexpr double kDue = 0.5, kNoPlay = 1 + 1.0 / 64;
 
-/// Goes along pairs in the order of bodies.
+/// Of pairs sorted by bodies.
 template <class Pair>
-class Listed {
-  public:
-    explicit Listed(std::span<const Pair> pairs) : left_(pairs) {}
-    [[nodiscard]] bool has(std::int32_t a, std::int32_t b) {
-        while (!left_.empty() && std::pair(left_[0].a, left_[0].b) < std::pair(a, b)) left_ = left_.subspan(1);
-        return !left_.empty() && left_[0].a == a && left_[0].b == b;
-    }
-
-  private:
-    std::span<const Pair> left_;
-};
+bool has(std::span<const Pair> pairs, const Contact& c) {
+    const auto less = [](const Pair& p, const Contact& k) { return std::pair(p.a, p.b) < std::pair(k.a, k.b); };
+    const auto it = std::lower_bound(pairs.begin(), pairs.end(), c, less);
+    return it != pairs.end() && it->a == c.a && it->b == c.b;
+}
 
 bool is_fixed(const Model& model, std::int32_t body) {
     return !model.bodies[at(body)].dynamic() && !model.bodies[at(body)].scripted();
@@ -34,9 +29,9 @@ bool is_fixed(const Model& model, std::int32_t body) {
 
 } // namespace
 
-void Between::find(const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
+void Between::find(Team* team, const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
                    std::span<const SqueezedPair> squeezed) {
-    list_sides(model, set, noted, squeezed);
+    list_sides(team, model, set, noted, squeezed);
     for_bodies([](std::span<Side> around) { drop_where_none_is_across(around); });
     std::erase_if(sides_, [](const Side& s) { return s.body < 0; });
     if (sides_.empty()) return;
@@ -46,18 +41,22 @@ void Between::find(const Model& model, const ContactSet& set, std::span<const Re
     for_bodies([&](std::span<Side> around) { compare(around); });
 }
 
-void Between::list_sides(const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
+void Between::list_sides(Team* team, const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
                          std::span<const SqueezedPair> squeezed) {
+    constexpr std::size_t kContactGrain = 256; // contacts of a task
     const std::span<const Contact> contacts = set.contacts;
+    const auto lacks_room = [&](const Contact& c) { return has(noted, c) || has(squeezed, c); };
+    const auto asked = [&](std::size_t i) {
+        const Contact& c = contacts[i];
+        return begins_pair(contacts, i) && (is_fixed(model, c.a) || is_fixed(model, c.b) || lacks_room(c));
+    };
+    compact_if({team, "pairs beside fixed ones", kContactGrain, places_}, contacts.size(), asked, follow_, 0,
+               [](std::size_t i) { return i; });
     sides_.clear();
-    Listed noted_pairs(noted);
-    Listed squeezed_pairs(squeezed);
-    for (std::size_t first = 0, end = 0; first < contacts.size(); first = end) {
-        const Contact& c = contacts[first];
-        for (end = first + 1; end < contacts.size() && !begins_pair(contacts, end);) ++end;
-        const bool is_noted = noted_pairs.has(c.a, c.b), is_squeezed = squeezed_pairs.has(c.a, c.b);
-        const bool lacks_room = is_noted || is_squeezed;
-        if (lacks_room || is_fixed(model, c.a) || is_fixed(model, c.b)) add_sides(model, set, first, end, lacks_room);
+    for (const std::size_t first : follow_) {
+        std::size_t end = first + 1;
+        while (end < contacts.size() && !begins_pair(contacts, end)) ++end;
+        add_sides(model, set, first, end, lacks_room(contacts[first]));
     }
     // By pairs too, whose sides of one body face the same way or stand in the order of contacts: no two are alike.
     std::ranges::sort(sides_, {}, [](const Side& s) { return std::pair(s.body, s.contact); });

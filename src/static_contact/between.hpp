@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "parallel/team.hpp"
 #include "proximity/contact_set.hpp"
 #include "state/model.hpp"
 
@@ -20,7 +21,7 @@ namespace flotilla {
 
 class Between {
   public:
-    void find(const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
+    void find(Team* team, const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
               std::span<const SqueezedPair> squeezed);
     /// `first`: the first contact of a pair. m, the distance that is due to it; infinite: its rest distance.
     [[nodiscard]] double room(std::size_t first) const {
@@ -42,7 +43,7 @@ class Between {
         bool lacks_room;     ///< the pair, of its rest distance
         bool holds;          ///< the other does not give way, or is held in the same direction
     };
-    void list_sides(const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
+    void list_sides(Team* team, const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
                     std::span<const SqueezedPair> squeezed);
     void add_sides(const Model& model, const ContactSet& set, std::size_t first, std::size_t end, bool lacks_room);
     [[nodiscard]] std::span<Side> sides_of(std::int32_t body);
@@ -58,7 +59,8 @@ class Between {
     }
 
     std::vector<Side> sides_;         ///< sorted by bodies, then by pairs
-    std::vector<std::size_t> follow_; ///< sides that hold, to go on from
+    std::vector<std::size_t> follow_; ///< sides that hold, to go on from; before that, first contacts of pairs
+    std::vector<std::size_t> places_; ///< scratch
     // By contact, the first ones of pairs; where there are sides.
     std::vector<double> rooms_;
     std::vector<std::uint8_t> yields_;

@@ -330,7 +330,7 @@ void set_targets(Team* team, const Model& model, const ContactSet& set, const Ve
     out.presses.assign(input.due_motion.empty() ? 0 : set.size(), -1);
     out.would_raise = false;
     if (set.contacts.empty()) return; // what sleeps costs nothing
-    out.between.find(model, set, input.noted, input.squeezed);
+    out.between.find(team, model, set, input.noted, input.squeezed);
     const PairTargets targets(model, set, bodies, input, out);
     const std::span<const Contact> contacts = set.contacts;
     const auto end_of_pair = [&](std::size_t i) {
