@@ -65,7 +65,7 @@ class DynamicContact {
             if (clusters_.pairs.empty()) return stats_;
             stats_.counters.limit = patience_.ends() || progress_.stalled();
             if (stats_.counters.limit) {
-                if (joint_ != nullptr && alone() && progress_.stalled())
+                if (joint_ != nullptr && alone())
                     stats_.counters.limit = !resolve_jointly(view_, movers_, book_, workers_, *joint_, stats_.counters);
                 return stats_;
             }

@@ -38,13 +38,23 @@ Mat3 ConeSolver::velocity_map(std::size_t i) const {
     return t;
 }
 
-// Both x and y on the cone's axis; each contact alone stops the largest velocity. Nearer to what the sweeps found the
-// path is worse, and with targets that know the masses, stacks whose bodies differ by 1e9 are.
-void ConeSolver::set_start() {
+// 1/kg, of the heaviest body, or where bodies are not known of what contacts show of it.
+double ConeSolver::least_inv_mass() const {
+    double least = kInfinity;
+    for (const ConeBody& body : bodies_)
+        if (body.inv_mass > 0) least = std::min(least, body.inv_mass);
+    return std::isfinite(least) ? least : least_diagonal();
+}
+
+// Both x and y on the cone's axis; each contact alone stops the largest velocity, or that of a body of `inv_mass` where
+// that is given. Nearer to what the sweeps found the path is worse, and with targets that know the masses, stacks whose
+// bodies differ by 1e9 are.
+void ConeSolver::set_start(double inv_mass) {
     for (std::size_t i = 0; i < size(); ++i) {
         if (!movable(i)) continue;
         const double mu = has_cone(i) ? friction(i) : 1;
-        s_.x[i] = {mu * speed_ / std::max(s_.w[i].normal, s_.w[i].tangential), 0, 0};
+        const double mass = inv_mass > 0 ? inv_mass : std::max(s_.w[i].normal, s_.w[i].tangential);
+        s_.x[i] = {mu * speed_ / mass, 0, 0};
         s_.y[i] = {std::max(1.0, 1 / mu) * speed_, 0, 0};
     }
     first_product_ = product_after(0);
@@ -54,8 +64,8 @@ void ConeSolver::set_start() {
 }
 
 // Method 2.
-void ConeSolver::interior() {
-    set_start();
+void ConeSolver::interior(double inv_mass) {
+    set_start(inv_mass);
     double hand_over = kFirstHandOver * speed_;
     while (!done()) {
         const double residual = measure();

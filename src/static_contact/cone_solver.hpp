@@ -82,6 +82,7 @@ class ConeSolver {
     bool finite_input() const;
     double largest_velocity() const;
     double least_diagonal() const;
+    double largest_diagonal() const;
     double consider(double as_good = 0);
     double not_worth_more() const;
     bool factorise();
@@ -91,8 +92,9 @@ class ConeSolver {
     void linearise(std::size_t i);
     void linearise_sliding(std::size_t i, const Vec3& z, double size);
 
-    void interior();
-    void set_start();
+    void interior(double inv_mass = 0);
+    double least_inv_mass() const;
+    void set_start(double inv_mass);
     double measure();
     bool stalled();
     bool step();

@@ -94,6 +94,21 @@ TEST(DynamicContact, ALightBodyBetweenAHeavyOneAndAWall) {
     }
 }
 
+// A limit that sweeps come to before they are seen to gain nothing is theirs alone.
+TEST(DynamicContact, HitsAreSolvedTogetherAfterFewSweepsToo) {
+    SceneDescription s = row({{0, 0}, {1, -2}, {1e3, -5}});
+    s.settings.dynamic_iterations = 2;
+    StageWorld world(s);
+    VelocityArrays velocities;
+    ContactScratch scratch;
+    JointSolve joint = exact_solver(world, velocities, scratch);
+    const DynamicContactStats stats =
+        handle_dynamic_contact(world.view(), world.movers(), world.book(), world.workers(), &joint);
+    EXPECT_EQ(stats.merges, 0);
+    EXPECT_FALSE(stats.counters.limit);
+    EXPECT_TRUE(proved_apart(world));
+}
+
 // What is given up moves as sweeps left it: nothing of what was tried stays in it.
 TEST(DynamicContact, GivesBackWhatItCouldNotSolve) {
     for (const int tries : {1, 2, 3}) {

@@ -491,6 +491,58 @@ TEST(InteriorPoint, RefusesWhatIsNotFinite) {
     other.expect_solved(1e-9); // of the estimate nothing is asked
 }
 
+/// A heavy roller on a light plank that lies on edges of two blocks. All of it moves, and no two points ask alike.
+Island make_loaded_plank(double ratio, Random& random) {
+    const Frame world;
+    constexpr double kRadius = 0.1;
+    const Vec3 half{1.15, 0.15, 0.01};
+    Island island;
+    island.bodies.push_back({1 / ratio, (2.5 / (ratio * kRadius * kRadius)) * identity()});
+    island.bodies.push_back({1, inverse_box_inertia(1, half)});
+    const Vec3 roller{0.3, 0, -0.2}, plank = 0.02 * random.cube(), turn = 0.05 * random.cube();
+    const Vec3 spin = Vec3{0, 3, 0} + 0.05 * random.cube();
+    const double way = 0.7 * random.symmetric();
+    const auto add = [&](std::int32_t a, Vec3 tilt, const Vec3& arm_a, const Vec3& arm_b, double room) {
+        const Frame up{world.x, world.y, normalized(Vec3{tilt.x, tilt.y, -1})};
+        ConeContact c = contact_between(a, a == 0 ? 1 : -1, up, 0, 0.5);
+        c.tangent_1 = normalized(cross(c.normal, world.y));
+        c.tangent_2 = cross(c.normal, c.tangent_1);
+        c.arm_a = arm_a, c.arm_b = arm_b;
+        const Vec3 of_plank = plank + cross(turn, a == 0 ? arm_b : arm_a);
+        set_free_velocity(c, a == 0 ? of_plank - (roller + cross(spin, arm_a)) : -of_plank);
+        c.free_velocity.x += room;
+        island.add(c);
+    };
+    for (int k = 0, n = 1 + static_cast<int>(3 * random.unit()); k < n; ++k) {
+        const Vec3 tilt{0.001 * random.symmetric(), 0.01 * random.symmetric(), 0};
+        const double y = 0.12 * random.symmetric(), x = 0.003 * random.symmetric();
+        add(0, tilt, {x, y, -kRadius}, {way, 0, half.z}, 0.1 * random.unit());
+    }
+    for (const double side : {-1.0, 1.0})
+        for (int k = 0, n = 1 + static_cast<int>(2 * random.unit()); k < n; ++k) {
+            const double x = side * (random.unit() < 0.5 ? 1.15 : 0.8), y = random.unit() < 0.5 ? 0.15 : -0.15;
+            add(1, {}, {x, y, -half.z}, {}, -0.001 * random.unit());
+        }
+    return island;
+}
+
+// The light body asks for a thousandth of what goes through it: method 2 begins anew with what the heavy one does.
+TEST(InteriorPoint, SolvesALightBodyUnderAHeavyOne) {
+    Random random{11};
+    for (int trial = 0; trial < 400; ++trial) {
+        Island island = make_loaded_plank(1000, random);
+        constexpr double kTolerance = 1e-3;
+        ConeScratch scratch;
+        island.impulses.resize(island.contacts.size());
+        island.stats = solve_cone_program(island.bodies, island.contacts,
+                                          {.tolerance = kTolerance, .max_iterations = 80, .enough = kTolerance},
+                                          island.impulses, scratch);
+        EXPECT_TRUE(island.stats.solved) << trial << ": " << island.stats.residual;
+        EXPECT_LE(island.residual(), 2 * kTolerance) << trial;
+        island.expect_in_cones();
+    }
+}
+
 TEST(InteriorPoint, LeavesContactsBetweenImmovableBodiesAlone) {
     Random random{9};
     Island island = make_stack({.masses = {1, 1}}, random);
