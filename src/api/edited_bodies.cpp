@@ -18,9 +18,10 @@ namespace flotilla {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x544944454c464c46; // "FLFLEDIT"
-constexpr std::uint64_t kVersion = 2;
+constexpr std::uint64_t kVersion = 3;
 
 static_assert(sizeof(Keyframe) == 8 * sizeof(double) && sizeof(EditedBodies::Push) == 7 * sizeof(double));
+static_assert(sizeof(EditedBodies::Kept) == 7 * sizeof(double));
 static_assert(sizeof(Triangle) == 12 && sizeof(Vec3) == 24);
 
 [[noreturn]] void damaged() { throw InputError("damaged snapshot: its edited part is none"); }
@@ -85,7 +86,8 @@ void visit(Stream& s, EditedBodies& e, std::vector<ShapeDescription>& added) {
     part(s, e.hash), part(s, e.gravity);
     list(s, added, [&](ShapeDescription& shape) { visit(s, shape); });
     list(s, e.bodies, [&](BodyDescription& body) { visit(s, body); });
-    part(s, e.present), part(s, e.generation), part(s, e.user_data), part(s, e.pushes), part(s, e.moved);
+    part(s, e.present), part(s, e.generation), part(s, e.user_data), part(s, e.pushes), part(s, e.kept);
+    part(s, e.moved);
     const auto names = [&](NamedPair& pair) { part(s, pair.a), part(s, pair.b); };
     list(s, e.ignored_groups, names), list(s, e.ignored_bodies, names);
 }
@@ -119,14 +121,19 @@ void check(const EditedBodies& e) {
         check_body(copy, scene, element_path("bodies", i), errors);
     }
     errors.throw_if_any();
-    std::int32_t last = -1;
-    for (const EditedBodies::Push& p : e.pushes) {
-        const auto i = static_cast<std::size_t>(p.body);
-        if (p.body <= last || i >= n || e.present[i] == 0 || e.bodies[i].type != BodyType::dynamic) damaged();
-        if (!(max_component(abs(p.force)) <= kMaxForce) || !is_finite(p.force)) damaged();
-        if (!(max_component(abs(p.torque)) <= kMaxForce) || !is_finite(p.torque)) damaged();
-        last = p.body;
-    }
+    const auto check_loads = [&](const auto& list, bool dynamic) {
+        std::int32_t last = -1;
+        for (const auto& p : list) {
+            const auto i = static_cast<std::size_t>(p.body);
+            if (p.body <= last || i >= n || e.present[i] == 0) damaged();
+            if ((e.bodies[i].type == BodyType::dynamic) != dynamic) damaged();
+            if (!(max_component(abs(p.force)) <= kMaxForce) || !is_finite(p.force)) damaged();
+            if (!(max_component(abs(p.torque)) <= kMaxForce) || !is_finite(p.torque)) damaged();
+            last = p.body;
+        }
+    };
+    check_loads(e.pushes, true), check_loads(e.kept, false);
+    if (std::ranges::any_of(e.kept, [](const EditedBodies::Kept& k) { return k.locked >> 6 != 0; })) damaged();
 }
 
 // Hashes of edits. Names of bodies and shapes change no bit.

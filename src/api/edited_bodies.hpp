@@ -29,6 +29,13 @@ struct EditedBodies {
         Vec3 force, torque;
     };
     std::vector<Push> pushes;
+    /// What bodies that are not dynamic now had as such and get back with it, by place, ascending.
+    struct Kept {
+        std::int32_t body = -1;
+        std::uint32_t locked = 0; ///< bits 0 to 2: translations along x, y, z; 3 to 5: turns about them
+        Vec3 force, torque;
+    };
+    std::vector<Kept> kept;
     std::vector<std::uint8_t> moved; ///< by place: placed since the last step; of a snapshot alone
     std::uint64_t hash = 0;          ///< of all edits, one after the other; 0: there was none
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What each edit of a World checks and does. Nothing changes before all is checked.
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "api/world_impl.hpp"
@@ -39,11 +40,27 @@ BodyDescription alone_at(const Pose& pose, BodyDescription body) {
     return body;
 }
 
-/// Where a body's push is, or would be.
-template <class Pushes>
-auto push_of(Pushes& pushes, std::int32_t body) {
-    return std::lower_bound(pushes.begin(), pushes.end(), body,
-                            [](const EditedBodies::Push& p, std::int32_t b) { return p.body < b; });
+/// Where a body's entry is in a list by place, or would be.
+template <class List>
+auto entry_of(List& list, std::int32_t body) {
+    return std::lower_bound(list.begin(), list.end(), body, [](const auto& p, std::int32_t b) { return p.body < b; });
+}
+
+/// Of a dynamic body, what alone_at() takes from it.
+EditedBodies::Kept to_keep(std::int32_t place, const BodyDescription& body) {
+    EditedBodies::Kept out{place, 0, body.force, body.torque};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        out.locked |= (body.locked_translation[axis] ? 1U : 0U) << axis | (body.locked_rotation[axis] ? 8U : 0U)
+                                                                              << axis;
+    return out;
+}
+
+void give_back(const EditedBodies::Kept& kept, BodyDescription& body) {
+    body.force = kept.force, body.torque = kept.torque;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        body.locked_translation[axis] = (kept.locked >> axis & 1U) != 0;
+        body.locked_rotation[axis] = (kept.locked >> axis & 8U) != 0;
+    }
 }
 
 void require_finite(const std::string& what, const Vec3& v, double most, const char* unit) {
@@ -169,9 +186,19 @@ void World::Impl::check_description(BodyDescription& body, const char* doing) co
         other.velocity = {};
         add(model.shape_of(*i), other);
     }
-    check_line(body, model.shapes[at(shape_of[at(body.shape)])].line, "", errors);
+    const RigidShape& shape = model.shapes[at(shape_of[at(body.shape)])];
+    check_line(body, shape.line, "", errors);
+    check_loads(body, shape, errors);
     check_lengths(scene, errors);
     errors.throw_if_any();
+}
+
+void World::Impl::check_loads(const BodyDescription& body, const RigidShape& shape, ErrorList& errors) const {
+    if (body.type != BodyType::dynamic) return;
+    const Vec3& m = shape.principal.moments;
+    std::array moments{m.x, m.y, m.z};
+    std::ranges::sort(moments);
+    flotilla::check_loads(body, shape.mass, moments[shape.line == Vec3{} ? 0 : 1], settings.time_step, "", errors);
 }
 
 /// Description and model of a body that stays where it is.
@@ -181,12 +208,25 @@ void World::Impl::change(std::size_t body, BodyDescription description) {
     Body changed = make_body(stepper->model(), of_model);
     changed.group = stepper->model().bodies[body].group;
     const bool stops = description.type != BodyType::dynamic || !stepper->model().bodies[body].dynamic();
+    keep(static_cast<std::int32_t>(body), description);
     stepper->change_body(static_cast<std::int32_t>(body), changed);
     if (stops && description.type != now.bodies[body].type) stepper->set_motion(static_cast<std::int32_t>(body), {});
     now.bodies[body] = std::move(description);
     if (now.bodies[body].type != BodyType::dynamic)
         std::erase_if(now.pushes, [&](const EditedBodies::Push& p) { return at(p.body) == body; });
     push(static_cast<std::int32_t>(body));
+}
+
+/// What a body that is dynamic no more, or is so again, is to have when it is.
+void World::Impl::keep(std::int32_t body, const BodyDescription& changed) {
+    const BodyDescription& before = now.bodies[at(body)];
+    const auto k = entry_of(now.kept, body);
+    const bool known = k != now.kept.end() && k->body == body;
+    if (changed.type == BodyType::dynamic) {
+        if (known) now.kept.erase(k);
+    } else if (before.type == BodyType::dynamic) {
+        now.kept.insert(k, to_keep(body, before));
+    }
 }
 
 BodyId World::Impl::operator()(const edits::AddShape& edit) {
@@ -269,13 +309,13 @@ FilteredBodies World::Impl::filter_with(std::size_t place, const BodyDescription
 }
 
 /// A filter that says the same of everybody who is there changes nothing, and wakes nobody.
-void World::Impl::take_filter(const FilteredBodies& filter) {
+void World::Impl::take_filter(const FilteredBodies& filter, std::span<const std::int32_t> whose) {
     const Model& model = stepper->model();
     const auto same_group = [&](const Body& b) {
         return b.group == filter.group[static_cast<std::size_t>(&b - model.bodies.data())];
     };
     if (filter.filter == model.filter && std::all_of(model.bodies.begin(), model.bodies.end(), same_group)) return;
-    stepper->set_filter(filter);
+    stepper->set_filter(filter, whose);
 }
 
 /// Notes a body that came to a place.
@@ -305,6 +345,7 @@ BodyId World::Impl::operator()(const edits::RemoveBody& edit) {
     now.bodies[i].type = BodyType::fixed;
     std::erase_if(now.ignored_bodies, [&](const NamedPair& p) { return p.a == name || p.b == name; });
     std::erase_if(now.pushes, [&](const EditedBodies::Push& p) { return p.body == edit.body.index; });
+    std::erase_if(now.kept, [&](const EditedBodies::Kept& k) { return k.body == edit.body.index; });
     take_filter(filtered());
     return {};
 }
@@ -346,6 +387,9 @@ BodyId World::Impl::operator()(const edits::SetType& edit) {
     if (edit.type == body.type) return edit.body;
     body = alone_at(stepper->state().pose[i], std::move(body));
     body.type = edit.type;
+    const auto kept = entry_of(now.kept, edit.body.index);
+    if (body.type == BodyType::dynamic && kept != now.kept.end() && kept->body == edit.body.index)
+        give_back(*kept, body);
     check_description(body, "setting the type of");
     // Bodies of infinite mass may intersect each other.
     if (edit.type == BodyType::dynamic) refuse_overlaps(body, i, filtered());
@@ -402,12 +446,18 @@ BodyId World::Impl::operator()(const edits::ApplyForce& edit) {
     const std::size_t i = place(edit.body);
     if (!stepper->model().bodies[i].dynamic())
         throw InputError("body " + in_quotes(now.bodies[i].name) + " is not dynamic: nothing pushes it");
-    auto p = push_of(now.pushes, edit.body.index);
+    auto p = entry_of(now.pushes, edit.body.index);
     const bool known = p != now.pushes.end() && p->body == edit.body.index;
     const Vec3 force = known ? p->force + edit.force : edit.force,
                torque = known ? p->torque + edit.torque : edit.torque;
-    require_finite("force", force, kMaxForce, "N");
-    require_finite("torque", torque, kMaxForce, "N m");
+    const std::string on = " on body " + in_quotes(now.bodies[i].name);
+    require_finite("the force" + on, force, kMaxForce, "N");
+    require_finite("the torque" + on + " (about its centre of mass)", torque, kMaxForce, "N m");
+    BodyDescription pushed = now.bodies[i];
+    pushed.force += force, pushed.torque += torque;
+    ErrorList errors("pushing body " + in_quotes(pushed.name));
+    check_loads(pushed, stepper->model().shape_of(i), errors);
+    errors.throw_if_any();
     if (!known) p = now.pushes.insert(p, {edit.body.index, 0, {}, {}});
     p->force = force;
     p->torque = torque;
@@ -419,7 +469,7 @@ BodyId World::Impl::operator()(const edits::ApplyForce& edit) {
 /// Tells the solver what acts on a body in the next step.
 void World::Impl::push(std::int32_t body) {
     Vec3 force = now.bodies[at(body)].force, torque = now.bodies[at(body)].torque;
-    if (const auto p = push_of(now.pushes, body); p != now.pushes.end() && p->body == body)
+    if (const auto p = entry_of(now.pushes, body); p != now.pushes.end() && p->body == body)
         force += p->force, torque += p->torque;
     stepper->set_force(body, force, torque);
 }
@@ -494,7 +544,7 @@ BodyId World::Impl::operator()(const edits::SetGroup& edit) {
     const FilteredBodies filter = filter_with(i, body);
     check_filter(filter, doing, i);
     now.bodies[i].group = edit.group;
-    take_filter(filter);
+    take_filter(filter, {{edit.body.index}});
     return edit.body;
 }
 
@@ -516,7 +566,11 @@ BodyId World::Impl::operator()(const edits::IgnoreGroups& edit) {
     const FilteredBodies filter = make_filter(now.bodies, groups, now.ignored_bodies);
     check_filter(filter, "groups " + in_quotes(edit.a) + " and " + in_quotes(edit.b), {});
     now.ignored_groups = std::move(groups);
-    take_filter(filter);
+    std::vector<std::int32_t> whose;
+    for (std::size_t i = 0; i < now.bodies.size(); ++i)
+        if (stepper->model().bodies[i].dynamic() && (now.bodies[i].group == edit.a || now.bodies[i].group == edit.b))
+            whose.push_back(static_cast<std::int32_t>(i));
+    take_filter(filter, whose);
     return {};
 }
 
@@ -527,7 +581,10 @@ BodyId World::Impl::operator()(const edits::IgnorePair& edit) {
     const FilteredBodies filter = make_filter(now.bodies, now.ignored_groups, pairs);
     check_filter(filter, "a pair that shall meet", a);
     now.ignored_bodies = std::move(pairs);
-    take_filter(filter);
+    std::vector<std::int32_t> whose;
+    for (const std::size_t i : {a, b})
+        if (stepper->model().bodies[i].dynamic()) whose.push_back(static_cast<std::int32_t>(i));
+    take_filter(filter, whose);
     return {};
 }
 

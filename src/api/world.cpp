@@ -406,6 +406,7 @@ void World::restore(std::span<const std::byte> snapshot) {
     model.settings = impl_->settings;
     impl_->undo_edits(model);
     impl_->go_to(std::move(model), snapshot);
+    impl_->record.go_to(impl_->now.hash);
     impl_->whole = true;
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Changes of a World between steps, as its public face has them.
+#include <algorithm>
 #include <utility>
+
+#include <flotilla/error.hpp>
 
 #include "api/world_impl.hpp"
 #include "base/floating_point.hpp"
@@ -28,7 +31,7 @@ BodyId World::apply(const Edit& edit) {
     w.now.hash = chained(w.now.hash, edit);
     w.stepper->set_edits_hash(w.now.hash);
     w.contacts_of_step = -1;
-    if (w.records) w.recorded.push_back({steps(), edit.change});
+    if (w.record.on) w.record.add({steps(), edit.change}, w.now.hash);
     return body;
 }
 
@@ -72,7 +75,30 @@ void World::wake(BodyId body) { apply({0, edits::Wake{body}}); }
 void World::set_force_callback(std::function<void(World&)> callback) { impl_->force_callback = std::move(callback); }
 void World::set_observer(std::function<bool(Phase)> observer) { impl_->observer = std::move(observer); }
 void World::set_log(std::function<void(const std::string&)> log) { impl_->log = std::move(log); }
-void World::record_edits(bool record) { impl_->records = record; }
-const std::vector<Edit>& World::recorded_edits() const { return impl_->recorded; }
+void World::record_edits(bool record) {
+    if (record && (impl_->record.edits.empty() || impl_->record.broken)) impl_->record.begin(impl_->now.hash);
+    impl_->record.on = record;
+}
+const std::vector<Edit>& World::recorded_edits() const {
+    if (impl_->record.broken)
+        throw Error("the recorded edits do not lead here: the World was restored to a snapshot with others "
+                    "(record_edits() begins anew)");
+    return impl_->record.edits;
+}
+
+void EditRecord::begin(std::uint64_t hash) {
+    edits.clear(), hashes.clear();
+    start = hash;
+    broken = false;
+}
+
+void EditRecord::go_to(std::uint64_t hash) {
+    if (!on && edits.empty()) return;
+    const auto last = std::find(hashes.begin(), hashes.end(), hash);
+    broken = last == hashes.end() && hash != start;
+    if (broken) return;
+    const auto kept = last == hashes.end() ? 0 : last - hashes.begin() + 1;
+    edits.resize(static_cast<std::size_t>(kept)), hashes.resize(static_cast<std::size_t>(kept));
+}
 
 } // namespace flotilla

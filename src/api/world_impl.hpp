@@ -14,6 +14,20 @@
 namespace flotilla {
 
 struct CheckedStart;
+class ErrorList;
+
+/// Edits since record_edits().
+struct EditRecord {
+    bool on = false, broken = false; ///< broken: the World went to a state to which they do not lead
+    std::uint64_t start = 0;         ///< EditedBodies::hash before all of them
+    std::vector<Edit> edits;
+    std::vector<std::uint64_t> hashes; ///< after each
+
+    void begin(std::uint64_t hash);
+    void add(const Edit& edit, std::uint64_t hash) { edits.push_back(edit), hashes.push_back(hash); }
+    /// Forgets edits that a snapshot is before.
+    void go_to(std::uint64_t hash);
+};
 
 /// The scene as it is now, and the solver on it.
 struct World::Impl {
@@ -71,7 +85,11 @@ struct World::Impl {
     /// A body's description where it stands, for checks.
     [[nodiscard]] BodyDescription as_it_stands(std::size_t body) const;
     void check_filter(const FilteredBodies& filter, const std::string& doing, std::optional<std::size_t> body) const;
-    void take_filter(const FilteredBodies& filter);
+    /// `whose`: as Stepper::set_filter() has it.
+    void take_filter(const FilteredBodies& filter, std::span<const std::int32_t> whose = {});
+    void keep(std::int32_t body, const BodyDescription& changed);
+    /// What a step adds by them has a meaning, as in a scene's file.
+    void check_loads(const BodyDescription& body, const RigidShape& shape, ErrorList& errors) const;
     void push(std::int32_t body);
     void clear_pushes();
     void go_to(Model model, std::span<const std::byte> snapshot);
@@ -108,8 +126,7 @@ struct World::Impl {
     std::function<void(World&)> force_callback;
     std::function<bool(Phase)> observer;
     std::function<void(const std::string&)> log;
-    bool records = false;
-    std::vector<Edit> recorded;
+    EditRecord record;
 };
 
 } // namespace flotilla

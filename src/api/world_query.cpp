@@ -102,7 +102,8 @@ std::optional<RayHit> World::ray(const Vec3& origin, const Vec3& direction, doub
     require_finite("the origin of a ray", origin);
     require_finite("the direction of a ray", direction);
     const double norm = length(direction);
-    if (!(norm > 0) || !std::isfinite(norm)) throw InputError("the direction of a ray must not be zero");
+    if (!(norm > 0) || !std::isfinite(norm))
+        throw InputError("the direction of a ray must be finite and not zero, and so must its square");
     if (!(reach >= 0)) throw InputError("the reach of a ray must not be negative");
     impl_->stepper->place_changed();
     const Vec3 unit = direction / norm;

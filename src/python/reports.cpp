@@ -59,7 +59,9 @@ void bind_sums(py::class_<StepReport>& type) {
         "StepWarning: reasons to look at the step");
     type.def_readonly("energy_corrections", &R::energy_corrections, "islands whose velocities the last resort cut");
     type.def_readonly("energy_removed", &R::energy_removed, "J, taken from them");
-    type.def_readonly("lift", &R::lift, "J, by which energy may have risen to bring bodies to their rest distance");
+    type.def_readonly("lift", &R::lift,
+                      "J, booked for all bodies at the end of the step: by which energy may have risen to bring them "
+                      "to their rest distance");
 }
 
 void bind_pruning(py::class_<StepReport>& type) {

@@ -138,9 +138,9 @@ void bind_knowledge(WorldClass& type) {
     type.def_property_readonly(
         "contacts", &contacts_copy,
         "structured array of the contact points at the present poses, sorted by bodies: body_a < body_b, point (m), "
-        "normal (from a to b), distance along it (m), impulse on b (N s; divided by the time step, the force; a got "
-        "its "
-        "opposite), asleep, across (m, of bodies thinner than the distance at which they rest: from point to where the "
+        "normal (from a to b), distance along it (m), impulse on b (N s; divided by the time step, the force, without "
+        "the blows of stage 1; a got its opposite), asleep, across (m, of bodies thinner than the distance at which "
+        "they rest: from point to where the "
         "impulse acts on b; else zero); a copy");
     type.def_property_readonly(
         "activity", &activity_of,

@@ -277,6 +277,17 @@ void check_body(BodyDescription& body, const SceneDescription& scene, const std:
     }
 }
 
+void check_loads(const BodyDescription& body, double mass, double least_inertia, double time_step,
+                 const std::string& path, ErrorList& errors) {
+    const double linear = length(body.force) / mass, angular = length(body.torque) / least_inertia * time_step;
+    if (!(linear <= kMaxGravity))
+        errors.add(path + "/force",
+                   "accelerates the body by " + to_text(linear) + " m/s^2, more than " + to_text(kMaxGravity));
+    if (!(angular <= kMaxAngularVelocity))
+        errors.add(path + "/torque", "may turn the body by " + to_text(angular) + " rad/s more in a step, more than " +
+                                         to_text(kMaxAngularVelocity));
+}
+
 void check_line(const BodyDescription& body, const Vec3& line, const std::string& path, ErrorList& errors) {
     std::vector<int> free;
     for (int axis = 0; axis < 3; ++axis)

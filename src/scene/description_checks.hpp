@@ -34,6 +34,11 @@ void check_description(SceneDescription& scene, ErrorList& errors);
 
 /// Of one body; of its shape `scene` tells the name and whether it has a mass.
 void check_body(BodyDescription& body, const SceneDescription& scene, const std::string& path, ErrorList& errors);
+
+/// Of a dynamic body: beyond the limits of gravity and of angular velocities, what its loads add in a step has no
+/// meaning. kg; kg m^2, the least of its axes that have any; s.
+void check_loads(const BodyDescription& body, double mass, double least_inertia, double time_step,
+                 const std::string& path, ErrorList& errors);
 /// Of a body whose shape lies on the direction `line` (MassProperties::line): what of its turns may be locked.
 void check_line(const BodyDescription& body, const Vec3& line, const std::string& path, ErrorList& errors);
 /// Adds to `errors` what no name may be: empty, long, with control characters.

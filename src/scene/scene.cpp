@@ -217,25 +217,20 @@ std::optional<MassProperties> shape_mass_properties(const ShapeDescription& shap
     return mass_properties_of(shape, {shape.vertices, shape.triangles});
 }
 
-/// Beyond the limits of gravity and of angular velocities, what a step adds has no meaning.
-void check_loads(const Scene& scene, ErrorList& errors) {
+namespace {
+
+void check_all_loads(const Scene& scene, ErrorList& errors) {
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const BodyDescription& body = scene.bodies[i];
         const auto& mass = scene.shapes[static_cast<std::size_t>(body.shape)].mass;
         if (body.type != BodyType::dynamic || !mass) continue;
-        const double linear = length(body.force) / mass->mass;
         const Vec3& inertia = mass->principal_inertia;
-        const double least = mass->line == Vec3{} ? inertia.x : inertia.y;
-        const double angular = length(body.torque) / least * scene.settings.time_step;
-        if (!(linear <= kMaxGravity))
-            errors.add(element_path("bodies", i) + "/force",
-                       "accelerates the body by " + to_text(linear) + " m/s^2, more than " + to_text(kMaxGravity));
-        if (!(angular <= kMaxAngularVelocity))
-            errors.add(element_path("bodies", i) + "/torque", "may turn the body by " + to_text(angular) +
-                                                                  " rad/s more in a step, more than " +
-                                                                  to_text(kMaxAngularVelocity));
+        check_loads(body, mass->mass, mass->line == Vec3{} ? inertia.x : inertia.y, scene.settings.time_step,
+                    element_path("bodies", i), errors);
     }
 }
+
+} // namespace
 
 Scene build_scene(SceneDescription description, const std::string& source) {
     ErrorList errors(source);
@@ -250,7 +245,7 @@ Scene build_scene(SceneDescription description, const std::string& source) {
     scene.bodies = std::move(description.bodies);
     for (BodyDescription& body : scene.bodies) body.shape = scene.shape_of[static_cast<std::size_t>(body.shape)];
     scene.filtered = make_filter(scene.bodies, description.ignored_groups, description.ignored_bodies);
-    check_loads(scene, errors);
+    check_all_loads(scene, errors);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
         if (const auto& mass = scene.shapes[static_cast<std::size_t>(scene.bodies[i].shape)].mass)
             check_line(scene.bodies[i], mass->line, element_path("bodies", i), errors);

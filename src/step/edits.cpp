@@ -176,7 +176,7 @@ void Stepper::set_gravity(const Vec3& gravity) {
     stale_ = true;
 }
 
-void Stepper::set_filter(const FilteredBodies& filtered) {
+void Stepper::set_filter(const FilteredBodies& filtered, std::span<const std::int32_t> whose) {
     if (!(model_.filter == filtered.filter))
         for (ScriptClock& clock : state_.script_clock) clock.stops = 0;
     model_.filter = filtered.filter;
@@ -184,8 +184,13 @@ void Stepper::set_filter(const FilteredBodies& filtered) {
         if (model_.bodies[i].group != filtered.group[i]) retry_scripts(static_cast<std::int32_t>(i));
         model_.bodies[i].group = filtered.group[i];
     }
-    std::fill(state_.sleep.begin(), state_.sleep.end(), Sleep{});
-    stale_ = true;
+    for (const std::int32_t body : whose) {
+        mark_changed(body);
+        if (model_.bodies[at(body)].dynamic())
+            wake(body);
+        else
+            wake_neighbours(body);
+    }
 }
 
 /// Scripts that pressed on the body in the last step, or on what it was pressed by, and so on: what stopped them may be

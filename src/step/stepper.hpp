@@ -85,7 +85,9 @@ class Stepper {
     void set_motion(std::int32_t body, const Motion& motion);
     void change_body(std::int32_t body, const Body& changed);
     void set_gravity(const Vec3& gravity);
-    void set_filter(const FilteredBodies& filtered);
+    /// `whose`: of each pair for which it says something else than before, and of which both are there and one may
+    /// move, one that does, or else its other; they wake.
+    void set_filter(const FilteredBodies& filtered, std::span<const std::int32_t> whose);
     void wake(std::int32_t body);
     /// Rebuilds what follows from the model and the state, where these were changed; step() does so too.
     void refresh();

@@ -220,6 +220,27 @@ TEST(WorldEdit, ForcesActForAStepOrUntilTheyAreSet) {
                 HasSubstr("is not dynamic"));
 }
 
+TEST(WorldEdit, LoadsAreRefusedAsInAScene) {
+    World world(crate_on_floor());
+    const BodyId crate = world.find("crate");
+    EXPECT_THAT(refusal<InputError>(world, [&] { world.set_force(crate, {1e8, 0, 0}, {}); }), HasSubstr("accelerates"));
+    EXPECT_THAT(refusal<InputError>(world, [&] { world.set_force(crate, {}, {0, 0, 1e9}); }), HasSubstr("may turn"));
+    EXPECT_THAT(refusal<InputError>(world,
+                                    [&] {
+                                        world.apply_force(crate, {1e8, 0, 0}, {0, 0, kHalf});
+                                    }),
+                HasSubstr("\"crate\""));
+    EXPECT_THAT(refusal<InputError>(world,
+                                    [&] {
+                                        world.apply_force(crate, {1, 0, 0}, {0, std::nan(""), 0});
+                                    }),
+                HasSubstr("torque on body \"crate\""));
+    EXPECT_THAT(refusal<InputError>(world, [&] { world.apply_torque(crate, {0, 1e9, 0}); }), HasSubstr("may turn"));
+    BodyDescription pushed = crate_at({0, 0, 5});
+    pushed.force = {0, 0, 1e8};
+    EXPECT_THAT(refusal<InputError>(world, [&] { (void)world.add_body(pushed); }), HasSubstr("accelerates"));
+}
+
 TEST(WorldEdit, LockedAxesStayLocked) {
     SceneDescription scene = crate_on_floor();
     scene.gravity = {};
@@ -238,6 +259,45 @@ TEST(WorldEdit, LockedAxesStayLocked) {
     EXPECT_GT(world.body(1).angular_velocity.z, 0.1);
     EXPECT_EQ(world.body(1).angular_velocity.x, 0);
     EXPECT_THAT(refusal<InputError>(world, [&] { world.set_velocity(crate, {1, 0, 0}, {}); }), HasSubstr("/velocity"));
+}
+
+// A slider that is stopped for a while, as a fixture or by a script, goes on as it did: on its rail, under its load.
+TEST(WorldEdit, WhatIsDynamicAgainHasItsLocksAndForcesBack) {
+    for (const bool by_script : {false, true}) {
+        SceneDescription scene = crate_on_floor();
+        scene.gravity = {};
+        scene.bodies[1].position.z = 5;
+        scene.bodies[1].locked_translation = {true, false, false};
+        scene.bodies[1].locked_rotation = {false, false, true};
+        World world(scene);
+        const BodyId crate = world.find("crate");
+        world.set_force(crate, {3, 2, 0}, {0, 0.1, 0});
+        if (by_script)
+            world.set_script(crate, {{1, {0, 1, 5}, {}}});
+        else
+            world.set_type(crate, BodyType::fixed);
+        EXPECT_EQ(world.description(crate).force, Vec3{});
+        (void)world.step();
+        World resumed(scene, world.snapshot());
+        for (World* w : {&world, &resumed}) {
+            w->set_type(crate, BodyType::dynamic);
+            const BodyDescription body = w->description(crate);
+            EXPECT_EQ(body.locked_translation, (std::array{true, false, false}));
+            EXPECT_EQ(body.locked_rotation, (std::array{false, false, true}));
+            EXPECT_EQ(body.force, (Vec3{3, 2, 0}));
+            EXPECT_EQ(body.torque, (Vec3{0, 0.1, 0}));
+            const double before = w->time();
+            for (int i = 0; i < 24; ++i) (void)w->step();
+            const BodyState state = w->body(static_cast<std::size_t>(crate.index));
+            EXPECT_EQ(state.velocity.x, 0);
+            EXPECT_NEAR(state.velocity.y, 2.0 / 2 * (w->time() - before), 1e-12);
+        }
+        EXPECT_EQ(world.state_hash(), resumed.state_hash());
+        world.set_force(crate, {}, {});
+        world.set_type(crate, BodyType::fixed);
+        world.set_type(crate, BodyType::dynamic);
+        EXPECT_EQ(world.description(crate).force, Vec3{});
+    }
 }
 
 TEST(WorldEdit, TypesChange) {
@@ -351,6 +411,41 @@ TEST(WorldEdit, GroupsThatNobodyIgnoresWakeNobodyAndChangeNoBits) {
     EXPECT_EQ(world.state_hash(), restored.state_hash());
     for (World* w : {&world, &restored}) EXPECT_EQ(w->step().sleeping, 1);
     EXPECT_EQ(world.state_hash(), restored.state_hash());
+}
+
+// Who may meet whom is of the bodies that are named, and of nobody else.
+TEST(WorldEdit, FiltersWakeTheirOwnBodies) {
+    SceneDescription scene = crate_on_floor();
+    for (const double x : {-6.0, -3.0, 3.0, 6.0})
+        scenario::add_body(scene, 0, BodyType::dynamic, {x, 0, kHalf + 0.004}).name = "crate " + std::to_string(x);
+    scene.bodies[2].group = "left", scene.bodies[3].group = "left", scene.bodies[4].group = "right";
+    World world(scene);
+    const auto sleepers = [&] {
+        int sleeping = 0;
+        for (int i = 0; i < 60; ++i) sleeping = static_cast<int>(world.step().sleeping);
+        return sleeping;
+    };
+    ASSERT_EQ(sleepers(), 5);
+    const BodyId crate = world.find("crate");
+    world.ignore_pair(crate, BodyId{5, 0});
+    EXPECT_EQ(world.step().sleeping, 3);
+    ASSERT_EQ(sleepers(), 5);
+    world.ignore_groups("left", "right");
+    EXPECT_EQ(world.step().sleeping, 2);
+    ASSERT_EQ(sleepers(), 5);
+    world.set_group(BodyId{4, 0}, "");
+    EXPECT_EQ(world.step().sleeping, 4);
+    ASSERT_EQ(sleepers(), 5);
+    world.remove_body(BodyId{5, 0});
+    EXPECT_EQ(world.step().sleeping, 4) << "who was ignored with it sleeps on";
+    BodyDescription right = crate_at({0, 9, kHalf + 0.004});
+    right.group = "right";
+    (void)world.add_body(right);
+    EXPECT_EQ(world.step().sleeping, 4) << "the first of an ignored group";
+    // What rests on one that it may now pass falls through it.
+    world.ignore_pair(crate, world.find("floor"));
+    for (int i = 0; i < 10; ++i) (void)world.step();
+    EXPECT_LT(height(world, crate), kHalf - 0.5);
 }
 
 TEST(WorldEdit, AddedShapesAreLikeThoseOfTheScene) {
@@ -481,6 +576,41 @@ TEST(WorldEdit, TheForceCallbackMayChangeTheWorldBeforeEachStep) {
     EXPECT_EQ(world.steps(), 2);
     (void)world.step();
     EXPECT_EQ(world.steps(), 3);
+}
+
+TEST(WorldEdit, RecordedEditsLeadToWhereTheWorldIs) {
+    const SceneDescription scene = crate_on_floor();
+    World world(scene);
+    const BodyId crate = world.find("crate");
+    world.wake(crate); // before the record
+    const std::vector<std::byte> start = world.snapshot();
+    world.record_edits(true);
+    world.set_velocity(crate, {1, 0, 0}, {});
+    for (int i = 0; i < 5; ++i) (void)world.step();
+    const std::vector<std::byte> fifth = world.snapshot();
+    world.remove_body(crate);
+    (void)world.step();
+    const std::vector<std::byte> removed = world.snapshot();
+    world.restore(fifth);
+    ASSERT_EQ(world.recorded_edits().size(), 1u) << "what was undone is not in the record";
+    world.set_velocity(crate, {0, 1, 0}, {});
+    for (int i = 0; i < 5; ++i) (void)world.step();
+    World again(scene);
+    again.wake(crate);
+    std::size_t next = 0;
+    while (again.steps() < world.steps()) {
+        for (; next < 2 && world.recorded_edits()[next].step == again.steps(); ++next)
+            (void)again.apply(world.recorded_edits()[next]);
+        (void)again.step();
+    }
+    EXPECT_EQ(again.state_hash(), world.state_hash());
+    world.restore(removed);
+    EXPECT_THROW((void)world.recorded_edits(), Error) << "edits of another branch";
+    world.restore(start);
+    EXPECT_TRUE(world.recorded_edits().empty());
+    world.restore(removed);
+    world.record_edits(true);
+    EXPECT_TRUE(world.recorded_edits().empty());
 }
 
 TEST(WorldEdit, RefusalsAndWarningsAreLogged) {
