@@ -65,7 +65,7 @@ class DynamicContact {
             if (clusters_.pairs.empty()) return stats_;
             stats_.counters.limit = patience_.ends() || progress_.stalled();
             if (stats_.counters.limit) {
-                if (joint_ != nullptr && alone())
+                if (joint_ != nullptr && alone() && (progress_.stalled() || few_are_left()))
                     stats_.counters.limit = !resolve_jointly(view_, movers_, book_, workers_, *joint_, stats_.counters);
                 return stats_;
             }
@@ -84,6 +84,10 @@ class DynamicContact {
   private:
     /// Whether all clusters are single bodies: the frozen pairs of bodies are those of clusters, one for one.
     [[nodiscard]] bool alone() const { return stats_.merges == 0; }
+
+    /// Whether those that may hit could be one island. More, in a deep pile or in chain mail, sweeps have left as they
+    /// come to their limit where most islands have too many: tries in vain.
+    [[nodiscard]] bool few_are_left() const { return std::ssize(clusters_.pairs) <= kMostHitsTogether; }
 
     /// Runs the queries of few open pairs side by side.
     void close_apart(FrozenList& frozen) {

@@ -22,8 +22,6 @@ constexpr double kUndone = 1.0 / 16;
 constexpr int kMostRounds = 16;
 /// Rounds in a row without a solution.
 constexpr int kMostFailures = 2;
-/// Hits of an island, of all rounds: what a solve takes grows faster than their number.
-constexpr std::ptrdiff_t kMostHits = 128;
 
 /// A hit that is kept, and what it was answered with.
 struct MetHit {
@@ -188,7 +186,7 @@ class JointHits {
         for (const std::int32_t i : island_) ++hits[at(i)];
         for (std::size_t i = 0; i < kept_.size(); ++i) {
             const Contact& c = kept_[i].contact;
-            if (hits[at(island_[i])] > kMostHits || is_left(c.a) || is_left(c.b)) changed_[at(island_[i])] = 1;
+            if (hits[at(island_[i])] > kMostHitsTogether || is_left(c.a) || is_left(c.b)) changed_[at(island_[i])] = 1;
         }
         leave_changed();
     }

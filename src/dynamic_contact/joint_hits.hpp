@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where sweeps of dynamic contact gain nothing: its hits solved together.
+// Where sweeps of dynamic contact gain nothing, or come to their limit: its hits solved together.
 //
 // A light body between heavy ones, or between one and the ground, hands on in a sweep no more than its own mass takes:
 // pushes fall by the ratio of the masses, and the links of a chain under a load of 100 times theirs take thousands of
@@ -24,6 +24,9 @@ namespace flotilla {
 /// found.
 using SolveHits = std::function<std::span<const std::uint8_t>(
     std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses)>;
+
+/// Hits of an island, of all rounds: what a solve takes grows faster than their number.
+inline constexpr std::ptrdiff_t kMostHitsTogether = 128;
 
 /// What solves hits, and the bodies that it did not help, as flags by body: those are left to the failsafe at once
 /// where a step goes through stages 4 and 5 again.

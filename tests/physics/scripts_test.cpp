@@ -450,6 +450,37 @@ void jaws_lift_a_box(const Run& run) {
     EXPECT_NEAR(lifted, kLift, 2e-3);
 }
 
+// Four blades at 20 rad/s among balls that have room beside them: what is driven before a blade is a jam of a step, and
+// the rotor waits for none of it.
+void mixer_turns(const Run& run, int start) {
+    constexpr double kRate = 20, kTime = 3, kBefore = 1, kTurn = 0.05, kWall = 0.4, kBall = 0.04;
+    SceneDescription scene = make_scene_with(run.settings());
+    TriangleMesh blades = make_box(0.6, 0.015, 0.06);
+    const TriangleMesh other = make_box(0.015, 0.6, 0.06);
+    const auto n = static_cast<std::int32_t>(blades.vertices.size());
+    for (const Vec3& v : other.vertices) blades.vertices.push_back(v + Vec3{0, 0, 0.08});
+    for (const Triangle& t : other.triangles) blades.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+    auto& rotor = add_body(scene, add_shape(scene, blades), BodyType::kinematic, {0, 0, 0.06}, 0.3, 0.2);
+    rotor.keyframes = {{0, {0, 0, 0.06}, {}}};
+    for (int k = 0; k * kTurn <= kRate * kTime + 1; ++k)
+        rotor.keyframes.push_back({kBefore + k * kTurn / kRate, {0, 0, 0.06}, rotation_from_vector({0, 0, k * kTurn})});
+    const auto ball = add_shape(scene, make_sphere(kBall, 1), 1000);
+    add_body(scene, add_shape(scene, make_tube(kWall, 1.5, 32)), BodyType::fixed, {0, 0, 0.75}, 0.3, 0.2);
+    for (const double z : {0.0, 1.5})
+        add_body(scene, add_shape(scene, make_disc(kWall, 32)), BodyType::fixed, {0, 0, z}, 0.3, 0.2);
+    for (int k = 0; k < 50; ++k) {
+        const double aside = 0.01 * std::sin(12.9898 * (k + 1 + 50 * start));
+        add_body(scene, ball, BodyType::dynamic,
+                 {(k / 3 % 3 - 1) * 0.15 + aside, (k % 3 - 1) * 0.15, 0.25 + 0.1 * (k / 9)}, 0.3, 0.2);
+    }
+    Motion motion(scene);
+    double turned = 0;
+    motion.run(kBefore + kTime, [&](const StepReport&) { turned += motion.world().turn(0).z; });
+    motion.print("turns by %.4f rad, due %.4f", turned, kRate * kTime);
+    EXPECT_NEAR(turned, kRate * kTime, 1e-6);
+    EXPECT_EQ(motion.outcome().held, 0);
+}
+
 [[maybe_unused]] const bool registered = [] {
     add_runs("Scripts", "BoxOnAConveyor", runs(), true, conveyor);
     add_runs("Scripts", "LiftCarriesWhatItAccelerates", {{"balanced", 120}, {"preview", 60}, {"balanced", 480}}, true,
@@ -482,6 +513,10 @@ void jaws_lift_a_box(const Run& run) {
         add_runs("Scripts", name, {{"preview", 24}, {"preview", 60}}, true, waits);
     }
     add_runs("Scripts", "JawsLiftABox", runs(), true, jaws_lift_a_box);
+    for (const int start : {3, 7}) // without joint solves at the limit of sweeps 56 and 51 of 60 rad
+        add_runs("Scripts", "MixerTurnsAmongBallsFromStart" + std::to_string(start),
+                 {{"balanced", 60}, {"preview", 60}, {"balanced", 120}}, start == 3,
+                 [=](const Run& r) { mixer_turns(r, start); });
     add_runs("Scripts", "ClosingWalls", runs({24, 120}), false, [](const Run& r) { closing_walls(r, false); });
     add_runs("Scripts", "ClosingBox", runs({24, 120}), false, [](const Run& r) { closing_walls(r, true); });
     return true;
