@@ -57,16 +57,15 @@ class DynamicContact {
           joint_(joint),
           patience_(view.model.settings.dynamic_iterations) {}
 
-    /// For all pairs of clusters that are not proved apart, resolve their hits; rigidify what did not resolve; again,
-    /// until every pair is proved apart.
+    /// For all pairs of clusters that are not proved apart, resolve their hits; rigidify what neither that resolved nor
+    /// all hits together; again, until every pair is proved apart.
     DynamicContactStats run() {
         for (int sweep = 0;; ++sweep) {
             FrozenList frozen = freeze_clusters(view_, book_, workers_.team, clusters_);
             if (clusters_.pairs.empty()) return stats_;
             stats_.counters.limit = patience_.ends() || progress_.stalled();
             if (stats_.counters.limit) {
-                if (joint_ != nullptr && alone() && (progress_.stalled() || few_are_left()))
-                    stats_.counters.limit = !resolve_jointly(view_, movers_, book_, workers_, *joint_, stats_.counters);
+                if (progress_.stalled() || few_are_left()) stats_.counters.limit = !resolve_together();
                 return stats_;
             }
             if (alone()) close_apart(frozen);
@@ -76,6 +75,7 @@ class DynamicContact {
                                              [&](std::size_t i) { return clusters_.pairs[i]; }),
                                  sweep % 2 != 0};
             resolve(plan, frozen);
+            if (any_unresolved_ && few_are_left() && resolve_together()) return stats_;
             rigidify(plan);
             ++stats_.counters.sweeps;
         }
@@ -85,6 +85,11 @@ class DynamicContact {
     /// Whether all clusters are single bodies: the frozen pairs of bodies are those of clusters, one for one.
     [[nodiscard]] bool alone() const { return stats_.merges == 0; }
 
+    /// Whether nothing hits any more.
+    bool resolve_together() {
+        return joint_ != nullptr && alone() &&
+               resolve_jointly(view_, movers_, book_, workers_, *joint_, stats_.counters);
+    }
     /// Whether those that may hit could be one island. More, in a deep pile or in chain mail, sweeps have left as they
     /// come to their limit where most islands have too many: tries in vain.
     [[nodiscard]] bool few_are_left() const { return std::ssize(clusters_.pairs) <= kMostHitsTogether; }

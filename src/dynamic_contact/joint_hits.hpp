@@ -25,8 +25,9 @@ namespace flotilla {
 using SolveHits = std::function<std::span<const std::uint8_t>(
     std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses)>;
 
-/// Hits of an island, of all rounds: what a solve takes grows faster than their number.
-inline constexpr std::ptrdiff_t kMostHitsTogether = 128;
+/// Hits of an island, of all rounds: what a solve takes grows faster than their number. Cups in each other hit at more
+/// and more points until they stay: twelve at some 250.
+inline constexpr std::ptrdiff_t kMostHitsTogether = 512;
 
 /// What solves hits, and the bodies that it did not help, as flags by body: those are left to the failsafe at once
 /// where a step goes through stages 4 and 5 again.
