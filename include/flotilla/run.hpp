@@ -31,7 +31,8 @@ struct RunOptions {
     int checkpoint_every = 0;
     WorldOptions world; ///< threads and their use
     std::vector<std::string> command_line;
-    std::string scene_json; ///< the scene file's text, for the record
+    /// The scene file's text, for the record; where it names mesh files the folder gets the scene with their vertices.
+    std::string scene_json;
     /// Where the executed tasks are recorded (flotilla/trace.hpp reads it); empty: nowhere. Written when the run ends,
     /// compressed where the name ends with .gz.
     std::filesystem::path trace;

@@ -11,6 +11,7 @@
 
 #include <flotilla/edit_file.hpp>
 #include <flotilla/error.hpp>
+#include <flotilla/scene_file.hpp>
 #include <flotilla/world.hpp>
 
 #include "api/edited_bodies.hpp"
@@ -168,12 +169,38 @@ std::string settings_json(const Settings& settings) {
     return text + "}";
 }
 
+/// A folder is whole by itself, wherever it is moved to: its scene and edits refer to no mesh files. The vertices are
+/// scaled already.
+void hold_mesh(ShapeDescription& shape) {
+    shape.mesh_path.clear();
+    shape.scale = 1;
+}
+
+/// The text as it was given, where that names no mesh files.
+std::string recorded_scene(const SceneDescription& scene, const std::string& given) {
+    const auto has_file = [](const ShapeDescription& shape) { return !shape.mesh_path.empty(); };
+    if (given.empty() || std::ranges::none_of(scene.shapes, has_file)) return given;
+    SceneDescription whole = scene;
+    std::ranges::for_each(whole.shapes, hold_mesh);
+    std::ostringstream text;
+    write_scene(text, whole);
+    return std::move(text).str();
+}
+
+std::string recorded_edits(std::vector<Edit> edits, const SceneDescription& scene) {
+    for (Edit& edit : edits)
+        if (auto* added = std::get_if<edits::AddShape>(&edit.change)) hold_mesh(added->shape);
+    std::ostringstream text;
+    write_edits(text, edits, scene);
+    return std::move(text).str();
+}
+
 io::RunInfo run_info(const SceneDescription& scene, const World& world, const RunOptions& options) {
     io::RunInfo info;
     info.command_line = options.command_line;
     info.seed = scene.settings.seed;
     info.settings_json = settings_json(scene.settings);
-    info.scene_json = options.scene_json;
+    info.scene_json = recorded_scene(scene, options.scene_json);
     info.scene_hash = world.scene_hash();
     info.trajectory = scene.settings.trajectory;
     info.time_step = scene.settings.time_step;
@@ -186,9 +213,7 @@ io::RunInfo run_info(const SceneDescription& scene, const World& world, const Ru
         if (!body.group.empty()) info.groups.push_back({body.name, body.group});
     if (options.edits.empty()) return info;
     info.scene_bodies = scene.bodies.size();
-    std::ostringstream edits;
-    write_edits(edits, options.edits, scene);
-    info.edits_json = edits.str();
+    info.edits_json = recorded_edits(options.edits, scene);
     for (const Edit& edit : options.edits) info.scene_hash = chained_with_step(info.scene_hash, edit);
     return info;
 }

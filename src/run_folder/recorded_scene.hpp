@@ -8,8 +8,9 @@
 
 namespace flotilla::io {
 
-/// The scene's text with the settings that the run had. Meshes that it names are looked for beside the folder's own
-/// files. Throws InputError where the folder has no text, or where that is no valid scene there.
+/// The scene's text with the settings that the run had. Meshes that it names, as in folders of older versions, are
+/// looked for beside the folder's own files. Throws InputError where the folder has no text, or where that is no valid
+/// scene there.
 [[nodiscard]] SceneDescription recorded_scene(const RunReader& run);
 
 } // namespace flotilla::io

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The folder of a run:
 //   run.json          where the run comes from: version, commit, compiler, machine, threads, settings, command line
-//   scene.json        the scene as it was read, for people
+//   scene.json        the scene as it was read, for people; with the vertices where it names meshes by their files
 //   meshes.h5         what the frames need: every shape once, and the bodies' names, shapes and types
-//   edits.json        what was changed between steps (flotilla/edit_file.hpp), where anything was
+//   edits.json        what was changed between steps (flotilla/edit_file.hpp), with vertices too, where anything was
 //   steps.csv         one row per step
 //   frames-A-B.h5     frames A..B
 //   checkpoint-S.h5   everything needed to go on after step S (run_folder/checkpoint.hpp)

@@ -88,6 +88,34 @@ TEST(PictureCommand, ShowsAnyFrameOfARunTheLastByDefault) {
     EXPECT_NE(beyond.err.find("0 to 2"), std::string::npos) << beyond.err;
 }
 
+TEST(PictureCommand, ShowsStepsOfARunWhoseMeshFilesAreGone) {
+    const TemporaryFolder folder;
+    const std::string mesh =
+        folder.write("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    const std::string scene = folder.write("s.json", R"({"flotilla_scene": 1,
+  "shapes": [{"name": "t", "mesh": "ball.obj", "scale": 0.3, "density": 100}], "bodies": [{"name": "a", "shape": "t"}]})");
+    const std::string edits = folder.write("e.json", R"({"flotilla_edits": 1, "edits": [
+  {"step": 2, "add_shape": {"name": "u", "mesh": "ball.obj", "scale": 0.7, "density": 100}},
+  {"step": 2, "add_body": {"name": "b", "shape": "u", "position": [3, 0, 0]}}]})");
+    const std::string run = folder.path() / "run", moved = folder.path() / "moved", png = folder.path() / "out.png";
+    ASSERT_EQ(run_flotilla("run " + scene + " --steps 6 --checkpoint-every 4 --quiet --output " + run + "s").exit_code,
+              0);
+    ASSERT_EQ(run_flotilla("run " + scene + " --edits " + edits + " --steps 6 --quiet --output " + run).exit_code, 0);
+    const std::string poses = folder.path() / "poses.csv";
+    ASSERT_EQ(run_flotilla("export " + run + "s --format csv --output " + poses).exit_code, 0);
+    std::filesystem::remove(mesh);
+    std::filesystem::rename(run, moved);
+    for (const std::string& place : {moved, run + "s"}) {
+        const CommandOutput r = run_flotilla("picture " + place + " --step 5 --output " + png + kSmall);
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+    }
+    const CommandOutput verified = run_flotilla("verify " + run + "s/scene.json --poses " + poses);
+    EXPECT_EQ(verified.exit_code, 0) << verified.err;
+    const CommandOutput again =
+        run_flotilla("run " + run + "s/scene.json --resume --steps 9 --quiet --output " + run + "s");
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+}
+
 TEST(PictureCommand, TellsBadOptionsFromFailures) {
     const TemporaryFolder folder;
     const std::string scene = folder.write("scene.json", kScene), out = folder.path();
