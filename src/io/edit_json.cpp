@@ -146,10 +146,27 @@ class EditReader : io::JsonReader {
         std::stable_sort(order.begin(), order.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
         for (const auto& [step, i] : order) {
             std::optional<decltype(Edit::change)> change = read_edit(list[i], at.element(i));
-            if (!change) continue;
+            if (!change) {
+                note_refused(list[i]);
+                continue;
+            }
             edits_.push_back({step, std::move(*change)});
             places_.note(edits_.back());
         }
+    }
+
+    /// What a faulty edit would have brought has its name all the same, so that later ones are not blamed as well.
+    void note_refused(const Json& value) {
+        const auto name_in = [&](const char* kind) {
+            const Json* added = value.is_object() && value.contains(kind) ? &value[kind] : nullptr;
+            const bool named = added != nullptr && added->is_object() && added->contains("name");
+            return named && (*added)["name"].is_string() ? (*added)["name"].get<std::string>() : std::string();
+        };
+        edits::AddShape shape;
+        edits::AddBody body;
+        shape.shape.name = name_in("add_shape"), body.body.name = name_in("add_body");
+        if (!shape.shape.name.empty()) places_.note({0, std::move(shape)});
+        if (!body.body.name.empty()) places_.note({0, std::move(body)});
     }
 
     std::int64_t step_of(const Json& value, const JsonPlace& at) {

@@ -12,7 +12,7 @@
 namespace flotilla::test {
 namespace {
 
-using testing::HasSubstr;
+using testing::HasSubstr, testing::Not;
 
 std::string problems(const std::string& edits) {
     try {
@@ -68,6 +68,14 @@ TEST(EditFile, ProblemsAreNamedAtTheirPlaces) {
     EXPECT_THAT(problems("{\"step\": 0, \"add_body\": {\"name\": \"x\", \"shape\": \"nobody\"}}"),
                 HasSubstr("/edits/0/add_body/shape: unknown shape"));
     EXPECT_THAT(problems("7"), HasSubstr("/edits/0: must be an object"));
+    // What a faulty edit would have brought is known to later ones.
+    const std::string chain =
+        problems("{\"step\": 0, \"add_shape\": {\"name\": \"ball\", \"mesh\": \"none.obj\"}}, {\"step\": 0, "
+                 "\"add_body\": {\"name\": "
+                 "\"b\", \"shape\": \"ball\", \"velocity\": 1}}, {\"step\": 1, \"remove_body\": \"b\"}");
+    EXPECT_THAT(chain, HasSubstr("/edits/0/add_shape/mesh: "));
+    EXPECT_THAT(chain, HasSubstr("/edits/1/add_body/velocity: "));
+    EXPECT_THAT(chain, Not(HasSubstr("unknown")));
     // Names mean who has them at the time, which is that of the step, not of the line.
     EXPECT_EQ(
         problems("{\"step\": 9, \"remove_body\": \"new\"}, {\"step\": 2, \"add_body\": {\"name\": \"new\", \"shape\": "
