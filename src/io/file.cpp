@@ -71,7 +71,24 @@ fs::path to_be_replaced(const fs::path& path) {
     return followed(path);
 }
 
+fs::path beside(const fs::path& target) { return target.string() + std::string(kTemporarySuffix); }
+
 } // namespace
+
+void check_writable(const fs::path& path) {
+    const fs::path target = to_be_replaced(path);
+    if (target.empty()) { // not opened: the reader of a pipe would take that for all there is
+        std::error_code error;
+        if (fs::is_directory(path, error)) fail(path, "write", EISDIR);
+        if (::access(path.c_str(), W_OK) != 0) fail(path, "write", errno);
+        return;
+    }
+    const fs::path temporary = beside(target);
+    if (Descriptor(temporary, O_WRONLY | O_CREAT | O_EXCL).get() >= 0)
+        ::unlink(temporary.c_str());
+    else if (errno != EEXIST || Descriptor(temporary, O_WRONLY).get() < 0)
+        fail(path, "write", errno);
+}
 
 std::vector<std::byte> read_file(const fs::path& path) {
     Descriptor file(path, O_RDONLY);
@@ -98,7 +115,7 @@ std::string read_text(const fs::path& path) {
 }
 
 OutputFile::OutputFile(const fs::path& path) : path_(path), target_(to_be_replaced(path)) {
-    if (!target_.empty()) temporary_ = target_.string() + std::string(kTemporarySuffix);
+    if (!target_.empty()) temporary_ = beside(target_);
     const fs::path& file = target_.empty() ? path_ : temporary_;
     descriptor_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor_ < 0) fail(path_, "write", errno);

@@ -38,6 +38,9 @@ class OutputFile {
     int descriptor_ = -1;
 };
 
+/// IoError where an OutputFile could not be opened now. Changes nothing: for what must be known before other files do.
+void check_writable(const std::filesystem::path& path);
+
 /// All of it by an OutputFile. On failure what was there before is as it was, if it is a regular file.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_file(const std::filesystem::path& path, std::string_view text);

@@ -20,10 +20,10 @@
 #include "base/stopwatch.hpp"
 #include "base/text.hpp"
 #include "base/vec3.hpp"
+#include "io/file.hpp"
 #include "parallel/background.hpp"
 #include "run_folder/checkpoint.hpp"
 #include "run_folder/contacts_csv.hpp"
-#include "run_folder/file_stream.hpp"
 #include "run_folder/run_bodies.hpp"
 #include "run_folder/run_folder.hpp"
 #include "scene/scene.hpp"
@@ -92,7 +92,6 @@ class TaskTrace {
   public:
     TaskTrace(World& world, std::vector<ThreadCosts> costs, const RunOptions& options)
         : options_(options), world_(world), team_(WorldAccess::team(world)), recorder_(team_.size()) {
-        const io::OutputStream probe(options.trace); // a path that cannot be written is known before the run
         recorder_.set_active(false);
         team_.record_to(&recorder_);
         info_.threads = team_.size();
@@ -392,6 +391,17 @@ void make_edits(io::RunBodies& edited, World& world) {
     }
 }
 
+/// What cannot be written is known before the folder changes, where an earlier run may be. The folder itself is made
+/// first, as the files may belong there.
+void check_outputs(const RunOptions& options) {
+    if (options.trace.empty() && options.contacts.empty()) return;
+    if (!options.output.empty()) io::create_folder(options.output);
+    if (!options.trace.empty()) io::check_writable(options.trace);
+    if (options.contacts.empty()) return;
+    io::check_writable(options.contacts);
+    io::check_writable(io::contact_totals_path(options.contacts));
+}
+
 void check_options(const RunOptions& options) {
     if (!std::is_sorted(options.edits.begin(), options.edits.end(),
                         [](const Edit& a, const Edit& b) { return a.step < b.step; }))
@@ -424,6 +434,7 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         edited.emplace(scene, options.edits);
         (void)edited->advance(world.steps() - 1); // those are in the checkpoint
     }
+    check_outputs(options);
     std::optional<RunRecorder> recorder;
     if (auto writer = open_writer(scene, world, options, checkpoint, edited ? &*edited : nullptr))
         recorder.emplace(std::move(writer), world, options, edited ? &*edited : nullptr);

@@ -336,6 +336,26 @@ TEST(RunCommand, WritesContactsOnRequest) {
     EXPECT_EQ(run_flotilla("run --quiet --steps 1 --contacts /proc/none/contacts.csv " + scene).exit_code, 5);
 }
 
+TEST(RunCommand, KeepsTheEarlierRunWhereItsOtherFilesCannotBeWritten) {
+    const TemporaryFolder folder;
+    const std::string in = folder.path().string() + "/", scene = resting_block(folder, "");
+    const std::string run = "run --quiet --steps 3 --output " + in + "run " + scene;
+    ASSERT_EQ(run_flotilla(run).exit_code, 0);
+    const std::string steps = io::read_text(in + "run/steps.csv");
+    fs::create_directories(in + "taken-bodies.csv");
+    for (const char* option : {"--contacts /proc/none/c.csv", "--trace /proc/none/t.json", "--trace /proc/t.json"}) {
+        const CommandOutput r = run_flotilla(run + " --overwrite " + option);
+        EXPECT_EQ(r.exit_code, 5) << option;
+        EXPECT_NE(r.err.find(": cannot write: "), std::string::npos) << r.err;
+        EXPECT_EQ(io::read_text(in + "run/steps.csv"), steps) << option;
+    }
+    EXPECT_EQ(run_flotilla(run + " --overwrite --contacts " + in + "taken.csv").exit_code, 5) << "of the totals";
+    EXPECT_EQ(io::read_text(in + "run/steps.csv"), steps);
+    const std::string other = "run --quiet --steps 3 --output " + in + "other " + scene;
+    EXPECT_EQ(run_flotilla(other + " --contacts /proc/none/c.csv").exit_code, 5);
+    EXPECT_EQ(run_flotilla(other + " --contacts " + in + "other/c.csv").exit_code, 0) << "nothing was begun there";
+}
+
 TEST(RunCommand, ContactsOfSleepingBodiesStay) {
     const TemporaryFolder folder;
     const std::string in = folder.path().string() + "/", scene = resting_block(folder, "");

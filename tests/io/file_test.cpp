@@ -113,6 +113,21 @@ TEST(OutputFile, DevicesAreWrittenIntoAndMayBeFull) {
     EXPECT_EQ(files_in(folder.path()), 2U);
 }
 
+TEST(OutputFile, IsKnownToBeWritableWithoutAChange) {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "file", left = folder.path() / "file.tmp", pipe = folder.path() / "pipe";
+    io::check_writable(file);
+    EXPECT_EQ(files_in(folder.path()), 0U);
+    write_file(left, "of a process that was killed");
+    io::check_writable(file);
+    EXPECT_EQ(content(left), "of a process that was killed");
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    io::check_writable(pipe); // and does not wait for its reader
+    io::check_writable("/dev/null");
+    for (const fs::path& bad : {folder.path(), folder.path() / "none" / "file", fs::path("/proc/file")})
+        EXPECT_THROW(io::check_writable(bad), IoError) << bad;
+}
+
 TEST(OutputFile, WhatCannotBeWrittenIsNamed) {
     const TemporaryFolder folder;
     EXPECT_EQ(failure(folder.path(), "text"), folder.path().string() + ": cannot write: Is a directory");
