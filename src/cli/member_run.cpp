@@ -31,14 +31,18 @@ std::vector<std::string> command_of(const SweepMember& member, const std::string
     return words;
 }
 
-/// What a run said at last, without the command's name.
-std::string last_line(const std::filesystem::path& log) {
+/// What a run said at last, maybe in several lines, without the command's name: of one that is quiet, why it ended.
+std::string last_message(const std::filesystem::path& log) {
     std::ifstream in(log);
-    std::string last;
-    for (std::string line; std::getline(in, line);)
-        if (!line.empty()) last = line;
     const std::string name = "flotilla: ";
-    return last.starts_with(name) ? last.substr(name.size()) : last;
+    std::string last;
+    for (std::string line; std::getline(in, line);) {
+        if (line.starts_with(name))
+            last = line.substr(name.size());
+        else if (!line.empty())
+            last += (last.empty() ? "" : "\n") + line;
+    }
+    return last;
 }
 
 } // namespace
@@ -60,7 +64,7 @@ SweepOutcome run_member(const std::filesystem::path& program, const SweepMember&
     const ChildResult child = run_child(program, command_of(member, time_limit), member.log, stop);
     if (child.exit_code > kSignal)
         return {kInternalError, "ended by signal " + std::to_string(child.exit_code - kSignal), child.cpu};
-    return {child.exit_code, child.exit_code == kOk ? "" : last_line(member.log), child.cpu};
+    return {child.exit_code, child.exit_code == kOk ? "" : last_message(member.log), child.cpu};
 }
 
 } // namespace flotilla::cli

@@ -236,7 +236,7 @@ int run_run(const RunArguments& arguments) {
     const int proved = arguments.audit ? audit_run(arguments.output, arguments.threads, arguments.quiet) : kOk;
     if (!ended.blocked) return proved;
     std::cerr << "flotilla: " << ended.blocked->what() << '\n';
-    if (!arguments.output.empty())
+    if (!arguments.output.empty() && !arguments.quiet) // a hint, and no problem
         std::cerr << "flotilla: --resume --set unsatisfiable_script=hold goes on from here\n";
     return proved != kOk ? proved : kScript;
 }

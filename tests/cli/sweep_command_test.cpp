@@ -112,6 +112,18 @@ TEST_F(SweepCommand, TellsWhyRunsFailed) {
     EXPECT_EQ(r.out, "") << "nothing is complete";
 }
 
+TEST_F(SweepCommand, SaysWhichScriptWouldCrushWhat) {
+    const CommandOutput r =
+        run_flotilla("sweep closing-walls --vary unsatisfiable_script=hold,error --duration 2 --quiet" + to("out"));
+    EXPECT_EQ(r.exit_code, 7) << r.err;
+    const auto json = nlohmann::json::parse(io::read_text(at("out") / "sweep.json"));
+    const std::string reason = json.at("members").at("unsatisfiable_script=error@closing-walls").at("reason");
+    EXPECT_NE(reason.find(" cannot go on: it would crush body "), std::string::npos) << reason;
+    EXPECT_NE(r.err.find("failed (7): " + reason), std::string::npos) << r.err;
+    EXPECT_EQ(r.err.find("--resume"), std::string::npos) << r.err;
+    EXPECT_NE(io::read_text(at("out") / "sweep.html").find("it would crush body "), std::string::npos);
+}
+
 TEST_F(SweepCommand, ARunThatIsKilledFailsAlone) {
     const std::string err = at("err").string(); // a second of CPU time for every process: enough for the campaign's own
     const std::string line = "ulimit -t 1; " FLOTILLA_COMMAND
