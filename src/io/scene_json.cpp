@@ -142,7 +142,7 @@ bool SceneReader::get(Value& out, const Json& object, const JsonPlace& at, std::
 
 void SceneReader::read_version(const Json& document, const JsonPlace& at) {
     const Json* version = member(document, at, "flotilla_scene", true);
-    if (version != nullptr && !(version->is_number_integer() && version->get<double>() == 1))
+    if (version != nullptr && !(version->is_number() && version->get<double>() == 1))
         problem(at.member("flotilla_scene"), "must be 1, the version of the format, got " + kind_of(*version));
 }
 

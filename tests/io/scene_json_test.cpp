@@ -56,6 +56,10 @@ TEST(SceneJson, ReadsWhatTheFileSays) {
     EXPECT_EQ(s.bodies[3].keyframes.size(), 2U);
 }
 
+TEST(SceneJson, TheVersionMayBeWrittenAsOthersWriteNumbers) {
+    EXPECT_NO_THROW((void)parse_scene(R"({"flotilla_scene": 1.0, "shapes": [], "bodies": []})", "scene", {}));
+}
+
 TEST(SceneJson, OmittedBodyFieldsTakeTheSettingsValues) {
     const SceneDescription s = parse_scene(kScene, "test", ".");
     EXPECT_EQ(s.bodies[0].friction, 0.3);
