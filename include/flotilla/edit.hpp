@@ -107,6 +107,7 @@ struct Edit {
                  edits::SetGravity, edits::SetGroup, edits::IgnoreGroups, edits::IgnorePair, edits::Wake,
                  edits::RemoveShape>
         change;
+    std::string place{}; ///< "file: /edits/3" of one that was read, for messages; no part of what it does
 };
 
 } // namespace flotilla

@@ -130,7 +130,7 @@ class EditReader : io::JsonReader {
         if (!is_object(document, top)) return {};
         check_keys(document, top, std::array{"flotilla_edits"sv, "edits"sv});
         const Json* version = member(document, top, "flotilla_edits", true);
-        if (version != nullptr && !(version->is_number_integer() && version->get<double>() == 1))
+        if (version != nullptr && !(version->is_number() && version->get<double>() == 1))
             problem(top.member("flotilla_edits"), "must be 1, the version of the format, got " + io::kind_of(*version));
         const Json* list = member(document, top, "edits", true);
         const JsonPlace at = top.member("edits");
@@ -150,7 +150,7 @@ class EditReader : io::JsonReader {
                 note_refused(list[i]);
                 continue;
             }
-            edits_.push_back({step, std::move(*change)});
+            edits_.push_back({step, std::move(*change), errors().source() + ": " + at.element(i).text()});
             places_.note(edits_.back());
         }
     }

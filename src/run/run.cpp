@@ -379,7 +379,8 @@ struct RefusedEdit {
 void make_edits(io::RunBodies& edited, World& world) {
     for (const Edit& edit : edited.advance(world.steps())) {
         const auto after = [&](const std::exception& e) {
-            return "edit after step " + std::to_string(edit.step) + ": " + e.what();
+            return (edit.place.empty() ? "edit" : edit.place + ": edit") + " after step " + std::to_string(edit.step) +
+                   ": " + e.what();
         };
         try {
             world.apply(edit);

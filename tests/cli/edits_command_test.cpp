@@ -79,12 +79,14 @@ TEST_F(EditsCommand, AMovedBodyIsNotAFaultAndAHiddenMoveIs) {
 }
 
 TEST_F(EditsCommand, RefusedEditsEndARunThatCanBeRead) {
-    const std::string edits = folder_.write(
-        "edits.json", "{\"flotilla_edits\": 1, \"edits\": [{\"step\": 4, \"add_body\": {\"name\": \"late\", \"shape\": "
-                      "\"shape1\", \"position\": [0, 0, -3]}}]}");
+    const std::string edits =
+        folder_.write("edits.json", "{\"flotilla_edits\": 1, \"edits\": [{\"step\": 6, \"wake\": \"body5\"}, "
+                                    "{\"step\": 4, \"add_body\": {\"name\": \"late\", \"shape\": "
+                                    "\"shape1\", \"position\": [0, 0, -3]}}]}");
     const CommandOutput r = run_flotilla(run(edits, "run", "--steps 8"));
     EXPECT_EQ(r.exit_code, 4) << r.err;
-    EXPECT_THAT(r.err, HasSubstr("edit after step 4: body \"late\" would intersect body \"floor\""));
+    EXPECT_THAT(r.err,
+                HasSubstr("edits.json: /edits/1: edit after step 4: body \"late\" would intersect body \"floor\""));
     const CommandOutput verified = run_flotilla("verify " + path("run"));
     EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
     const std::string wrong = folder_.write("wrong.json", "{\"flotilla_edits\": 1, \"edits\": [{\"step\": 1}]}");

@@ -52,6 +52,15 @@ TEST(EditFile, WhatAWorldRecordedIsReadBackToTheSameBits) {
     }
 }
 
+TEST(EditFile, EditsKnowTheirPlaces) {
+    const std::vector<Edit> edits =
+        parse_edits(R"({"flotilla_edits": 1.0, "edits": [{"step": 9, "wake": "body5"}, {"step": 2, "wake": "body6"}]})",
+                    "file", {}, tub());
+    ASSERT_EQ(edits.size(), 2u);
+    EXPECT_EQ(edits[0].place, "file: /edits/1");
+    EXPECT_EQ(edits[1].place, "file: /edits/0");
+}
+
 TEST(EditFile, ProblemsAreNamedAtTheirPlaces) {
     EXPECT_EQ(problems("{\"step\": 3, \"remove_body\": \"body5\"}"), "");
     EXPECT_THAT(problems("{\"remove_body\": \"body5\"}"), HasSubstr("file: /edits/0/step: is missing"));
