@@ -58,6 +58,7 @@ PUBLIC_HEADERS = {
     "types": "base",
     "error": "base",
     "build_info": "base",
+    "environment": "base",
     "names": "base",
     "settings": "scene",
     "scene": "scene",

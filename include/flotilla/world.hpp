@@ -57,7 +57,8 @@ struct WorldOptions {
     /// OpenMP would take (OMP_NUM_THREADS, else the cores that the process may use); less what steps of other Worlds
     /// use at the time; and one inside an active parallel region of OpenMP or a task of TBB, whose other threads have
     /// work of their own. A number is taken as it is, inside a parallel region as far as OpenMP allows regions within
-    /// regions (OMP_MAX_ACTIVE_LEVELS), and as one where the process may not have the memory for their stacks.
+    /// regions (OMP_MAX_ACTIVE_LEVELS), and as one where the process may not have the memory for their stacks. What the
+    /// environment asks for must be something that there is (flotilla/environment.hpp).
     int threads = 0;
     Executor executor = Executor::parallel;
 };

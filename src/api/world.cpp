@@ -7,12 +7,14 @@
 #include <string_view>
 #include <utility>
 
+#include <flotilla/environment.hpp>
 #include <flotilla/error.hpp>
 
 #include "api/contact_states.hpp"
 #include "api/world_access.hpp"
 #include "api/world_impl.hpp"
 #include "base/assumptions.hpp"
+#include "base/environment.hpp"
 #include "base/floating_point.hpp"
 #include "base/index.hpp"
 #include "base/text.hpp"
@@ -64,11 +66,10 @@ std::vector<MovedBody> separate(const Scene& described, Scene& scene, const std:
 
 std::uint64_t hash_of(const Scene& scene, const Model& model) { return scene_hash(model, initial_state(scene, model)); }
 
-constexpr int kMostThreads = 1024;
-
 StepperOptions stepper_options(const WorldOptions& options) {
     StepperOptions out;
     TeamOptions& team = out.team;
+    check_environment();
     if (options.threads < 0)
         throw InputError(std::to_string(options.threads) + " threads: must be one or more, or 0 for the default");
     team.yields = options.threads == 0;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// What the environment of the process asks for (flotilla/environment.hpp).
 #pragma once
 
 #include <charconv>
@@ -7,7 +8,9 @@
 
 namespace flotilla {
 
-/// FLOTILLA_NUM_THREADS; 0 where it is unset or no positive number.
+inline constexpr int kMostThreads = 1024; ///< of a World or of coarse work
+
+/// FLOTILLA_NUM_THREADS; 0 where it is unset or no positive number, which check_environment() refuses.
 [[nodiscard]] inline int threads_from_environment() {
     const char* text = std::getenv("FLOTILLA_NUM_THREADS");
     int threads = 0;

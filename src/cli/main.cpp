@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <flotilla/build_info.hpp>
+#include <flotilla/environment.hpp>
 #include <flotilla/names.hpp>
 
 #include "cli/commands.hpp"
@@ -65,6 +66,7 @@ int parse_and_run(int argc, char** argv) {
         // Prints help to stdout (code 0) or the complaint to stderr.
         return app.exit(e) == 0 ? cli::kOk : cli::kBadInput;
     }
+    check_environment();
     return action();
 }
 

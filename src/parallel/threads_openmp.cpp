@@ -6,7 +6,7 @@
 #include <sys/mman.h>
 #include <tbb/task.h>
 
-#include "parallel/environment.hpp"
+#include "base/environment.hpp"
 #include "parallel/threads.hpp"
 
 namespace flotilla {

@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "parallel/environment.hpp"
+#include "base/environment.hpp"
 #include "parallel/threads.hpp"
 
 namespace flotilla {

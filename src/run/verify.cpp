@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <flotilla/edit_file.hpp>
+#include <flotilla/environment.hpp>
 #include <flotilla/error.hpp>
 #include <flotilla/scene_file.hpp>
 
@@ -82,6 +83,7 @@ struct EditedRun {
 };
 
 int threads_of(const VerifyOptions& options) {
+    check_environment();
     if (options.threads < 0)
         throw InputError(std::to_string(options.threads) + " threads: must be one or more, or 0 for the default");
     return options.threads > 0 ? options.threads : free_threads();

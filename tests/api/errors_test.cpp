@@ -112,6 +112,15 @@ TEST(Errors, ABodyThatIsNotThereIsNamed) {
     }
 }
 
+TEST(Errors, OfTheEnvironmentNameTheVariable) {
+    const SceneDescription scene = boxes({1});
+    setenv("FLOTILLA_NUM_THREADS", "none", 1);
+    EXPECT_EQ(message([&] { World{scene}; }),
+              "environment: FLOTILLA_NUM_THREADS: must be a whole number of 1 to 1024, got \"none\"");
+    unsetenv("FLOTILLA_NUM_THREADS");
+    EXPECT_EQ(message([&] { World{scene}; }), "");
+}
+
 TEST(Errors, NumbersOfThreadsBelowZeroAreRefused) {
     const SceneDescription scene = boxes({1});
     const std::string expected = "-1 threads: must be one or more, or 0 for the default";

@@ -73,7 +73,7 @@ TEST_F(RunThreads, PeakMemoryIsOfTheRunAlone) {
 
 TEST_F(RunThreads, InstructionSetsChangeNoBit) {
     const auto expected = run("--threads 2");
-    for (const char* name : {"scalar", "avx2", "none such"}) {
+    for (const char* name : {"scalar", "avx2", ""}) {
         setenv("FLOTILLA_SIMD", name, 1);
         EXPECT_EQ(run("--threads 2"), expected) << name;
         unsetenv("FLOTILLA_SIMD");
@@ -86,6 +86,23 @@ TEST_F(RunThreads, TheEnvironmentSetsTheirNumber) {
     unsetenv("FLOTILLA_NUM_THREADS");
     EXPECT_NE(last_.find("\n     2 "), std::string::npos) << last_;
     EXPECT_EQ(last_.find("\n     3 "), std::string::npos) << last_;
+}
+
+TEST_F(RunThreads, AnEnvironmentThatAsksForNothingKnownIsRefused) {
+    const std::string command = "run " + (folder_.path() / "boats.json").string() + " --steps 1 --quiet";
+    const auto refusal = [&](const std::string& setting) {
+        const CommandOutput r = run_flotilla(command, "export " + setting);
+        EXPECT_EQ(r.exit_code, 2) << setting;
+        return r.err;
+    };
+    for (const char* count : {"abc", "0", "-3", "2x", "1025", "99999999999"})
+        EXPECT_EQ(refusal("FLOTILLA_NUM_THREADS=" + std::string(count)),
+                  "flotilla: environment: FLOTILLA_NUM_THREADS: must be a whole number of 1 to 1024, got \"" +
+                      std::string(count) + "\"\n");
+    EXPECT_EQ(refusal("FLOTILLA_SIMD=foo"),
+              "flotilla: environment: FLOTILLA_SIMD: must be scalar, avx2 or avx512, got \"foo\"\n");
+    EXPECT_EQ(run_flotilla(command, "export FLOTILLA_NUM_THREADS= FLOTILLA_SIMD=").exit_code, 0);
+    EXPECT_EQ(run_flotilla("--version", "export FLOTILLA_SIMD=foo").exit_code, 0);
 }
 
 TEST_F(RunThreads, TooManyAreRefused) {
