@@ -38,8 +38,9 @@ struct RunOptions {
     std::filesystem::path trace;
     int trace_every = 1; ///< steps per recorded step; a step of many bodies in impact has 100,000 tasks of 30 bytes
     /// Where the contact points of every step and their impulses are written as CSV (run_folder/contacts_csv.hpp);
-    /// empty: nowhere. There when the run ends, compressed where the name ends with .gz. A resumed run has the contacts
-    /// from there on.
+    /// empty: nowhere. There when the run ends, compressed where the name ends with .gz. A resumed run goes on with
+    /// the file of the same name, that of a run that was killed too (FILE.tmp); where it is gone `note` is told from
+    /// which step on there are contacts, and another file is refused with InputError.
     std::filesystem::path contacts;
     /// Made on the way, sorted by step: each after so many steps. What is refused ends the run with InputError or
     /// OverlapError, once what came before is written with a checkpoint. A resumed run needs the same.

@@ -286,7 +286,7 @@ void register_run(CLI::App& app, Action& action, const std::vector<std::string>&
         ->add_option(
             "--contacts", arguments->contacts,
             "write the contact points of every step and their impulses into FILE as CSV (.gz: compressed); those of "
-            "sleeping bodies are marked")
+            "sleeping bodies are marked; --resume goes on with the file")
         ->check(kNotEmpty);
     command
         ->add_option(

@@ -73,7 +73,22 @@ fs::path to_be_replaced(const fs::path& path) {
 
 fs::path beside(const fs::path& target) { return target.string() + std::string(kTemporarySuffix); }
 
+/// Pipes and most devices cannot be synced and say EINVAL: `straight`. Returns errno, 0 after success.
+int sync_content(int descriptor, bool straight) {
+    return ::fsync(descriptor) != 0 && !(straight && errno == EINVAL) ? errno : 0;
+}
+
 } // namespace
+
+fs::path temporary_name(const fs::path& path) {
+    const fs::path target = to_be_replaced(path);
+    return target.empty() ? target : beside(target);
+}
+
+void take_temporary(const fs::path& path) {
+    const fs::path target = to_be_replaced(path);
+    if (::rename(beside(target).c_str(), target.c_str()) != 0) fail(path, "replace", errno);
+}
 
 void check_writable(const fs::path& path) {
     const fs::path target = to_be_replaced(path);
@@ -123,7 +138,7 @@ OutputFile::OutputFile(const fs::path& path) : path_(path), target_(to_be_replac
 
 OutputFile::~OutputFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
-    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+    if (!temporary_.empty() && !stays_) ::unlink(temporary_.c_str());
 }
 
 void OutputFile::append(std::span<const std::byte> bytes) {
@@ -132,9 +147,13 @@ void OutputFile::append(std::span<const std::byte> bytes) {
 
 void OutputFile::append(std::string_view text) { append(std::as_bytes(std::span(text))); }
 
+void OutputFile::sync() {
+    if (const int error = sync_content(descriptor_, target_.empty())) fail(path_, "write", error);
+    stays_ = true;
+}
+
 void OutputFile::close() {
-    // Pipes and most devices cannot be synced and say EINVAL.
-    if (::fsync(descriptor_) != 0 && !(target_.empty() && errno == EINVAL)) fail(path_, "write", errno);
+    if (const int error = sync_content(descriptor_, target_.empty())) fail(path_, "write", error);
     // Some file systems report a failed write only here.
     if (::close(std::exchange(descriptor_, -1)) != 0) fail(path_, "write", errno);
     if (target_.empty()) return;

@@ -3,6 +3,7 @@
 // never a mixture. Every failure is an IoError that names the path and carries the system's own text.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -30,13 +31,22 @@ class OutputFile {
 
     void append(std::span<const std::byte> bytes);
     void append(std::string_view text);
+    /// Makes what was appended durable, and lets it stay under its temporary name where close() is not reached. Of
+    /// another thread than append() maybe.
+    void sync();
     /// Syncs, renames, syncs the folder.
     void close();
 
   private:
     std::filesystem::path path_, target_, temporary_; ///< as given, links followed, beside that; empty: straight
     int descriptor_ = -1;
+    std::atomic<bool> stays_ = false;
 };
+
+/// The temporary name of an OutputFile of this path; empty where it writes straight.
+[[nodiscard]] std::filesystem::path temporary_name(const std::filesystem::path& path);
+/// Puts what is under the temporary name in the place of what `path` names, as close() would have.
+void take_temporary(const std::filesystem::path& path);
 
 /// IoError where an OutputFile could not be opened now. Changes nothing: for what must be known before other files do.
 void check_writable(const std::filesystem::path& path);

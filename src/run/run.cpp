@@ -24,6 +24,7 @@
 #include "parallel/background.hpp"
 #include "run_folder/checkpoint.hpp"
 #include "run_folder/contacts_csv.hpp"
+#include "run_folder/earlier_contacts.hpp"
 #include "run_folder/run_bodies.hpp"
 #include "run_folder/run_folder.hpp"
 #include "scene/scene.hpp"
@@ -320,11 +321,13 @@ class CheckpointClock {
 /// compute. An error is thrown by the next call after it.
 class RunRecorder {
   public:
+    /// `edited`: null where the World is not edited; `contacts`: null where they are not written.
     RunRecorder(std::unique_ptr<io::RunWriter> writer, const World& world, const RunOptions& options,
-                const io::RunBodies* edited)
+                const io::RunBodies* edited, io::ContactsCsv* contacts)
         : world_(world),
           options_(options),
           edited_(edited),
+          contacts_(contacts),
           writer_(std::move(writer)),
           clock_(world.steps(), options.checkpoint_every) {
         if (writer_->frames() == 0) add_frame(); // a run that goes on after step 0 has it
@@ -355,16 +358,20 @@ class RunRecorder {
     }
     void add_checkpoint() {
         const std::int64_t step = world_.steps();
-        jobs_.add([this, step, snapshot = world_.snapshot()] {
-            writer_->flush(); // a checkpoint may not be newer than the frames
-            io::write_checkpoint(options_.output, step, snapshot);
+        std::optional<io::ContactRows> rows;
+        if (contacts_ != nullptr) rows = contacts_->flush();
+        jobs_.add([this, step, rows, snapshot = world_.snapshot()] {
+            writer_->flush(); // a checkpoint may not be newer than the frames, nor than the contacts
+            if (contacts_ != nullptr) contacts_->sync();
+            io::write_checkpoint(options_.output, step, snapshot, {}, rows);
         });
         clock_.made(step);
     }
 
     const World& world_;
     const RunOptions& options_;
-    const io::RunBodies* edited_; ///< null: the World is not edited
+    const io::RunBodies* edited_;
+    io::ContactsCsv* contacts_;
     std::unique_ptr<io::RunWriter> writer_;
     CheckpointClock clock_;
     double ms_ = 0;
@@ -403,6 +410,25 @@ void check_outputs(const RunOptions& options) {
     io::check_writable(io::contact_totals_path(options.contacts));
 }
 
+/// Says where contacts will be missing. While nobody else writes there, whose contacts they might be.
+std::optional<io::EarlierContacts> find_contacts(const RunOptions& options,
+                                                 const std::optional<io::Checkpoint>& checkpoint) {
+    if (options.contacts.empty() || !checkpoint) return {};
+    const io::FolderLock lock(options.output);
+    io::EarlierContacts earlier = io::find_earlier_contacts(options.contacts, *checkpoint);
+    if (earlier.rows.from > 1)
+        note(options, options.contacts.string() + ": begins with the contacts of step " +
+                          std::to_string(earlier.rows.from) + ": nothing there has those of earlier steps");
+    return earlier;
+}
+
+std::unique_ptr<io::ContactsCsv> open_contacts(const RunOptions& options,
+                                               const std::optional<io::EarlierContacts>& earlier) {
+    if (options.contacts.empty()) return nullptr;
+    if (earlier) return std::make_unique<io::ContactsCsv>(options.contacts, *earlier);
+    return std::make_unique<io::ContactsCsv>(options.contacts);
+}
+
 void check_options(const RunOptions& options) {
     if (!std::is_sorted(options.edits.begin(), options.edits.end(),
                         [](const Edit& a, const Edit& b) { return a.step < b.step; }))
@@ -436,13 +462,13 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         (void)edited->advance(world.steps() - 1); // those are in the checkpoint
     }
     check_outputs(options);
+    const std::optional<io::EarlierContacts> earlier = find_contacts(options, checkpoint);
+    auto writer = open_writer(scene, world, options, checkpoint, edited ? &*edited : nullptr);
+    const std::unique_ptr<io::ContactsCsv> contacts = open_contacts(options, earlier);
     std::optional<RunRecorder> recorder;
-    if (auto writer = open_writer(scene, world, options, checkpoint, edited ? &*edited : nullptr))
-        recorder.emplace(std::move(writer), world, options, edited ? &*edited : nullptr);
+    if (writer) recorder.emplace(std::move(writer), world, options, edited ? &*edited : nullptr, contacts.get());
     std::unique_ptr<TaskTrace> trace;
     if (!options.trace.empty()) trace = std::make_unique<TaskTrace>(world, std::move(costs), options);
-    std::optional<io::ContactsCsv> contacts;
-    if (!options.contacts.empty()) contacts.emplace(options.contacts);
     if (options.begun) options.begun(world);
     bool goes_on = true;
     std::exception_ptr refused; // the run up to here is whole
@@ -465,11 +491,11 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
     }
     summary.complete = world.steps() >= options.steps;
     summary.threads = world.threads();
-    if (contacts) contacts->close();
     if (recorder) {
         recorder->close(summary.complete);
         summary.output_ms = recorder->milliseconds();
     }
+    if (contacts) contacts->close(); // after the last checkpoint, which still needs them
     if (trace) {
         trace->write();
         summary.traced_steps = trace->steps();

@@ -2,6 +2,7 @@
 #include "run_folder/checkpoint.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include <flotilla/error.hpp>
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kPrefix = "checkpoint-";
 constexpr std::size_t kKept = 2;
+constexpr const char* kContactRows = "/contact_rows";
 
 struct CheckpointFile {
     std::int64_t step;
@@ -53,13 +55,17 @@ Checkpoint read_checkpoint(const CheckpointFile& entry) {
     if (file.int_attribute("/", "step") != entry.step ||
         static_cast<std::uint64_t>(file.int_attribute("/", "checksum")) != checksum(checkpoint.state))
         throw IoError(entry.path.string() + ": damaged: the state does not match its checksum");
+    if (!file.has(kContactRows)) return checkpoint;
+    const auto rows = file.read<std::int64_t>(kContactRows);
+    if (rows.size() != 3) throw IoError(entry.path.string() + ": damaged: it has other numbers of contacts");
+    checkpoint.contacts = {rows[0], rows[1], rows[2]};
     return checkpoint;
 }
 
 } // namespace
 
 void write_checkpoint(const fs::path& folder, std::int64_t step, std::span<const std::byte> state,
-                      std::span<const CheckpointArray> arrays) {
+                      std::span<const CheckpointArray> arrays, const std::optional<ContactRows>& contacts) {
     Hdf5Writer file;
     file.attribute("/", "flotilla_checkpoint", std::int64_t{1});
     file.attribute("/", "step", step);
@@ -67,6 +73,10 @@ void write_checkpoint(const fs::path& folder, std::int64_t step, std::span<const
     file.write<std::uint8_t>("/state", {reinterpret_cast<const std::uint8_t*>(state.data()), state.size()},
                              {state.size()});
     for (const auto& array : arrays) file.write<double>("/" + array.name, array.values, {array.values.size()});
+    if (contacts) {
+        const std::array<std::int64_t, 3> rows{contacts->from, contacts->contacts, contacts->totals};
+        file.write<std::int64_t>(kContactRows, rows, {rows.size()});
+    }
     write_file(checkpoint_path(folder, step), file.finish());
     const auto files = list_checkpoints(folder);
     for (std::size_t i = kKept; i < files.size(); ++i) {

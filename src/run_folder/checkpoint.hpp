@@ -18,16 +18,23 @@ struct CheckpointArray {
     std::vector<double> values;
 };
 
-struct Checkpoint {
-    std::int64_t step = 0;
-    std::vector<std::byte> state;      ///< the solver's snapshot, opaque here
-    std::vector<std::string> warnings; ///< newer checkpoints that were damaged and passed over
+/// How many rows the files of ContactsCsv had.
+struct ContactRows {
+    std::int64_t from = 1; ///< the first step whose contacts they were to have
+    std::int64_t contacts = 0, totals = 0;
 };
 
-/// Writes checkpoint-<step>.h5 durably, then removes all but the newest two. RunWriter::flush comes first: a checkpoint
-/// may not be newer than the frames.
+struct Checkpoint {
+    std::int64_t step = 0;
+    std::vector<std::byte> state;          ///< the solver's snapshot, opaque here
+    std::vector<std::string> warnings;     ///< newer checkpoints that were damaged and passed over
+    std::optional<ContactRows> contacts{}; ///< none: they were not written
+};
+
+/// Writes checkpoint-<step>.h5 durably, then removes all but the newest two. RunWriter::flush comes first, and
+/// ContactsCsv::sync: a checkpoint may not be newer than frames and contacts.
 void write_checkpoint(const std::filesystem::path& folder, std::int64_t step, std::span<const std::byte> state,
-                      std::span<const CheckpointArray> arrays = {});
+                      std::span<const CheckpointArray> arrays = {}, const std::optional<ContactRows>& contacts = {});
 
 /// The newest valid checkpoint; nothing where there is none at all. IoError where there are some and all are damaged.
 [[nodiscard]] std::optional<Checkpoint> read_last_checkpoint(const std::filesystem::path& folder);

@@ -15,6 +15,7 @@
 
 #include <flotilla/report.hpp>
 
+#include "run_folder/earlier_contacts.hpp"
 #include "run_folder/file_stream.hpp"
 
 namespace flotilla::io {
@@ -31,9 +32,15 @@ inline constexpr std::string_view kContactTotalsHeader =
 class ContactsCsv {
   public:
     explicit ContactsCsv(const std::filesystem::path& path);
+    /// Goes on with what an earlier part of the run left, but for the steps that are made again.
+    ContactsCsv(const std::filesystem::path& path, const EarlierContacts& earlier);
 
     /// The contacts at the end of a step; `time` in s.
     void add(std::int64_t step, double time, std::span<const ContactState> contacts);
+    /// Then sync(), of another thread maybe: a run that goes on from a checkpoint with what this returns finds the
+    /// contacts of all steps so far, whatever happens to this one.
+    [[nodiscard]] ContactRows flush();
+    void sync();
     void close();
 
   private:
@@ -45,6 +52,7 @@ class ContactsCsv {
     void add_totals(std::int64_t step, double time);
 
     OutputStream out_, totals_out_;
+    ContactRows rows_;
     std::map<std::int32_t, Total> totals_; ///< of the step at hand, by body
 };
 

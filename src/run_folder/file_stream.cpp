@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "run_folder/file_stream.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <streambuf>
@@ -43,17 +44,18 @@ OutputStream::OutputStream(const fs::path& path) : file_(path) {
 
 OutputStream::~OutputStream() = default;
 
-void OutputStream::flush(bool last) {
+void OutputStream::drain(Drain what) {
     if (!deflate_) {
         file_.append(buffer_);
     } else {
         z_stream& z = deflate_->stream;
+        const int mode = what == Drain::last ? Z_FINISH : what == Drain::all ? Z_SYNC_FLUSH : Z_NO_FLUSH;
         z.next_in = reinterpret_cast<Bytef*>(buffer_.data());
         z.avail_in = static_cast<uInt>(buffer_.size());
         do {
             z.next_out = reinterpret_cast<Bytef*>(deflate_->out.data());
             z.avail_out = static_cast<uInt>(deflate_->out.size());
-            deflate(&z, last ? Z_FINISH : Z_NO_FLUSH);
+            deflate(&z, mode);
             file_.append({deflate_->out.data(), deflate_->out.size() - z.avail_out});
         } while (z.avail_out == 0);
     }
@@ -61,7 +63,7 @@ void OutputStream::flush(bool last) {
 }
 
 void OutputStream::close() {
-    flush(true);
+    drain(Drain::last);
     file_.close();
 }
 
@@ -92,6 +94,37 @@ class InputStream::Buffer : public std::streambuf {
     gzFile file_;
     std::array<char, 1u << 18> data_{};
 };
+
+struct WholeLines::File {
+    explicit File(const fs::path& path) : file(gzopen(path.c_str(), "rb")) {
+        if (file == nullptr) fail(path, "open", std::error_code(errno, std::generic_category()).message());
+    }
+    ~File() { gzclose(file); }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+
+    gzFile file;
+};
+
+WholeLines::WholeLines(const fs::path& path) : file_(std::make_unique<File>(path)) {}
+WholeLines::~WholeLines() = default;
+
+std::string_view WholeLines::next() {
+    std::size_t searched = begin_, end = 0;
+    while ((end = text_.find('\n', searched)) == std::string::npos) {
+        text_.erase(0, begin_);
+        begin_ = 0;
+        searched = text_.size();
+        text_.resize(searched + kChunk);
+        // Before the error of a file that ends too early or is damaged comes what can be read of it.
+        const int n = gzread(file_->file, text_.data() + searched, kChunk);
+        text_.resize(searched + static_cast<std::size_t>(std::max(n, 0)));
+        if (n <= 0) return {};
+    }
+    const std::string_view line(text_.data() + begin_, end + 1 - begin_);
+    begin_ = end + 1;
+    return line;
+}
 
 InputStream::InputStream(const fs::path& path) : buffer_(std::make_unique<Buffer>(path)), stream_(buffer_.get()) {}
 InputStream::~InputStream() = default;

@@ -2,6 +2,7 @@
 // Large text files in one pass, written or read through a buffer; gzip where the name ends with .gz.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <istream>
 #include <memory>
@@ -12,7 +13,7 @@
 
 namespace flotilla::io {
 
-/// Writes an OutputFile. Without close() nothing is left behind.
+/// Writes an OutputFile. Without close() nothing is left behind but what was synced.
 class OutputStream {
   public:
     explicit OutputStream(const std::filesystem::path& path);
@@ -22,15 +23,20 @@ class OutputStream {
 
     void write(std::string_view text) {
         buffer_ += text;
-        if (buffer_.size() >= kBuffer) flush(false);
+        if (buffer_.size() >= kBuffer) drain(Drain::full);
     }
+    /// All of it so far is in the file and can be read there (WholeLines).
+    void flush() { drain(Drain::all); }
+    /// What flush() left there is durable, and stays there without close(). Of another thread maybe.
+    void sync() { file_.sync(); }
     void close();
 
   private:
     static constexpr std::size_t kBuffer = 1u << 18;
+    enum class Drain : std::uint8_t { full, all, last };
     struct Deflate;
 
-    void flush(bool last);
+    void drain(Drain what);
 
     OutputFile file_;
     std::unique_ptr<Deflate> deflate_; ///< null: plain
@@ -53,6 +59,25 @@ class InputStream {
     class Buffer;
     std::unique_ptr<Buffer> buffer_;
     std::istream stream_;
+};
+
+/// Reads the whole lines of a file, compressed or not, that may have been cut off anywhere.
+class WholeLines {
+  public:
+    explicit WholeLines(const std::filesystem::path& path);
+    ~WholeLines();
+    WholeLines(const WholeLines&) = delete;
+    WholeLines& operator=(const WholeLines&) = delete;
+
+    /// The next one, with its end; empty after the last. Valid until the next call.
+    [[nodiscard]] std::string_view next();
+
+  private:
+    static constexpr std::size_t kChunk = 1u << 18;
+    struct File;
+    std::unique_ptr<File> file_;
+    std::string text_;
+    std::size_t begin_ = 0; ///< of what is not given yet
 };
 
 } // namespace flotilla::io

@@ -13,6 +13,7 @@
 
 #include "cli/killed_runs.hpp"
 #include "run_folder/damage.hpp"
+#include "run_folder/file_stream.hpp"
 #include "support/small_disk.hpp"
 
 namespace flotilla::test {
@@ -196,6 +197,82 @@ TEST_F(Resume, ADamagedCheckpointCostsOneInterval) {
     EXPECT_EQ(none.exit_code, 5);
     EXPECT_NE(none.err.find("no checkpoint is readable"), std::string::npos) << none.err;
     EXPECT_EQ(run_flotilla("verify --quiet " + run().string()).exit_code, 0) << "the frames are still there";
+}
+
+/// Of a file of contacts and that of the totals, compressed or not.
+std::string contacts_in(const fs::path& folder, const std::string& name, const std::string& extension) {
+    std::string text;
+    for (const std::string& part : {name, name + "-bodies"}) {
+        io::InputStream in(folder / (part + extension));
+        text.append(std::istreambuf_iterator<char>(in.stream()), {});
+    }
+    return text;
+}
+
+TEST_F(Resume, ContactsGoOnAsIfTheRunHadNotStopped) {
+    scene_ = folder_.write("stack.json", run_flotilla("scene stack --bodies 4").out);
+    const std::string to = " --contacts " + folder_.path().string() + "/";
+    for (const std::string extension : {".csv", ".csv.gz"}) {
+        ASSERT_EQ(run_flotilla(options(30) + "--overwrite" + to + "whole" + extension).exit_code, 0);
+        ASSERT_EQ(run_flotilla(options(12) + "--overwrite" + to + "parts" + extension).exit_code, 0);
+        // Steps from 11 on are made again.
+        fs::remove(file("checkpoint-00000012.h5"));
+        const CommandOutput on = run_flotilla(options(30) + "--resume" + to + "parts" + extension);
+        EXPECT_EQ(on.exit_code, 0) << on.err;
+        EXPECT_EQ(on.err.find("begins with"), std::string::npos) << on.err;
+        EXPECT_TRUE(contacts_in(folder_.path(), "parts", extension) == contacts_in(folder_.path(), "whole", extension));
+    }
+}
+
+TEST_F(Resume, ContactsOfAKilledRunAreThere) {
+    scene_ = folder_.write("stack.json", run_flotilla("scene stack --bodies 4").out);
+    const std::string to = " --contacts " + folder_.path().string() + "/";
+    for (const std::string extension : {".csv", ".csv.gz"}) {
+        RunningFlotilla killed(options(1000000) + to + "parts" + extension);
+        ASSERT_TRUE(wait_for_checkpoint());
+        killed.send(SIGKILL);
+        ASSERT_EQ(killed.wait(), -SIGKILL) << killed.output();
+        const int steps = static_cast<int>(step_hashes(run()).size()) + 5;
+        const CommandOutput on = run_flotilla(options(steps) + "--resume" + to + "parts" + extension);
+        EXPECT_EQ(on.exit_code, 0) << on.err;
+        EXPECT_EQ(on.err.find("begins with"), std::string::npos) << on.err;
+        ASSERT_EQ(run_flotilla(options(steps) + "--overwrite" + to + "whole" + extension).exit_code, 0);
+        EXPECT_TRUE(contacts_in(folder_.path(), "parts", extension) == contacts_in(folder_.path(), "whole", extension));
+        EXPECT_FALSE(fs::exists(folder_.path() / ("parts" + extension + ".tmp")));
+        fs::remove_all(run());
+    }
+}
+
+TEST_F(Resume, OtherContactsAreNotWrittenOver) {
+    scene_ = folder_.write("stack.json", run_flotilla("scene stack --bodies 4").out);
+    const std::string contacts = (folder_.path() / "c.csv").string();
+    ASSERT_EQ(run_flotilla(options(10) + "--contacts " + contacts).exit_code, 0);
+    ASSERT_EQ(run_flotilla(options(12) + "--resume").exit_code, 0);
+    const std::string before = contacts_in(folder_.path(), "c", ".csv");
+    const auto hashes = step_hashes(run());
+    const auto refused = [&](const std::string& file, const std::string& what) {
+        const CommandOutput r = run_flotilla(options(20) + "--resume --contacts " + file);
+        EXPECT_EQ(r.exit_code, 2) << r.err;
+        EXPECT_NE(r.err.find(what), std::string::npos) << r.err;
+        EXPECT_EQ(step_hashes(run()), hashes);
+    };
+    refused(contacts, "c.csv: is not what the run wrote of its contacts up to step 12");
+    EXPECT_EQ(contacts_in(folder_.path(), "c", ".csv"), before);
+    refused(folder_.write("other.csv", "a,b\n1,2\n"), "other.csv: is not what");
+    const std::string later = (folder_.path() / "later.csv").string();
+    const CommandOutput begun = run_flotilla(options(15) + "--resume --contacts " + later);
+    EXPECT_EQ(begun.exit_code, 0) << begun.err;
+    EXPECT_NE(begun.err.find("later.csv: begins with the contacts of step 13: nothing there"), std::string::npos)
+        << begun.err;
+    const CommandOutput on = run_flotilla(options(18) + "--resume --contacts " + later);
+    EXPECT_EQ(on.exit_code, 0) << on.err;
+    EXPECT_NE(on.err.find("later.csv: begins with the contacts of step 13: "), std::string::npos) << on.err;
+    const std::string all = contacts_in(folder_.path(), "later", ".csv");
+    for (const char* row : {"\n13,", "\n15,", "\n16,", "\n18,"}) EXPECT_NE(all.find(row), std::string::npos) << row;
+    fs::remove(folder_.path() / "later-bodies.csv");
+    const CommandOutput half = run_flotilla(options(20) + "--resume --contacts " + later);
+    EXPECT_EQ(half.exit_code, 2);
+    EXPECT_NE(half.err.find("later-bodies.csv: is missing"), std::string::npos) << half.err;
 }
 
 TEST_F(Resume, ADamagedSegmentIsNamedAndTheOthersStay) {
