@@ -143,8 +143,8 @@ class World {
     /// Takes one line for what is worth a look: warnings of a step that the step before did not have, and edits that
     /// were refused. What it throws comes out of the call, whose work is done: the World goes on. Empty: nobody.
     void set_log(std::function<void(const std::string&)> log);
-    /// Keeps the edits from now on, in order, with the step after which each was made. restore() drops those that the
-    /// snapshot is before.
+    /// Keeps the edits from now on, in order, with the step after which each was made; begins anew where there was one
+    /// meanwhile that it does not have. restore() drops those that the snapshot is before.
     void record_edits(bool record);
     /// Throws Error after restore() of a snapshot to which they do not lead, until record_edits() begins anew.
     [[nodiscard]] const std::vector<Edit>& recorded_edits() const;

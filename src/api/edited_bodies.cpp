@@ -191,17 +191,13 @@ std::uint64_t hash_of(std::span<const std::byte> bytes) {
 
 } // namespace
 
-std::uint64_t chained(std::uint64_t hash, const Edit& edit) {
+std::uint64_t chained(std::uint64_t hash, const Edit& edit, std::int64_t step) {
+    Hasher of_change;
+    of_change.add(hash), of_change.add(static_cast<std::uint64_t>(edit.change.index()));
+    std::visit([&](const auto& change) { add(of_change, change); }, edit.change);
     Hasher h;
-    h.add(hash), h.add(static_cast<std::uint64_t>(edit.change.index()));
-    std::visit([&](const auto& change) { add(h, change); }, edit.change);
+    h.add(std::max<std::uint64_t>(of_change.value(), 1)), h.add(static_cast<std::uint64_t>(step));
     return std::max<std::uint64_t>(h.value(), 1);
-}
-
-std::uint64_t chained_with_step(std::uint64_t hash, const Edit& edit) {
-    Hasher h;
-    h.add(chained(hash, edit)), h.add(static_cast<std::uint64_t>(edit.step));
-    return h.value();
 }
 
 std::vector<std::byte> join_snapshot(const EditedBodies& bodies, std::span<const std::byte> state) {

@@ -43,10 +43,8 @@ struct EditedBodies {
 /// What is left of a removed shape is its number.
 [[nodiscard]] inline bool was_removed(const ShapeDescription& shape) { return shape.name.empty(); }
 
-/// The hash of one edit more.
-[[nodiscard]] std::uint64_t chained(std::uint64_t hash, const Edit& edit);
-/// The same with the step after which it is made.
-[[nodiscard]] std::uint64_t chained_with_step(std::uint64_t hash, const Edit& edit);
+/// The hash of one edit more, that is made after a step.
+[[nodiscard]] std::uint64_t chained(std::uint64_t hash, const Edit& edit, std::int64_t step);
 
 /// A snapshot of an edited scene: the edited part, then `state`, which is a snapshot of what moves
 /// (state/snapshot.hpp).

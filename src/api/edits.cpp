@@ -431,10 +431,18 @@ BodyId World::Impl::operator()(const edits::SetMaterial& edit) {
 
 BodyId World::Impl::operator()(const edits::SetForce& edit) {
     const std::size_t i = place(edit.body);
+    if (!stepper->model().bodies[i].dynamic())
+        throw InputError("body " + in_quotes(now.bodies[i].name) + " is not dynamic: nothing pushes it");
     BodyDescription body = as_it_stands(i);
     body.force = edit.force;
     body.torque = edit.torque;
     check_description(body, "setting the force on");
+    if (const auto p = entry_of(now.pushes, edit.body.index); p != now.pushes.end() && p->body == edit.body.index) {
+        body.force += p->force, body.torque += p->torque;
+        ErrorList errors("setting the force on body " + in_quotes(body.name) + ", with what pushes it in this step");
+        check_loads(body, stepper->model().shape_of(i), errors);
+        errors.throw_if_any();
+    }
     now.bodies[i].force = edit.force;
     now.bodies[i].torque = edit.torque;
     stepper->wake(edit.body.index);

@@ -28,7 +28,7 @@ BodyId World::apply(const Edit& edit) {
         w.whole = false;
         throw;
     }
-    w.now.hash = chained(w.now.hash, edit);
+    w.now.hash = chained(w.now.hash, edit, steps());
     w.stepper->set_edits_hash(w.now.hash);
     w.contacts_of_step = -1;
     if (w.record.on) w.record.add({steps(), edit.change}, w.now.hash);
@@ -76,7 +76,7 @@ void World::set_force_callback(std::function<void(World&)> callback) { impl_->fo
 void World::set_observer(std::function<bool(Phase)> observer) { impl_->observer = std::move(observer); }
 void World::set_log(std::function<void(const std::string&)> log) { impl_->log = std::move(log); }
 void World::record_edits(bool record) {
-    if (record && (impl_->record.edits.empty() || impl_->record.broken)) impl_->record.begin(impl_->now.hash);
+    if (record && !impl_->record.leads_to(impl_->now.hash)) impl_->record.begin(impl_->now.hash);
     impl_->record.on = record;
 }
 const std::vector<Edit>& World::recorded_edits() const {
@@ -90,6 +90,13 @@ void EditRecord::begin(std::uint64_t hash) {
     edits.clear(), hashes.clear();
     start = hash;
     broken = false;
+}
+
+bool EditRecord::leads_to(std::uint64_t hash) const { return !broken && !edits.empty() && hashes.back() == hash; }
+
+void EditRecord::add(const Edit& edit, std::uint64_t hash) {
+    if (broken) return;
+    edits.push_back(edit), hashes.push_back(hash);
 }
 
 void EditRecord::go_to(std::uint64_t hash) {

@@ -24,7 +24,8 @@ struct EditRecord {
     std::vector<std::uint64_t> hashes; ///< after each
 
     void begin(std::uint64_t hash);
-    void add(const Edit& edit, std::uint64_t hash) { edits.push_back(edit), hashes.push_back(hash); }
+    [[nodiscard]] bool leads_to(std::uint64_t hash) const;
+    void add(const Edit& edit, std::uint64_t hash);
     /// Forgets edits that a snapshot is before.
     void go_to(std::uint64_t hash);
 };

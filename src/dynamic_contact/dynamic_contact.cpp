@@ -54,7 +54,7 @@ class DynamicContact {
           movers_(movers),
           book_(book),
           workers_(workers),
-          joint_(joint),
+          joint_(view.model.settings.dynamic_iterations > 0 ? joint : nullptr),
           patience_(view.model.settings.dynamic_iterations) {}
 
     /// For all pairs of clusters that are not proved apart, resolve their hits; rigidify what neither that resolved nor
@@ -65,7 +65,7 @@ class DynamicContact {
             if (clusters_.pairs.empty()) return stats_;
             stats_.counters.limit = patience_.ends() || progress_.stalled();
             if (stats_.counters.limit) {
-                if (progress_.stalled() || few_are_left()) stats_.counters.limit = !resolve_together();
+                stats_.counters.limit = !resolve_together();
                 return stats_;
             }
             if (alone()) close_apart(frozen);
@@ -75,7 +75,7 @@ class DynamicContact {
                                              [&](std::size_t i) { return clusters_.pairs[i]; }),
                                  sweep % 2 != 0};
             resolve(plan, frozen);
-            if (any_unresolved_ && few_are_left() && resolve_together()) return stats_;
+            if (any_unresolved_ && resolve_together()) return stats_;
             rigidify(plan);
             ++stats_.counters.sweeps;
         }
@@ -85,14 +85,15 @@ class DynamicContact {
     /// Whether all clusters are single bodies: the frozen pairs of bodies are those of clusters, one for one.
     [[nodiscard]] bool alone() const { return stats_.merges == 0; }
 
-    /// Whether nothing hits any more.
+    /// Whether nothing hits any more. Else that is so of all pairs but those of bodies that are left.
     bool resolve_together() {
-        return joint_ != nullptr && alone() &&
-               resolve_jointly(view_, movers_, book_, workers_, *joint_, stats_.counters);
+        if (joint_ == nullptr || !alone()) return false;
+        if (resolve_jointly(view_, movers_, book_, workers_, *joint_, stats_.counters)) return true;
+        const auto left = [&](std::int32_t body) { return joint_->left[static_cast<std::size_t>(body)] != 0; };
+        for (std::size_t i = 0; i < resolutions_.size(); ++i)
+            if (!left(clusters_.pairs[i].a) && !left(clusters_.pairs[i].b)) resolutions_[i].resolved = true;
+        return false;
     }
-    /// Whether those that may hit could be one island. More, in a deep pile or in chain mail, sweeps have left as they
-    /// come to their limit where most islands have too many: tries in vain.
-    [[nodiscard]] bool few_are_left() const { return std::ssize(clusters_.pairs) <= kMostHitsTogether; }
 
     /// Runs the queries of few open pairs side by side.
     void close_apart(FrozenList& frozen) {
@@ -174,7 +175,7 @@ class DynamicContact {
     Movers movers_;
     PairBook& book_;
     Workers& workers_;
-    JointSolve* joint_; ///< may be null
+    JointSolve* joint_; ///< may be null; without sweeps all is the failsafe's
     DynamicContactStats stats_;
     ClusterPairs clusters_; ///< frozen
     std::vector<Resolution> resolutions_;

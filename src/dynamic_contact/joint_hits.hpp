@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where sweeps of dynamic contact gain nothing, or come to their limit: its hits solved together.
+// Where sweeps of dynamic contact gain nothing, come to their limit or leave a pair unresolved: its hits solved
+// together.
 //
 // A light body between heavy ones, or between one and the ground, hands on in a sweep no more than its own mass takes:
 // pushes fall by the ratio of the masses, and the links of a chain under a load of 100 times theirs take thousands of

@@ -156,7 +156,10 @@ void bind_changes(WorldClass& type) {
         [](PythonWorld& w, BodyId b, const std::string& t) {
             w.edit().set_type(b, choice<BodyType>("type of a body", t, kBodyTypes));
         },
-        py::arg("body"), py::arg("type"), "Makes a body dynamic or static; what becomes dynamic is at rest.");
+        py::arg("body"), py::arg("type"),
+        "Makes a body dynamic or static; what becomes dynamic is at rest, and has the locked axes and the constant "
+        "force "
+        "that it had as such.");
     type.def(
         "set_script",
         [](PythonWorld& w, BodyId b, const py::iterable& keyframes) {

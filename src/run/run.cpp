@@ -214,7 +214,7 @@ io::RunInfo run_info(const SceneDescription& scene, const World& world, const Ru
     if (options.edits.empty()) return info;
     info.scene_bodies = scene.bodies.size();
     info.edits_json = recorded_edits(options.edits, scene);
-    for (const Edit& edit : options.edits) info.scene_hash = chained_with_step(info.scene_hash, edit);
+    for (const Edit& edit : options.edits) info.scene_hash = chained(info.scene_hash, edit, edit.step);
     return info;
 }
 

@@ -232,7 +232,7 @@ StepPictureReport write_of_run(const std::filesystem::path& folder, std::int64_t
         edits = parse_edits(run.info().edits_json, (folder / io::kEditsJson).string(), folder, scene);
     World world = start_of(run, scene, step);
     std::uint64_t hash = world.scene_hash();
-    for (const Edit& edit : edits) hash = chained_with_step(hash, edit);
+    for (const Edit& edit : edits) hash = chained(hash, edit, edit.step);
     if (hash != run.info().scene_hash)
         throw InputError(folder.string() + ": its scene and settings are not what the run was made of");
     const StepReport last = advance(world, step, edits, step_options.progress);

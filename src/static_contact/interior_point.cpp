@@ -15,7 +15,8 @@
 //     back: at such a fold the determinant of the Newton matrix changes its sign, its solution changes to the opposite
 //     direction, and steps that only go down end there, each shorter than the one before. There the path itself is
 //     followed, along its tangent in the sense that the sign says, over the fold and down again behind it. Method 1 is
-//     tried on the way: the last digits are its.
+//     tried on the way: the last digits are its. Where light bodies are between heavy ones it begins once more, with
+//     larger impulses (kFarHeavier).
 //  3. Rounds of projected Gauss-Seidel and method 1, for what the interior point does not reach: the sweeps choose
 //     between sticking and opening contact by contact.
 // The best impulses of all are kept throughout.
@@ -61,9 +62,10 @@ constexpr int kRounds = 10, kSweepsPerRound = 400, kStepsPerRound = 6;
 // leaves more than that other, is not worth another one.
 constexpr double kHopeless = 0.1, kRoundGains = 0.8;
 
-// Where a light body is between bodies so many times heavier, impulses of method 2 do not grow in time from what the
-// light one asks for: products come down far ahead of the infeasibility, and steps end at the cones' edges. Begun with
-// what stops the heaviest it finds solutions, but some of them of impulses that balance each other: it comes second.
+// Where the heaviest body asks for so many times the impulse that a contact's own bodies do, with their levers, those
+// of method 2 do not grow in time from the latter: products come down far ahead of the infeasibility, and steps end at
+// the cones' edges. Begun with what stops the heaviest it finds solutions, but some of them of impulses that balance
+// each other: it comes second.
 constexpr double kFarHeavier = 32;
 
 Vec3 cut_to_cone(const Vec3& r, double friction, double given) {

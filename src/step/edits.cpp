@@ -177,14 +177,10 @@ void Stepper::set_gravity(const Vec3& gravity) {
 }
 
 void Stepper::set_filter(const FilteredBodies& filtered, std::span<const std::int32_t> whose) {
-    if (!(model_.filter == filtered.filter))
-        for (ScriptClock& clock : state_.script_clock) clock.stops = 0;
     model_.filter = filtered.filter;
-    for (std::size_t i = 0; i < model_.size(); ++i) {
-        if (model_.bodies[i].group != filtered.group[i]) retry_scripts(static_cast<std::int32_t>(i));
-        model_.bodies[i].group = filtered.group[i];
-    }
+    for (std::size_t i = 0; i < model_.size(); ++i) model_.bodies[i].group = filtered.group[i];
     for (const std::int32_t body : whose) {
+        retry_scripts(body);
         mark_changed(body);
         if (model_.bodies[at(body)].dynamic())
             wake(body);

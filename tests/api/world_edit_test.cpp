@@ -212,7 +212,7 @@ TEST(WorldEdit, ForcesActForAStepOrUntilTheyAreSet) {
                                     [&] {
                                         world.set_force(world.find("floor"), {1, 0, 0}, {});
                                     }),
-                HasSubstr("/force"));
+                HasSubstr("not dynamic"));
     EXPECT_THAT(refusal<InputError>(world,
                                     [&] {
                                         world.apply_torque(world.find("floor"), {1, 0, 0});
@@ -236,6 +236,14 @@ TEST(WorldEdit, LoadsAreRefusedAsInAScene) {
                                     }),
                 HasSubstr("torque on body \"crate\""));
     EXPECT_THAT(refusal<InputError>(world, [&] { world.apply_torque(crate, {0, 1e9, 0}); }), HasSubstr("may turn"));
+    world.apply_force(crate, {1.5e6, 0, 0}, {0, 0, kHalf + 0.004});
+    EXPECT_THAT(refusal<InputError>(world,
+                                    [&] {
+                                        world.set_force(crate, {1.5e6, 0, 0}, {});
+                                    }),
+                HasSubstr("accelerates"));
+    EXPECT_THAT(refusal<InputError>(world, [&] { world.set_force(world.find("floor"), {}, {}); }),
+                HasSubstr("not dynamic"));
     BodyDescription pushed = crate_at({0, 0, 5});
     pushed.force = {0, 0, 1e8};
     EXPECT_THAT(refusal<InputError>(world, [&] { (void)world.add_body(pushed); }), HasSubstr("accelerates"));
@@ -606,11 +614,37 @@ TEST(WorldEdit, RecordedEditsLeadToWhereTheWorldIs) {
     EXPECT_EQ(again.state_hash(), world.state_hash());
     world.restore(removed);
     EXPECT_THROW((void)world.recorded_edits(), Error) << "edits of another branch";
+    world.wake(world.find("floor"));
+    const std::vector<std::byte> beyond = world.snapshot();
     world.restore(start);
     EXPECT_TRUE(world.recorded_edits().empty());
-    world.restore(removed);
+    world.restore(beyond);
+    EXPECT_THROW((void)world.recorded_edits(), Error) << "what was done where the record did not lead is not in it";
     world.record_edits(true);
     EXPECT_TRUE(world.recorded_edits().empty());
+}
+
+TEST(WorldEdit, RecordsKnowAfterWhichStepAnEditWasMade) {
+    const SceneDescription scene = crate_on_floor();
+    World world(scene);
+    const BodyId crate = world.find("crate");
+    const std::vector<std::byte> start = world.snapshot();
+    world.record_edits(true);
+    world.set_velocity(crate, {1, 0, 0}, {});
+    for (int i = 0; i < 5; ++i) (void)world.step();
+    const std::vector<std::byte> at_once = world.snapshot();
+    world.restore(start);
+    (void)world.step();
+    world.set_velocity(crate, {1, 0, 0}, {});
+    ASSERT_EQ(world.recorded_edits().size(), 1u);
+    world.restore(at_once);
+    EXPECT_THROW((void)world.recorded_edits(), Error) << "the same edit, a step earlier";
+    world.record_edits(true);
+    world.wake(crate);
+    world.record_edits(false);
+    world.set_velocity(crate, {}, {});
+    world.record_edits(true);
+    EXPECT_TRUE(world.recorded_edits().empty()) << "one was made meanwhile";
 }
 
 TEST(WorldEdit, RefusalsAndWarningsAreLogged) {

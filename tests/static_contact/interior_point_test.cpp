@@ -526,11 +526,11 @@ Island make_loaded_plank(double ratio, Random& random) {
     return island;
 }
 
-// The light body asks for a thousandth of what goes through it: method 2 begins anew with what the heavy one does.
+// The light body asks for next to nothing of what goes through it: begun with that, method 2 leaves a third unsolved.
 TEST(InteriorPoint, SolvesALightBodyUnderAHeavyOne) {
     Random random{11};
     for (int trial = 0; trial < 400; ++trial) {
-        Island island = make_loaded_plank(1000, random);
+        Island island = make_loaded_plank(1e5, random);
         constexpr double kTolerance = 1e-3;
         ConeScratch scratch;
         island.impulses.resize(island.contacts.size());

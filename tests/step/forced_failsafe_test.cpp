@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The failsafe alone: stage 1 and dynamic contact get no sweeps, or one.
+// The failsafe alone: stage 1 and dynamic contact get no sweeps, or one, and nothing solves hits together.
 #include "step/scenario.hpp"
 
 namespace flotilla::scenario {
@@ -12,6 +12,7 @@ SceneDescription ball_and_stack(Rigidification kind, int iterations) {
     scene.settings.rigidification = kind;
     scene.settings.collision_iterations = iterations;
     scene.settings.dynamic_iterations = iterations;
+    scene.settings.contact_solver = ContactSolver::pgs;
     const auto ball = add_shape(scene, make_sphere(0.6, 1), 800);
     add_body(scene, ball, BodyType::dynamic, {-3, 0.1, 3.2}).velocity = {12, 0, 0};
     return scene;
@@ -95,6 +96,7 @@ void expect_no_energy_growth(std::uint64_t seed, int iterations) {
     scene.settings.sleeping = false;
     scene.settings.collision_iterations = iterations;
     scene.settings.dynamic_iterations = iterations;
+    scene.settings.contact_solver = ContactSolver::pgs;
     World world(scene);
     RunTotals totals;
     double last = 1e300, start = 0, growth = 0;
@@ -127,6 +129,7 @@ std::int64_t count_merges(std::uint64_t seed, int limit) {
     scene.settings.sleeping = false;
     scene.settings.collision_iterations = 2;
     scene.settings.dynamic_iterations = limit;
+    scene.settings.contact_solver = ContactSolver::pgs;
     World world(scene);
     std::int64_t merges = 0;
     for (int n = 0; n < 80; ++n) merges += world.step().merges;
