@@ -429,10 +429,14 @@ BodyId World::Impl::operator()(const edits::SetMaterial& edit) {
     return edit.body;
 }
 
+void World::Impl::require_dynamic(std::size_t body) const {
+    if (!stepper->model().bodies[body].dynamic())
+        throw InputError("body " + in_quotes(now.bodies[body].name) + " is not dynamic: nothing pushes it");
+}
+
 BodyId World::Impl::operator()(const edits::SetForce& edit) {
     const std::size_t i = place(edit.body);
-    if (!stepper->model().bodies[i].dynamic())
-        throw InputError("body " + in_quotes(now.bodies[i].name) + " is not dynamic: nothing pushes it");
+    require_dynamic(i);
     BodyDescription body = as_it_stands(i);
     body.force = edit.force;
     body.torque = edit.torque;
@@ -452,8 +456,7 @@ BodyId World::Impl::operator()(const edits::SetForce& edit) {
 
 BodyId World::Impl::operator()(const edits::ApplyForce& edit) {
     const std::size_t i = place(edit.body);
-    if (!stepper->model().bodies[i].dynamic())
-        throw InputError("body " + in_quotes(now.bodies[i].name) + " is not dynamic: nothing pushes it");
+    require_dynamic(i);
     auto p = entry_of(now.pushes, edit.body.index);
     const bool known = p != now.pushes.end() && p->body == edit.body.index;
     const Vec3 force = known ? p->force + edit.force : edit.force,
@@ -490,8 +493,7 @@ void World::Impl::clear_pushes() {
 BodyId World::Impl::operator()(const edits::ApplyImpulse& edit) {
     const std::size_t i = place(edit.body);
     const Body& body = stepper->model().bodies[i];
-    if (!body.dynamic())
-        throw InputError("body " + in_quotes(now.bodies[i].name) + " is not dynamic: nothing pushes it");
+    require_dynamic(i);
     const std::string on = " on body " + in_quotes(now.bodies[i].name);
     require_finite("impulse" + on, edit.impulse, kMaxForce, "N s");
     require_finite("angular impulse" + on, edit.angular_impulse, kMaxForce, "N m s");

@@ -91,6 +91,7 @@ struct World::Impl {
     void keep(std::int32_t body, const BodyDescription& changed);
     /// What a step adds by them has a meaning, as in a scene's file.
     void check_loads(const BodyDescription& body, const RigidShape& shape, ErrorList& errors) const;
+    void require_dynamic(std::size_t body) const;
     void push(std::int32_t body);
     void clear_pushes();
     void go_to(Model model, std::span<const std::byte> snapshot);

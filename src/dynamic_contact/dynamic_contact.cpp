@@ -75,7 +75,7 @@ class DynamicContact {
                                              [&](std::size_t i) { return clusters_.pairs[i]; }),
                                  sweep % 2 != 0};
             resolve(plan, frozen);
-            if (any_unresolved_ && resolve_together()) return stats_;
+            if (some_may_be_helped() && resolve_together()) return stats_;
             rigidify(plan);
             ++stats_.counters.sweeps;
         }
@@ -85,13 +85,25 @@ class DynamicContact {
     /// Whether all clusters are single bodies: the frozen pairs of bodies are those of clusters, one for one.
     [[nodiscard]] bool alone() const { return stats_.merges == 0; }
 
+    [[nodiscard]] bool is_left(std::int32_t body) const {
+        return static_cast<std::size_t>(body) < joint_->left.size() &&
+               joint_->left[static_cast<std::size_t>(body)] != 0;
+    }
+    /// Whether a pair did not resolve of which no body was left before: what cannot be merged, as between bodies of
+    /// infinite mass, does not resolve in any sweep.
+    [[nodiscard]] bool some_may_be_helped() const {
+        if (joint_ == nullptr || !any_unresolved_) return false;
+        for (std::size_t i = 0; i < resolutions_.size(); ++i)
+            if (!resolutions_[i].resolved && !is_left(clusters_.pairs[i].a) && !is_left(clusters_.pairs[i].b))
+                return true;
+        return false;
+    }
     /// Whether nothing hits any more. Else that is so of all pairs but those of bodies that are left.
     bool resolve_together() {
         if (joint_ == nullptr || !alone()) return false;
         if (resolve_jointly(view_, movers_, book_, workers_, *joint_, stats_.counters)) return true;
-        const auto left = [&](std::int32_t body) { return joint_->left[static_cast<std::size_t>(body)] != 0; };
         for (std::size_t i = 0; i < resolutions_.size(); ++i)
-            if (!left(clusters_.pairs[i].a) && !left(clusters_.pairs[i].b)) resolutions_[i].resolved = true;
+            if (!is_left(clusters_.pairs[i].a) && !is_left(clusters_.pairs[i].b)) resolutions_[i].resolved = true;
         return false;
     }
 

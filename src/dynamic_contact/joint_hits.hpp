@@ -27,7 +27,7 @@ using SolveHits = std::function<std::span<const std::uint8_t>(
     std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses)>;
 
 /// Hits of an island, of all rounds: what a solve takes grows faster than their number. Cups in each other hit at more
-/// and more points until they stay: twelve at some 250.
+/// and more points until they stay: twelve at more than 128.
 inline constexpr std::ptrdiff_t kMostHitsTogether = 512;
 
 /// What solves hits, and the bodies that it did not help, as flags by body: those are left to the failsafe at once

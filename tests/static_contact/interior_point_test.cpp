@@ -526,7 +526,7 @@ Island make_loaded_plank(double ratio, Random& random) {
     return island;
 }
 
-// The light body asks for next to nothing of what goes through it: begun with that, method 2 leaves a third unsolved.
+// The light body asks for next to nothing of what goes through it: begun with that, method 2 leaves 96 unsolved.
 TEST(InteriorPoint, SolvesALightBodyUnderAHeavyOne) {
     Random random{11};
     for (int trial = 0; trial < 400; ++trial) {
