@@ -24,6 +24,10 @@ void apply_impulse(Clusters& clusters, Worker& worker, std::int32_t a, std::int3
     if (worker.pushed.empty() || worker.pushed.back() != CandidatePair{a, b}) worker.pushed.push_back({a, b});
     if (clusters[a].infinite()) clusters.add_work(b, dot(impulse, clusters.velocity_at(a, point.arm_a)));
     if (clusters[b].infinite()) clusters.add_work(a, -dot(impulse, clusters.velocity_at(b, point.arm_b)));
+    if (!clusters[a].infinite() && !clusters[b].infinite()) {
+        clusters.note_exchanged(a, point.arm_a, -impulse);
+        clusters.note_exchanged(b, point.arm_b, impulse);
+    }
     clusters.apply(a, point.arm_a, -impulse);
     clusters.apply(b, point.arm_b, impulse);
 }

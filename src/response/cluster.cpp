@@ -55,6 +55,7 @@ void Clusters::start(std::size_t i, const Trajectories& trajectories, const Moti
     c.velocity = motion.velocity;
     c.momentum = motion.momentum;
     c.late = {};
+    c.exchanged = {};
 }
 
 void Clusters::set_script(std::int32_t id, const Motion& motion) {
@@ -84,6 +85,12 @@ void Clusters::apply(std::int32_t id, const Vec3& arm, const Vec3& impulse) {
         m.velocity += dv + cross(dw, base_[at(i)].com - c.base_com);
         m.momentum += free_part(model_->bodies[at(i)].locked.rotation, inertia_[at(i)].tensor * dw);
     }
+}
+
+void Clusters::note_exchanged(std::int32_t id, const Vec3& arm, const Vec3& impulse) {
+    Impulses& sum = (*this)[id].exchanged;
+    sum.linear += impulse;
+    sum.angular += cross(arm, impulse);
 }
 
 void Clusters::delay(std::int32_t id, const Vec3& arm, const Vec3& impulse) {
@@ -122,6 +129,7 @@ void Clusters::take(std::int32_t id, const ClusterChange& change) {
     c.velocity = change.velocity;
     c.momentum = change.momentum;
     c.late = change.late;
+    c.exchanged = change.exchanged;
     c.internal_proved = change.internal_proved;
     work_[at(id)] = change.work;
 }
@@ -205,7 +213,12 @@ std::int32_t Clusters::merge(std::int32_t a, std::int32_t b, bool rigid, double 
     to.rung = std::max({to.rung, from.rung, rigid ? Rung::rigid : Rung::kinematic});
     to.internal_proved = to.internal_proved && from.internal_proved;
     to.resolved_against.clear();
+    const Vec3 to_com = to.com0;
     gather(to, trajectories);
+    // What the two exchanged is in both, with opposite signs.
+    to.exchanged.angular += from.exchanged.angular + cross(to_com - to.com0, to.exchanged.linear) +
+                            cross(from.com0 - to.com0, from.exchanged.linear);
+    to.exchanged.linear += from.exchanged.linear;
     if (rigid)
         set_rigid(to, trajectories);
     else

@@ -20,6 +20,11 @@ namespace flotilla {
 /// The failsafe's ladder; a cluster only goes down (G4).
 enum class Rung : std::uint8_t { free, kinematic, rigid, held };
 
+/// Linear and angular impulse, kg m/s and kg m^2/s, the latter about the com0 of the cluster that had it.
+struct Impulses {
+    Vec3 linear, angular;
+};
+
 struct Cluster {
     std::vector<std::int32_t> members; ///< ascending; empty after it was merged into another
     Rung rung = Rung::free;
@@ -30,6 +35,7 @@ struct Cluster {
     WorldInertia inertia;        ///< equation 7, about com0 at x^n
     Vec3 velocity, momentum;     ///< m/s; kg m^2/s about com0
     Motion late;                 ///< what of these the way of the step is without: see delay()
+    Impulses exchanged;          ///< with other clusters of finite mass since start(), those merged into it aside
     AxisLocks locked;            ///< its members' together, see gather()
     std::vector<std::int32_t> resolved_against; ///< infinite-mass bodies since the last merge (G4)
 
@@ -42,6 +48,7 @@ struct Cluster {
 struct ClusterChange {
     Vec3 velocity, momentum;
     Motion late;
+    Impulses exchanged;
     double work = 0;
     bool internal_proved = true;
 };
@@ -75,6 +82,8 @@ class Clusters {
     [[nodiscard]] Impulsive impulsive(std::int32_t id) const;
     /// Applies an impulse at `arm` from the cluster's centre of mass; the trajectory follows with evolve().
     void apply(std::int32_t id, const Vec3& arm, const Vec3& impulse);
+    /// Notes that the impulse came from another cluster of finite mass.
+    void note_exchanged(std::int32_t id, const Vec3& arm, const Vec3& impulse);
     /// Takes an impulse of a cluster of one body back out of the way of this step, not out of its velocity: it came
     /// late in the step.
     void delay(std::int32_t id, const Vec3& arm, const Vec3& impulse);
@@ -84,7 +93,7 @@ class Clusters {
     /// What another rank changed in its copy (parallel/division.hpp), from there to here.
     [[nodiscard]] ClusterChange change(std::int32_t id) const {
         const Cluster& c = (*this)[id];
-        return {c.velocity, c.momentum, c.late, work(id), c.internal_proved};
+        return {c.velocity, c.momentum, c.late, c.exchanged, work(id), c.internal_proved};
     }
     void take(std::int32_t id, const ClusterChange& change);
     void take_motion(std::size_t body, const Motion& motion) { motion_[body] = motion; }

@@ -88,14 +88,32 @@ void Stepper::drop_line_spin(std::span<const Pose> end, std::span<Motion> motion
     }
 }
 
+/// What is in the motion that a cluster made and not in the velocities of those who took the other side of it: what
+/// clusters of finite mass gave it in stage 5, and what raised its bodies in stage 3.
+Impulses Stepper::impulses_not_kept(const Cluster& c, std::span<const Motion> from, double accelerated) const {
+    const auto slowed = [&](std::int32_t member) { return slowed_[at(member)] != 0; };
+    if (c.infinite() || std::ranges::any_of(c.members, slowed)) return {}; // less than all of it is kept
+    Impulses sum = c.exchanged;
+    const double dt = (0.5 - accelerated) * model_.settings.time_step;
+    for (const std::int32_t member : c.members) {
+        const std::size_t i = at(member);
+        const Motion& half = buffers_.half[i];
+        const Vec3 linear = model_.bodies[i].mass * (half.velocity - from[i].velocity - dt * acceleration(model_, i));
+        sum.linear += linear;
+        sum.angular += half.momentum - from[i].momentum + cross(trajectories_.start_pose(i).com - c.com0, linear);
+        if (model_.bodies[i].torque != Vec3{}) sum.angular -= dt * turning_torque(model_, i);
+    }
+    return sum;
+}
+
 /// A body that the failsafe kept from falling must not go on accelerating: a cluster takes the velocity of the motion
 /// it really made if that holds less kinetic energy than what it would have (src/failsafe/README.md). Beyond that rule:
 /// the failsafe displaces bodies as neither velocity knows of, so the velocities taken are scaled to at most the
 /// kinetic energy of v^ plus the work of gravity along the displacement really made; otherwise a body that was held up
 /// would keep the energy of a fall that it did not make. What the second half of the step adds is left to stage 7: what
 /// stands on something is carried there, and without that load it would stand on nothing, in every step anew.
-void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
-                              StepReport& report) {
+void Stepper::held_velocities(std::span<const Motion> collided, std::span<const Motion> from, double accelerated,
+                              std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     const double dt = model_.settings.time_step;
     const auto kinetic = [&](std::size_t i, const Motion& m) {
         const Vec3 omega = angular_velocity(model_, i, end[i].rotation, m.momentum);
@@ -114,6 +132,8 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
         if (c.members.empty() || !moved_otherwise(at(id))) continue;
         double planned = 0, real = 0, allowed = 0;
         std::vector<Motion> made;
+        const Impulses alien = impulses_not_kept(c, from, accelerated);
+        const Vec3 given = c.inverse_mass * alien.linear, spun = c.inertia.inverse * alien.angular;
         for (std::int32_t m : c.members) {
             const auto i = static_cast<std::size_t>(m);
             const Pose& start = trajectories_.start_pose(i);
@@ -121,8 +141,11 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<Motion
             const Body& body = model_.bodies[i];
             const Vec3 way = end[i].com - start.com, &turn = trajectories_.turn(i);
             const Motion pull = pulled(i);
-            made.push_back({way / dt + pull.velocity,
-                            free_part(body.locked.rotation, angular_momentum(inertia, turn / dt)) + pull.momentum});
+            const Vec3 velocity =
+                way / dt - free_part(body.locked.translation, given + cross(spun, start.com - c.com0));
+            made.push_back(
+                {velocity + pull.velocity,
+                 free_part(body.locked.rotation, angular_momentum(inertia, turn / dt - spun)) + pull.momentum});
             planned += kinetic(i, motion[i]);
             real += kinetic(i, made.back());
             allowed += kinetic_at_start(i) + body.mass * dot(model_.gravity, way);

@@ -311,7 +311,7 @@ void Stepper::new_velocities(std::span<const Motion> collided, std::span<const M
         scripts_.reach_end(model_, state_, next);
     }
     turn_momenta(from, accelerated, next);
-    held_velocities(collided, next, end, report);
+    held_velocities(collided, from, accelerated, next, end, report);
     drop_line_spin(end, next);
 }
 

@@ -233,8 +233,9 @@ class Stepper {
     [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
     void turn_momenta(std::span<const Motion> kept, double accelerated, std::span<Motion> motion);
     void drop_line_spin(std::span<const Pose> end, std::span<Motion> motion) const;
-    void held_velocities(std::span<const Motion> collided, std::span<Motion> motion, std::span<const Pose> end,
-                         StepReport& report);
+    [[nodiscard]] Impulses impulses_not_kept(const Cluster& c, std::span<const Motion> from, double accelerated) const;
+    void held_velocities(std::span<const Motion> collided, std::span<const Motion> from, double accelerated,
+                         std::span<Motion> motion, std::span<const Pose> end, StepReport& report);
     void open_account();
     bool mark_level(std::span<const Motion> half);
     void mark_spent();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The failsafe alone: stage 1 and dynamic contact get no sweeps, or one, and nothing solves hits together.
 #include "step/scenario.hpp"
+#include "support/random.hpp"
 
 namespace flotilla::scenario {
 namespace {
@@ -148,6 +149,51 @@ TEST(ForcedFailsafe, DynamicContactGoesOnWhileFewerPairsHit) {
     }
     EXPECT_GE(merges, 3 * kSeeds); // the failsafe is there
     EXPECT_LE(merges, 150 * kSeeds);
+}
+
+/// Blocks that fly into each other, nothing else there.
+SceneDescription flying_blocks(std::uint64_t seed) {
+    constexpr int kSide = 3;
+    SceneDescription scene;
+    scene.gravity = {};
+    scene.settings.sleeping = false;
+    scene.settings.collision_iterations = 0;
+    scene.settings.dynamic_iterations = 1;
+    scene.settings.contact_solver = ContactSolver::pgs;
+    scene.settings.time_step = 1.0 / 24;
+    scene.settings.seed = seed;
+    const auto block = add_shape(scene, make_box(0.6, 0.4, 0.5), 800);
+    test::Random random(seed);
+    for (int x = 0; x < kSide; ++x)
+        for (int y = 0; y < kSide; ++y)
+            for (int z = 0; z < kSide; ++z) {
+                const Vec3 at{x - 1.0, y - 1.0, z - 1.0};
+                BodyDescription& body = add_body(scene, block, BodyType::dynamic, at);
+                body.velocity = Vec3{1, 0, 0} - 12 * at + random.vec(1);
+                body.angular_velocity = random.vec(12);
+            }
+    return scene;
+}
+
+// A merged cluster takes the motion that it made, which blocks around it gave impulses to that their velocities know
+// nothing of.
+TEST(ForcedFailsafe, MergesKeepTheMomentumOfAll) {
+    std::int64_t merges = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        World world(flying_blocks(seed));
+        const Vec3 start = world.step().momentum;
+        double changed = 0;
+        for (int n = 0; n < 24; ++n) {
+            const StepReport r = world.step();
+            merges += r.merges;
+            EXPECT_EQ(r.held, 0);
+            changed = std::max(changed, length(r.momentum - start));
+        }
+        std::printf("27 blocks, seed %d: momentum of %.3g kg m/s changed by %.2g of it\n", static_cast<int>(seed),
+                    length(start), changed / length(start));
+        EXPECT_LT(changed, 1e-12 * length(start));
+    }
+    EXPECT_GE(merges, 8);
 }
 
 } // namespace
