@@ -30,15 +30,19 @@ bool is_fixed(const Model& model, std::int32_t body) {
 } // namespace
 
 void Between::find(Team* team, const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
-                   std::span<const SqueezedPair> squeezed) {
+                   std::span<const SqueezedPair> squeezed, double least_lacking) {
     list_sides(team, model, set, noted, squeezed);
     for_bodies([](std::span<Side> around) { drop_where_none_is_across(around); });
     std::erase_if(sides_, [](const Side& s) { return s.body < 0; });
     if (sides_.empty()) return;
     rooms_.assign(set.size(), std::numeric_limits<double>::infinity());
     yields_.assign(set.size(), 0);
+    pressed_.assign(set.size(), 0);
+    presses_ = false;
     follow_rows();
     for_bodies([&](std::span<Side> around) { compare(around); });
+    if (std::ranges::none_of(sides_, &Side::scripted)) return;
+    for_bodies([&](std::span<Side> around) { press(around, least_lacking); });
 }
 
 void Between::list_sides(Team* team, const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
@@ -46,12 +50,13 @@ void Between::list_sides(Team* team, const Model& model, const ContactSet& set, 
     constexpr std::size_t kContactGrain = 256; // contacts of a task
     const std::span<const Contact> contacts = set.contacts;
     const auto lacks_room = [&](const Contact& c) { return has(noted, c) || has(squeezed, c); };
+    const auto moves = [&](std::int32_t body) { return model.bodies[at(body)].dynamic(); };
     const auto asked = [&](std::size_t i) {
         const Contact& c = contacts[i];
-        return begins_pair(contacts, i) && (is_fixed(model, c.a) || is_fixed(model, c.b) || lacks_room(c));
+        return begins_pair(contacts, i) && (!moves(c.a) || !moves(c.b) || lacks_room(c));
     };
-    compact_if({team, "pairs beside fixed ones", kContactGrain, places_}, contacts.size(), asked, follow_, 0,
-               [](std::size_t i) { return i; });
+    compact_if({team, "pairs beside what does not give way", kContactGrain, places_}, contacts.size(), asked, follow_,
+               0, [](std::size_t i) { return i; });
     sides_.clear();
     for (const std::size_t first : follow_) {
         std::size_t end = first + 1;
@@ -75,7 +80,8 @@ void Between::add_sides(const Model& model, const ContactSet& set, std::size_t f
                          double distance) {
         if (!model.bodies[at(body)].movable()) return;
         sides_.push_back({body, other, first, contact, body == pair[0].b ? normal : -normal, distance, set.rest[first],
-                          is_fixed(model, other), lacks_room, !model.bodies[at(other)].dynamic()});
+                          is_fixed(model, other), model.bodies[at(other)].scripted(), lacks_room,
+                          !model.bodies[at(other)].dynamic()});
     };
     for (const auto& [body, other] : {std::pair(pair[0].a, pair[0].b), std::pair(pair[0].b, pair[0].a)}) {
         if (one_way)
@@ -103,7 +109,7 @@ void Between::follow_rows() {
             for (Side& beyond : sides_of(to.other))
                 if (beyond.first == to.first && !beyond.holds && dot(beyond.normal, held.normal) > kAcross) {
                     beyond.holds = true;
-                    follow_.push_back(at(&beyond - sides_.data()));
+                    follow_.push_back(static_cast<std::size_t>(&beyond - sides_.data()));
                 }
         }
     }
@@ -131,6 +137,20 @@ void Between::compare(std::span<const Side> around) {
                 else if (no_play)
                     rooms_[side->first] = kDue * side->rest;
             }
+        }
+}
+
+/// A script on one side at least, and together they lack what one would: a floor may keep its distance and leave all of
+/// it to the script. Two sides of one body are its shape, which presses nothing.
+void Between::press(std::span<const Side> around, double least_lacking) {
+    for (std::size_t i = 1; i < around.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) {
+            const Side &p = around[i], &q = around[k];
+            const bool closed = (p.scripted && (q.scripted || q.fixed)) || (p.fixed && q.scripted);
+            if (!closed || p.other == q.other) continue;
+            if (!(dot(p.normal, q.normal) < -kAcross)) continue;
+            if (p.distance + q.distance < (1 - least_lacking) * (p.rest + q.rest))
+                pressed_[p.first] = pressed_[q.first] = 1, presses_ = true;
         }
 }
 

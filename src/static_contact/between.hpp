@@ -21,14 +21,18 @@ namespace flotilla {
 
 class Between {
   public:
+    /// `least_lacking`: the share of its rest distances that what a script presses lacks at least.
     void find(Team* team, const Model& model, const ContactSet& set, std::span<const RestDistance> noted,
-              std::span<const SqueezedPair> squeezed);
+              std::span<const SqueezedPair> squeezed, double least_lacking);
     /// `first`: the first contact of a pair. m, the distance that is due to it; infinite: its rest distance.
     [[nodiscard]] double room(std::size_t first) const {
         return sides_.empty() ? std::numeric_limits<double>::infinity() : rooms_[first];
     }
     /// Of a row.
     [[nodiscard]] bool yields(std::size_t first) const { return !sides_.empty() && yields_[first] != 0; }
+    [[nodiscard]] bool presses() const { return !sides_.empty() && presses_; }
+    /// Between a script and what does not give way.
+    [[nodiscard]] bool pressed(std::size_t first) const { return !sides_.empty() && pressed_[first] != 0; }
 
   private:
     /// What a movable body has beside it.
@@ -40,6 +44,7 @@ class Between {
         double distance;     ///< m
         double rest;         ///< m
         bool fixed;          ///< the other
+        bool scripted;       ///< the other
         bool lacks_room;     ///< the pair, of its rest distance
         bool holds;          ///< the other does not give way, or is held in the same direction
     };
@@ -49,6 +54,7 @@ class Between {
     [[nodiscard]] std::span<Side> sides_of(std::int32_t body);
     void follow_rows();
     void compare(std::span<const Side> around);
+    void press(std::span<const Side> around, double least_lacking);
     static void drop_where_none_is_across(std::span<Side> around);
     template <class Work>
     void for_bodies(Work&& work) {
@@ -63,7 +69,8 @@ class Between {
     std::vector<std::size_t> places_; ///< scratch
     // By contact, the first ones of pairs; where there are sides.
     std::vector<double> rooms_;
-    std::vector<std::uint8_t> yields_;
+    std::vector<std::uint8_t> yields_, pressed_;
+    bool presses_ = false; ///< whether any is pressed
 };
 
 } // namespace flotilla

@@ -125,8 +125,9 @@ class PairTargets {
         const double due = due_distance(input_.squeezed, c.a, c.b, set_.rest[first]);
         const double rest = std::min(set_.rest[first], out_.between.room(first));
         const bool yields = (due < set_.rest[first] && holds_between(first, end)) || out_.between.yields(first);
+        const bool pressed = out_.between.pressed(first);
         for (std::size_t i = first; i < end; ++i)
-            set(i, {std::min(due, rest), rest, yields}, band(i, rolls ? share : 1));
+            set(i, {std::min(due, rest), rest, yields, pressed}, band(i, rolls ? share : 1));
     }
 
   private:
@@ -218,6 +219,7 @@ class PairTargets {
     struct Due {
         double distance, rest;
         bool yields;
+        bool pressed; ///< by a script, if there is one
     };
     void set(std::size_t i, const Due& due, double band) const {
         Contact& c = out_.contacts[i];
@@ -243,7 +245,7 @@ class PairTargets {
         // the end of the step, and half then (RATTLE).
         if (as_one && !input_.final_stage) c.target += arcs.together;
         c.target += arcs.rises + dot(c.normal, arcs.stands);
-        if (!out_.presses.empty()) out_.presses[i] = press(i);
+        if (!out_.presses.empty()) out_.presses[i] = due.pressed ? (input_.raises ? 0.0 : most_press(i)) : press(i);
         out_.carries[i] = arcs.carries != 0 ? 1 : 0;
         c.friction *= arcs.friction;
         if ((input_.keep_approach || with_sleeper(c)) && set_.processed[i] == 0)
@@ -275,6 +277,7 @@ class PairTargets {
     [[nodiscard]] double press(std::size_t i) const {
         const Contact& c = out_.contacts[i];
         double due = 0, has = 0;
+        if (input_.due_motion.empty()) return -1;
         for (const std::int32_t body : {c.a, c.b}) {
             if (!model_.bodies[at(body)].scripted()) continue;
             const double side = body == c.a ? 1 : -1;
@@ -284,9 +287,11 @@ class PairTargets {
             has += side * dot(c.normal, bodies_.velocity[at(body)] + cross(bodies_.angular_velocity[at(body)], arm));
         }
         if (!(due > 0) || !(has < due)) return -1; // not in its way, or it has all its motion
-        if (input_.raises) return 0;
-        const double most = kPress * std::max(c.tolerance, default_tolerance(c, set_.rest[i]));
-        return std::max(0.0, std::min(due, most) - std::max(0.0, has));
+        return input_.raises ? 0 : std::max(0.0, std::min(due, most_press(i)) - std::max(0.0, has));
+    }
+    [[nodiscard]] double most_press(std::size_t i) const {
+        const Contact& c = out_.contacts[i];
+        return kPress * std::max(c.tolerance, default_tolerance(c, set_.rest[i]));
     }
 
     /// m/s, of the separation that the velocities of the contact have and their way in this step has not.
@@ -324,13 +329,14 @@ class PairTargets {
 void set_targets(Team* team, const Model& model, const ContactSet& set, const VelocityArrays& bodies,
                  const TargetInput& input, ContactTargets& out) {
     constexpr std::size_t kContactGrain = 256; // contacts of a task
+    out.presses.clear();
     out.contacts.resize(set.size());
     out.arcs.resize(set.size());
     out.carries.resize(set.size());
-    out.presses.assign(input.due_motion.empty() ? 0 : set.size(), -1);
     out.would_raise = false;
     if (set.contacts.empty()) return; // what sleeps costs nothing
-    out.between.find(team, model, set, input.noted, input.squeezed);
+    out.between.find(team, model, set, input.noted, input.squeezed, input.tuning.most_of_rest);
+    out.presses.assign(input.due_motion.empty() && !out.between.presses() ? 0 : set.size(), -1);
     const PairTargets targets(model, set, bodies, input, out);
     const std::span<const Contact> contacts = set.contacts;
     const auto end_of_pair = [&](std::size_t i) {

@@ -450,6 +450,46 @@ void jaws_lift_a_box(const Run& run) {
     EXPECT_NEAR(lifted, kLift, 2e-3);
 }
 
+// The same with a plate of 4 mm and of none, and fingers of a few centimetres. It hangs by their friction: by its weight
+// as the force that it reports, and at rest. Without friction it stays where it is.
+void fingers_hold_a_plate(const Run& run, double thick, double nearer, double mass, double friction) {
+    constexpr double kEdge = 0.2, kFinger = 0.02, kStart = 0.15, kLift = 0.3;
+    SceneDescription scene = make_scene_with(run.settings());
+    TriangleMesh plate = make_box(kEdge, thick, kEdge);
+    if (thick == 0)
+        plate = {{{-kEdge / 2, 0, -kEdge / 2},
+                  {kEdge / 2, 0, -kEdge / 2},
+                  {kEdge / 2, 0, kEdge / 2},
+                  {-kEdge / 2, 0, kEdge / 2}},
+                 {{0, 1, 2}, {0, 2, 3}}};
+    const double rest = kEdge / 2 + rest_gap(plate);
+    add_body(scene, add_shape(scene, plate, mass), BodyType::dynamic, {0, 0, rest}, friction, 0);
+    const auto finger = add_shape(scene, make_box(0.06, kFinger, 0.04));
+    for (const double side : {-1.0, 1.0}) {
+        const double open = side * (thick / 2 + 0.02), closed = side * (thick / 2 + kFinger / 2 + nearer);
+        const Vec3 away{0, open, kStart}, at_plate{0, closed, kStart}, up{0, closed, kStart + kLift};
+        add_body(scene, finger, BodyType::kinematic, away, friction, 0).keyframes = {
+            {0, away, {}}, {0.5, at_plate, {}}, {1, at_plate, {}}, {2, up, {}}, {9, up, {}}};
+    }
+    add_ground(scene, 20, friction, 0);
+    Motion motion(scene);
+    motion.run(2.5);
+    const double lifted = motion.body(0).center_of_mass.z - rest;
+    double most = 0, least = std::numeric_limits<double>::infinity();
+    while (motion.world().time() < 3.5) {
+        motion.step();
+        const double force = motion.force_on(0).z / (mass * kGravity);
+        most = std::max(most, force), least = std::min(least, force);
+    }
+    const double moved = motion.body(0).center_of_mass.z - rest - lifted;
+    motion.print("lifted by %.5f m, then moved %.2g m, carried by %.5f to %.5f of its weight", lifted, moved, least,
+                 most);
+    EXPECT_NEAR(lifted, friction > 0 ? kLift : 0, 2e-3);
+    EXPECT_NEAR(moved, 0, 1e-5);
+    EXPECT_NEAR(least, 1, 1e-3);
+    EXPECT_NEAR(most, 1, 1e-3);
+}
+
 // Four blades at 20 rad/s among balls that have room beside them: what is driven before a blade is a jam of a step, and
 // the rotor waits for none of it.
 void mixer_turns(const Run& run, int start) {
@@ -513,6 +553,17 @@ void mixer_turns(const Run& run, int start) {
         add_runs("Scripts", name, {{"preview", 24}, {"preview", 60}}, true, waits);
     }
     add_runs("Scripts", "JawsLiftABox", runs(), true, jaws_lift_a_box);
+    struct Held {
+        const char* name;
+        double thick, nearer, mass, friction;
+    };
+    for (const Held& h : {Held{"Plate", 0.004, 1e-4, 0.05, 0.5}, Held{"PlateNearer", 0.004, 5e-5, 0.05, 0.5},
+                          Held{"HeavyPlate", 0.004, 1e-4, 1, 0.3}, Held{"Sheet", 0, 1e-4, 0.05, 0.5},
+                          Held{"SlipperyPlate", 0.004, 1e-4, 0.05, 0}})
+        add_runs("Scripts", std::string("FingersHoldA") + h.name,
+                 {{"preview", 60}, {"balanced", 24}, {"balanced", 60}, {"accurate", 60}, {"balanced", 240}},
+                 std::string(h.name) == "Plate",
+                 [=](const Run& r) { fingers_hold_a_plate(r, h.thick, h.nearer, h.mass, h.friction); });
     for (const int start : {3, 7}) // without joint solves at the limit of sweeps 56 and 51 of 60 rad
         add_runs("Scripts", "MixerTurnsAmongBallsFromStart" + std::to_string(start),
                  {{"balanced", 60}, {"preview", 60}, {"balanced", 120}}, start == 3,
