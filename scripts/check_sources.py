@@ -27,7 +27,7 @@ MODULES = {
     "proximity": ["state", "ccd/feature_candidates", "ccd/leaf_features", "ccd/plane_features", "ccd/query_aid"],
     "islands": ["state"],
     "response": ["state"],
-    "pair": ["ccd", "proximity", "response"],
+    "pair": ["ccd", "proximity", "response", "islands"],
     "collision": STAGES_BELOW,
     "static_contact": STAGES_BELOW,
     "dynamic_contact": STAGES_BELOW,

@@ -7,6 +7,8 @@
 
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
+#include "collision/collide_together.hpp"
+#include "collision/found_hits.hpp"
 #include "collision/late_hits.hpp"
 #include "collision/pair_hits.hpp"
 #include "pair/progress.hpp"
@@ -35,13 +37,14 @@ bool by_bodies(const KeptHit& x, const KeptHit& y) { return std::tuple(x.a, x.b)
 class Accumulation {
   public:
     Accumulation(const StepView& view, Movers movers, PairBook& book, Workers& workers, const ContactsAtStart& known,
-                 const Touching& touching, HitLists& lists)
+                 const Touching& touching, JointSolve* joint, HitLists& lists)
         : view_(view),
           movers_(movers),
           book_(book),
           workers_(workers),
           known_(known),
           touching_(touching),
+          joint_(joint),
           lists_(lists) {}
 
     StageCounters run() {
@@ -49,76 +52,27 @@ class Accumulation {
         for (int rounds = view_.model.settings.collision_iterations;; --rounds) {
             counters_.limit = rounds <= 0 || progress_.stalled();
             if (counters_.limit) break;
-            look();
-            const bool hastened = hasten_parting();
+            look_for_hits(view_, book_, workers_, counters_, lists_.found,
+                          [&](std::int32_t a, std::int32_t b) { return !is_aside(a, b); });
+            const bool hastened = hasten_parting(view_, movers_, counters_, lists_.found);
             if (lists_.found.empty() && !hastened) break;
             if (lists_.found.empty()) continue;
             keep();
             take_largest_push(workers_); // of other stages
             solve();
+            set_aside();
             progress_.add(num_pairs(lists_.found, bodies_of_found), num_pairs(lists_.hits, bodies_of_hit),
                           take_largest_push(workers_));
-            if (!move()) break;
+            if (!move() && lists_.found.empty()) continue; // all of it was set aside
+            if (lists_.moved.empty()) break;
         }
+        if (!set_aside_.empty())
+            counters_.limit = !collide_together(view_, movers_, book_, workers_, *joint_, touching_, set_aside_,
+                                                lists_.found, counters_);
         return counters_;
     }
 
   private:
-    /// Fills lists_.found.
-    void look() {
-        const std::span<const ListedPair> list = freeze(view_, book_, workers_.team, ListReach::proximity).pairs;
-        lists_.found.clear();
-        for (Worker& worker : workers_.each) worker.found.clear();
-        workers_.team.for_each("look for hits", list.size(), kPairGrain, [&](std::size_t i, int thread) {
-            if (i + 1 < list.size()) fetch_record(*list[i + 1].record);
-            PairRecord& record = *list[i].record;
-            if (verdict(view_.trajectories, record) != Verdict::open) return;
-            Worker& worker = workers_[thread];
-            ++worker.counters.pairs;
-            if (!find_hits(view_, worker, record)) return;
-            for (const ContactPoint& point : worker.hits) worker.found.push_back({list[i].record, point});
-            FoundHit& first = worker.found[worker.found.size() - worker.hits.size()];
-            first.landing = worker.landing;
-            first.within = worker.first_within;
-        });
-        collect(workers_, counters_);
-        for (const Worker& worker : workers_.each)
-            lists_.found.insert(lists_.found.end(), worker.found.begin(), worker.found.end());
-        std::stable_sort(lists_.found.begin(), lists_.found.end(), [](const FoundHit& x, const FoundHit& y) {
-            return std::tuple(x.record->a, x.record->b) < std::tuple(y.record->a, y.record->b);
-        });
-        if (!lists_.found.empty()) ++counters_.sweeps;
-    }
-
-    /// Takes out of what was found the hits whose velocities part, whose ways are put right one after the other.
-    /// Whether any was.
-    bool hasten_parting() {
-        bool any = false;
-        std::vector<FoundHit>& found = lists_.found;
-        const auto parts = [](const FoundHit& f) { return f.landing && f.landing->parts; };
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < found.size();) {
-            PairRecord& record = *found[i].record;
-            std::size_t end = i + 1;
-            while (end < found.size() && found[end].record == &record) ++end;
-            if (!parts(found[i])) {
-                for (; i < end; ++i) found[kept++] = found[i];
-                continue;
-            }
-            if (hasten(view_, movers_.clusters(), {record.a, record.b}, found[i].point, *found[i].landing)) {
-                any = true;
-                movers_.evolve(record.a);
-                movers_.evolve(record.b);
-            } else {
-                commit(view_.trajectories, record, Verdict::settled);
-                ++counters_.settled;
-            }
-            i = end;
-        }
-        found.resize(kept);
-        return any;
-    }
-
     /// Adds what was found to the hits, where it is not one of them.
     void keep() {
         std::vector<KeptHit>& hits = lists_.hits;
@@ -174,13 +128,18 @@ class Accumulation {
         load_bodies();
         gather_islands();
         const std::size_t islands = lists_.begin.size() - 1;
+        unsolved_.assign(islands, 0);
         workers_.team.for_each("solve hits", islands, 1, [&](std::size_t i, int thread) {
             const auto first = static_cast<std::size_t>(lists_.begin[i]),
                        last = static_cast<std::size_t>(lists_.begin[i + 1]);
             const auto island = std::span<const std::int32_t>(lists_.places).subspan(first, last - first);
             Worker& worker = workers_[thread];
             const Stopwatch watch(worker.counters.response_ms);
-            solve_hits(lists_.hits, island, lists_.bodies);
+            const bool few = joint_ != nullptr && std::ssize(island) <= kMostCollisionsTogether;
+            if (!solve_hits(lists_.hits, island, lists_.bodies) && few) {
+                unsolved_[i] = 1;
+                return;
+            }
             const double late = late_share_of(island);
             for (const std::int32_t k : island) {
                 const KeptHit& hit = lists_.hits[at(k)];
@@ -190,6 +149,24 @@ class Accumulation {
             }
         });
         collect(workers_, counters_);
+    }
+
+    /// Islands that sweeps do not solve, as they were before the round.
+    void set_aside() {
+        if (std::ranges::find(unsolved_, 1) == unsolved_.end()) return;
+        set_aside_.resize(view_.model.size());
+        for (std::size_t k = 0; k < lists_.hits.size(); ++k) {
+            const KeptHit& hit = lists_.hits[k];
+            if (unsolved_[at(lists_.island[k])] == 0) continue;
+            for (const std::int32_t body : {hit.a, hit.b})
+                if (lists_.movable[at(body)] != 0) set_aside_[at(body)] = 1;
+        }
+        std::erase_if(lists_.hits, [&](const KeptHit& hit) { return is_aside(hit.a, hit.b); });
+        std::erase_if(lists_.found, [&](const FoundHit& f) { return is_aside(f.record->a, f.record->b); });
+    }
+
+    [[nodiscard]] bool is_aside(std::int32_t a, std::int32_t b) const {
+        return !set_aside_.empty() && (set_aside_[at(a)] | set_aside_[at(b)]) != 0;
     }
 
     /// An island's blows go through it at once: what is late of them is the least of what the round found.
@@ -288,16 +265,20 @@ class Accumulation {
     Workers& workers_;
     const ContactsAtStart& known_;
     const Touching& touching_;
+    JointSolve* joint_; ///< may be null
     HitLists& lists_;
     StageCounters counters_;
     Progress progress_;
+    std::vector<std::uint8_t> unsolved_;  ///< by island, as flags: sweeps over its hits came to their bound
+    std::vector<std::uint8_t> set_aside_; ///< by body, as flags: to be solved together; empty: none
 };
 
 } // namespace
 
 StageCounters accumulate_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                    const ContactsAtStart& known, const Touching& touching, HitLists& lists) {
-    return Accumulation(view, movers, book, workers, known, touching, lists).run();
+                                    const ContactsAtStart& known, const Touching& touching, JointSolve* joint,
+                                    HitLists& lists) {
+    return Accumulation(view, movers, book, workers, known, touching, joint, lists).run();
 }
 
 } // namespace flotilla

@@ -13,6 +13,7 @@
 #include "collision/late_hits.hpp"
 #include "islands/contact_graph.hpp"
 #include "pair/impulses.hpp"
+#include "pair/joint_hits.hpp"
 #include "pair/pair_lists.hpp"
 #include "response/kept_hits.hpp"
 #include "state/contact.hpp"
@@ -34,7 +35,9 @@ struct HitLists {
     ContactGraphScratch graph;
 };
 
+/// `joint`: may be null; else what the solves of islands do not end is solved together.
 StageCounters accumulate_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                    const ContactsAtStart& known, const Touching& touching, HitLists& lists);
+                                    const ContactsAtStart& known, const Touching& touching, JointSolve* joint,
+                                    HitLists& lists);
 
 } // namespace flotilla

@@ -6,6 +6,7 @@
 
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
+#include "collision/collide_together.hpp"
 #include "collision/late_hits.hpp"
 #include "collision/pair_hits.hpp"
 #include "pair/divided_sweep.hpp"
@@ -121,15 +122,15 @@ bool collide(const StepView& view, const HitRules& rules, Movers& movers, Worker
 /// `collisions: sequential`.
 class SequentialCollisions {
   public:
-    SequentialCollisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
+    SequentialCollisions(const StepView& view, Movers movers, PairBook& book, Workers& workers, JointSolve* joint,
                          CollisionScratch& scratch)
-        : view_(view), movers_(movers), book_(book), workers_(workers), scratch_(scratch) {}
+        : view_(view), movers_(movers), book_(book), workers_(workers), joint_(joint), scratch_(scratch) {}
 
     /// Algorithm 1: for all pairs that may collide or come near each other, resolve their hits; again, until none hits.
     /// Between two rounds over all pairs, those that had an impulse are resolved until none of them hits: most further
     /// hits are theirs, and no list is made for them. Where that gains nothing the hits of an operation are joined, and
     /// it is tried again: a ring that hits the peg in it on one side and, on its way from the start of the step, on the
-    /// other would go to and fro for ever.
+    /// other would go to and fro for ever. What sweeps do not end is solved together.
     StageCounters run() {
         scratch_.active.clear();
         scratch_.grounds.start();
@@ -149,7 +150,10 @@ class SequentialCollisions {
             note_progress();
             resolve_active();
         }
-        counters_.limit = true;
+        counters_.limit =
+            joint_ == nullptr ||
+            !collide_together(view_, movers_, book_, workers_, *joint_, scratch_.touching,
+                              std::vector<std::uint8_t>(view_.model.size(), 1), scratch_.hits.found, counters_);
         return counters_;
     }
 
@@ -264,6 +268,7 @@ class SequentialCollisions {
     Movers movers_;
     PairBook& book_;
     Workers& workers_;
+    JointSolve* joint_; ///< may be null
     CollisionScratch& scratch_;
     StageCounters counters_;
     Progress progress_;
@@ -273,11 +278,12 @@ class SequentialCollisions {
 } // namespace
 
 StageCounters handle_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                const ContactsAtStart& known, CollisionScratch& scratch) {
+                                const ContactsAtStart& known, JointSolve* joint, CollisionScratch& scratch) {
+    if (view.model.settings.collision_iterations == 0) joint = nullptr;
     scratch.touching.start(view.model.size(), known.contacts);
     if (view.model.settings.collisions == Collisions::accumulated)
-        return accumulate_collisions(view, movers, book, workers, known, scratch.touching, scratch.hits);
-    return SequentialCollisions(view, movers, book, workers, scratch).run();
+        return accumulate_collisions(view, movers, book, workers, known, scratch.touching, joint, scratch.hits);
+    return SequentialCollisions(view, movers, book, workers, joint, scratch).run();
 }
 
 } // namespace flotilla

@@ -25,7 +25,8 @@ struct CollisionScratch {
     FirstHits first; ///< sequential
 };
 
+/// `joint`: may be null; else what sweeps do not end is solved together, unless there are to be none.
 StageCounters handle_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
-                                const ContactsAtStart& known, CollisionScratch& scratch);
+                                const ContactsAtStart& known, JointSolve* joint, CollisionScratch& scratch);
 
 } // namespace flotilla

@@ -65,7 +65,7 @@ class DynamicContact {
             if (clusters_.pairs.empty()) return stats_;
             stats_.counters.limit = patience_.ends() || progress_.stalled();
             if (stats_.counters.limit) {
-                stats_.counters.limit = !resolve_together();
+                stats_.counters.limit = !together();
                 return stats_;
             }
             if (alone()) close_apart(frozen);
@@ -75,7 +75,7 @@ class DynamicContact {
                                              [&](std::size_t i) { return clusters_.pairs[i]; }),
                                  sweep % 2 != 0};
             resolve(plan, frozen);
-            if (some_may_be_helped() && resolve_together()) return stats_;
+            if (some_may_be_helped() && together()) return stats_;
             rigidify(plan);
             ++stats_.counters.sweeps;
         }
@@ -99,9 +99,9 @@ class DynamicContact {
         return false;
     }
     /// Whether nothing hits any more. Else that is so of all pairs but those of bodies that are left.
-    bool resolve_together() {
+    bool together() {
         if (joint_ == nullptr || !alone()) return false;
-        if (resolve_jointly(view_, movers_, book_, workers_, *joint_, stats_.counters)) return true;
+        if (resolve_together(view_, movers_, book_, workers_, *joint_, stats_.counters)) return true;
         for (std::size_t i = 0; i < resolutions_.size(); ++i)
             if (!is_left(clusters_.pairs[i].a) && !is_left(clusters_.pairs[i].b)) resolutions_[i].resolved = true;
         return false;

@@ -3,7 +3,7 @@
 // Pairs that do not resolve within their iterations are rigidified at the end of the sweep (section 4.2.1).
 #pragma once
 
-#include "dynamic_contact/joint_hits.hpp"
+#include "dynamic_contact/resolve_together.hpp"
 
 namespace flotilla {
 

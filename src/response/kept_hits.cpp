@@ -32,7 +32,7 @@ class Island {
     Island(std::span<KeptHit> hits, std::span<const std::int32_t> places, HitBodies& bodies)
         : hits_(hits), places_(places), bodies_(bodies) {}
 
-    void run() {
+    bool run() {
         for (const std::int32_t k : places_) {
             KeptHit& hit = hits_[at(k)];
             hit.change = {};
@@ -44,6 +44,7 @@ class Island {
             run_sweeps(true);
             for (const std::int32_t k : places_) wake(hits_[at(k)]);
         }
+        return ended_;
     }
 
   private:
@@ -203,8 +204,9 @@ class Island {
             const KeptHit& hit = hits_[at(k)];
             if (hit.met && (hit.live || all) && (within || !hit.within)) turns_.push_back({k, hit.a, hit.b, hit.seen});
         }
-        for (int i = 0; i < kSweeps; ++i)
-            if (!sweep(i % 2 != 0)) break;
+        bool changes = true;
+        for (int i = 0; i < kSweeps && changes; ++i) changes = sweep(i % 2 != 0);
+        ended_ = ended_ && !changes;
         for (const Turn& turn : turns_) hits_[at(turn.hit)].seen = turn.seen;
     }
 
@@ -321,13 +323,14 @@ class Island {
     std::vector<std::int32_t> changed_; ///< bodies, in the round
     std::vector<Turn> turns_;
     double fastest_ = 0; ///< m/s, of what the round meets
+    bool ended_ = true;  ///< all sweeps, before their bound
     std::int64_t clock_ = 0;
 };
 
 } // namespace
 
-void solve_hits(std::span<KeptHit> hits, std::span<const std::int32_t> island, HitBodies& bodies) {
-    Island(hits, island, bodies).run();
+bool solve_hits(std::span<KeptHit> hits, std::span<const std::int32_t> island, HitBodies& bodies) {
+    return Island(hits, island, bodies).run();
 }
 
 } // namespace flotilla

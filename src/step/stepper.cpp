@@ -247,9 +247,10 @@ void Stepper::collisions(std::span<Motion> collided, std::span<Motion> late, Ste
     const PhaseWatch watch(report, Phase::collisions, workers_.team);
     start_trajectories(state_.motion); // x^n -> x(v^n)
     wake_disturbed();
+    JointSolve* joint = solves_together() ? &joint_collisions_ : nullptr;
     const auto handle = [&] {
         const ContactSet& known = contacts_at_start();
-        return handle_collisions(view(), movers(), pairs_, workers_, {known.contacts, known.rest}, collisions_);
+        return handle_collisions(view(), movers(), pairs_, workers_, {known.contacts, known.rest}, joint, collisions_);
     };
     StageCounters c = handle();
     while (wake_hit()) c = handle();
@@ -383,7 +384,7 @@ void Stepper::candidate_end_states(std::span<const Motion> half, StepReport& rep
 
 DynamicContactStats Stepper::dynamic_contact(StepReport& report) {
     const PhaseWatch watch(report, Phase::dynamic_contact, workers_.team);
-    JointSolve* joint = model_.settings.contact_solver != ContactSolver::pgs ? &joint_ : nullptr;
+    JointSolve* joint = solves_together() ? &joint_ : nullptr;
     const DynamicContactStats stats = handle_dynamic_contact(view(), movers(), pairs_, workers_, joint);
     add_counters(stats.counters, report);
     return stats;

@@ -318,10 +318,12 @@ class Stepper {
         std::vector<std::uint8_t> hopeless; ///< by body, as flags
     };
     HitBuffers hits_;
+    [[nodiscard]] bool solves_together() const { return model_.settings.contact_solver != ContactSolver::pgs; }
     JointSolve joint_{[this](std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses) {
                           return solve_hits(hits, motion, impulses);
                       },
                       {}};
+    JointSolve joint_collisions_{joint_.solve, {}};
     std::vector<WarmImpulse> earlier_scratch_;
     SqueezedPairs squeezed_;
     std::int64_t contact_visits_ = 0;

@@ -161,7 +161,7 @@ std::pair<double, bool> near_plate(SceneDescription s, double gap, double veloci
     add_body(s, add_shape(s, make_plate(4, 4)), BodyType::fixed, {}, 0, 1);
     StageWorld world(s);
     CollisionScratch scratch;
-    handle_collisions(world.view(), world.movers(), world.book(), world.workers(), {}, scratch);
+    handle_collisions(world.view(), world.movers(), world.book(), world.workers(), {}, nullptr, scratch);
     const PairRecord* record = world.pairs().find(0, 1);
     return {world.velocity(0).z, record != nullptr && record->processed};
 }

@@ -11,9 +11,10 @@
 
 namespace flotilla::test {
 
-inline StageCounters collide(StageWorld& world) {
+/// `joint`: may be null.
+inline StageCounters collide(StageWorld& world, JointSolve* joint = nullptr) {
     CollisionScratch scratch;
-    return handle_collisions(world.view(), world.movers(), world.book(), world.workers(), {}, scratch);
+    return handle_collisions(world.view(), world.movers(), world.book(), world.workers(), {}, joint, scratch);
 }
 
 /// Tests of each way.

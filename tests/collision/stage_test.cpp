@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "collision/stage.hpp"
+#include "support/joint_solver.hpp"
 
 namespace flotilla {
 namespace {
@@ -45,6 +46,27 @@ TEST_P(CollisionStage, BlowsFromBothSidesPassEachOther) {
     StageWorld world(row(scene(), {10, 0, -10}, 1));
     EXPECT_FALSE(collide(world).limit);
     expect_velocities(world, {-10, 0, 10});
+}
+
+// A light body hands on to the wall, in a sweep, no more than its mass takes of what a heavy one brings.
+TEST_P(CollisionStage, AHeavyBodyStopsAtALightOneBeforeAWall) {
+    for (const double mass : {100.0, 1e3, 1e4})
+        for (const double restitution : {0.0, 0.5}) {
+            SceneDescription s = scene();
+            const std::int32_t wall = test::add_octahedron(s, 1), light = add_shape(s, make_box(1, 1, 1, 4), 1),
+                               heavy = test::add_octahedron(s, mass);
+            add_body(s, wall, BodyType::fixed, {0, 0, 0}, 0, restitution);
+            add_body(s, light, BodyType::dynamic, {1.008, 0, 0}, 0, restitution);
+            add_body(s, heavy, BodyType::dynamic, {2.016, 0, 0}, 0, restitution).velocity = {-5, 0, 0};
+            StageWorld alone(s);
+            (void)collide(alone);
+            EXPECT_GT(std::abs(alone.velocity(2).x), mass > 100 ? 1.0 : 0.0) << mass;
+            StageWorld world(s);
+            test::JointSolver solver(world);
+            EXPECT_FALSE(collide(world, &solver.joint).limit) << mass;
+            for (const std::int32_t i : {1, 2})
+                EXPECT_LT(length(world.velocity(i)), 0.02) << mass << ' ' << restitution << " body " << i;
+        }
 }
 
 TEST_P(CollisionStage, WhatDoesNotMeetIsLeftAlone) {

@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "dynamic_contact/dynamic_contact.hpp"
-#include "static_contact/solve_contacts.hpp"
-#include "static_contact/velocity_arrays.hpp"
+#include "support/joint_solver.hpp"
 #include "support/stage_world.hpp"
 
 namespace flotilla {
@@ -58,18 +57,6 @@ TEST(DynamicContact, LeavesAloneWhatIsApart) {
     EXPECT_TRUE(proved_apart(world));
 }
 
-/// As stage 3 solves contacts.
-JointSolve exact_solver(StageWorld& world, VelocityArrays& velocities, ContactScratch& scratch) {
-    return {[&](std::span<const Contact> hits, std::span<const Motion> motion, std::span<Vec3> impulses) {
-                velocities.load(nullptr, world.model(), 1, world.starts(), motion);
-                ContactSolveOptions options;
-                options.exact = true;
-                (void)solve_contacts(hits, velocities.bodies(), options, impulses, scratch);
-                return std::span<const std::uint8_t>(scratch.unsolved);
-            },
-            {}};
-}
-
 // Of what a heavy body brings a sweep hands on to the wall what the mass of the one between takes: thousands of sweeps,
 // or a few rounds in which both hits are solved together.
 TEST(DynamicContact, ALightBodyBetweenAHeavyOneAndAWall) {
@@ -77,9 +64,8 @@ TEST(DynamicContact, ALightBodyBetweenAHeavyOneAndAWall) {
         StageWorld world(row({{0, 0}, {1, -2}, {ratio, -5}}));
         EXPECT_TRUE(run(world).counters.limit) << "sweeps alone";
         StageWorld again(row({{0, 0}, {1, -2}, {ratio, -5}}));
-        VelocityArrays velocities;
-        ContactScratch scratch;
-        JointSolve joint = exact_solver(again, velocities, scratch);
+        test::JointSolver solver(again);
+        JointSolve& joint = solver.joint;
         const DynamicContactStats stats =
             handle_dynamic_contact(again.view(), again.movers(), again.book(), again.workers(), &joint);
         EXPECT_EQ(stats.merges, 0) << ratio;
@@ -99,9 +85,8 @@ TEST(DynamicContact, HitsAreSolvedTogetherAfterFewSweepsToo) {
     SceneDescription s = row({{0, 0}, {1, -2}, {1e3, -5}});
     s.settings.dynamic_iterations = 2;
     StageWorld world(s);
-    VelocityArrays velocities;
-    ContactScratch scratch;
-    JointSolve joint = exact_solver(world, velocities, scratch);
+    test::JointSolver solver(world);
+    JointSolve& joint = solver.joint;
     const DynamicContactStats stats =
         handle_dynamic_contact(world.view(), world.movers(), world.book(), world.workers(), &joint);
     EXPECT_EQ(stats.merges, 0);
@@ -117,9 +102,8 @@ TEST(DynamicContact, GivesBackWhatItCouldNotSolve) {
         s.settings.dynamic_pair_iterations = tries;
         StageWorld alone(s), world(s);
         run(alone);
-        VelocityArrays velocities;
-        ContactScratch scratch;
-        JointSolve joint = exact_solver(world, velocities, scratch);
+        test::JointSolver solver(world);
+        JointSolve& joint = solver.joint;
         const DynamicContactStats stats =
             handle_dynamic_contact(world.view(), world.movers(), world.book(), world.workers(), &joint);
         EXPECT_TRUE(stats.counters.limit) << tries;
