@@ -13,9 +13,9 @@ namespace flotilla {
 /// Hits of an island that are solved together.
 inline constexpr std::ptrdiff_t kMostCollisionsTogether = 64;
 
-/// Without rebounds: bodies that bounce on each other without end in no time end so, where they lose something each time
-/// (inelastic collapse). Whether nothing hits any more; what does is stage 5's. `bodies`: flags by body; with whom it
-/// begins, who take in those that they hit. `found`: scratch; `counters`: added to.
+/// Without rebounds: bodies that bounce on each other without end in no time end so, where they lose something each
+/// time (inelastic collapse). Whether nothing hits any more; what does is stage 5's. `bodies`: flags by body; with whom
+/// it begins, who take in those that they hit. `found`: scratch; `counters`: added to.
 [[nodiscard]] bool collide_together(const StepView& view, Movers movers, PairBook& book, Workers& workers,
                                     JointSolve& joint, const Touching& touching, std::vector<std::uint8_t> bodies,
                                     std::vector<FoundHit>& found, StageCounters& counters);

@@ -19,6 +19,9 @@ constexpr std::int32_t kMostContacts = 1536;
 /// than kManyBodies those that may be over-constrained would take forty that end nowhere, in every step. Most others
 /// (may_be_over_constrained()) take them in some ten steps, and then rest: 80 stones in a cone never slept.
 constexpr std::int32_t kMostBodies = 128, kManyBodies = 64;
+/// Of a slender island, parked or not: of what is parked an exact solve takes in what its result leaves approaching, and
+/// factors of what touches all round fill up. A row of dominoes has two.
+constexpr std::int32_t kMostPairsOfBody = 2;
 /// Factorisations for a residual below an island's tolerance.
 constexpr int kMostToTolerance = 80;
 /// Where Newton's steps are all that follows the sweeps, each has to get so many times nearer: piles, whose impulses
@@ -231,7 +234,10 @@ bool is_costly(const Island& island) {
     return island.end_body - island.first_body > kManyBodies && !is_slender(island);
 }
 
-bool is_slender(const Island& island) { return island.active_pairs <= island.end_body - island.first_body + 1; }
+bool is_slender(const Island& island) {
+    const std::int32_t bodies = island.end_body - island.first_body, pairs = island.end - island.first;
+    return island.active_pairs <= bodies + 1 && pairs <= kMostPairsOfBody * bodies;
+}
 
 void solve_exactly(const ContactBodies& bodies, const ContactSolveOptions& options, ContactScratch& s) {
     s.small_islands.clear();

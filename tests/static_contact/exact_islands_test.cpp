@@ -203,6 +203,19 @@ TEST(ExactIslands, AColumnAtRestIsSolvedHoweverManyContactsItHas) {
 }
 
 // A heavy box on twenty light ones, which the sweeps leave far from solved.
+// Boxes that fill a crate stand in columns, and are beside one another.
+TEST(ExactIslands, NothingIsSlenderThatTouchesAllRound) {
+    ContactScratch::Island column;
+    column.end_body = 12, column.active_pairs = column.end = 12;
+    EXPECT_TRUE(is_slender(column));
+    ContactScratch::Island row = column; // each beside the next
+    row.end = 23;
+    EXPECT_TRUE(is_slender(row));
+    ContactScratch::Island crate = column; // beside the next, and walls
+    crate.end = 35;
+    EXPECT_FALSE(is_slender(crate));
+}
+
 TEST(ExactIslands, WhereFewAreAskedForAColumnAtRestGetsNewtonsSteps) {
     ContactWorld w = make_loaded_column(20), swept = w;
     ContactSolveOptions options = exact_at(1e-4);
