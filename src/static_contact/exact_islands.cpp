@@ -19,8 +19,8 @@ constexpr std::int32_t kMostContacts = 1536;
 /// than kManyBodies those that may be over-constrained would take forty that end nowhere, in every step. Most others
 /// (may_be_over_constrained()) take them in some ten steps, and then rest: 80 stones in a cone never slept.
 constexpr std::int32_t kMostBodies = 128, kManyBodies = 64;
-/// Of a slender island, parked or not: of what is parked an exact solve takes in what its result leaves approaching, and
-/// factors of what touches all round fill up. A row of dominoes has two.
+/// Of a slender island, parked or not: of what is parked an exact solve takes in what its result leaves approaching,
+/// and factors of what touches all round fill up. A row of dominoes has two.
 constexpr std::int32_t kMostPairsOfBody = 2;
 /// Factorisations for a residual below an island's tolerance.
 constexpr int kMostToTolerance = 80;

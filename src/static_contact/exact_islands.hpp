@@ -40,9 +40,9 @@ inline constexpr double kOfFactorisation = 72;
 [[nodiscard]] bool moves_inside(const ContactScratch::Island& island, const ContactBodies& bodies,
                                 const ContactSolveOptions& options, const ContactScratch& scratch);
 
-/// A column, a chain, an arch: hardly more pairs with active contacts than bodies, and few others. What the contacts leave undone adds
-/// up along it, so that a column of fifty leans and sways by a hundred times the tolerance; and its factorisation costs
-/// no more than its bodies one by one.
+/// A column, a chain, an arch: hardly more pairs with active contacts than bodies, and few others. What the contacts
+/// leave undone adds up along it, so that a column of fifty leans and sways by a hundred times the tolerance; and its
+/// factorisation costs no more than its bodies one by one.
 [[nodiscard]] bool is_slender(const ContactScratch::Island& island);
 
 /// Whether its exact solve takes far longer than its sweeps: it is solved so only where these do not reach what they
