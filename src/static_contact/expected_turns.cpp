@@ -11,17 +11,18 @@
 namespace flotilla {
 namespace {
 
+constexpr std::uint8_t kNot = 0, kNear = 1, kFar = 2;       // more than a radian
 constexpr std::size_t kBodyGrain = 64, kContactGrain = 256; // of a task
 
 } // namespace
 
 void ExpectedTurns::clear(std::size_t bodies) {
-    turns_.assign(bodies, 0);
+    turns_.assign(bodies, kNot);
     any_ = false;
 }
 
 void ExpectedTurns::mark(std::int32_t body) {
-    std::atomic_ref(turns_[at(body)]).store(1, std::memory_order_relaxed); // whoever comes first
+    std::atomic_ref(turns_[at(body)]).store(kNear, std::memory_order_relaxed); // whoever comes first
     std::atomic_ref(any_).store(true, std::memory_order_relaxed);
 }
 
@@ -34,7 +35,7 @@ void ExpectedTurns::find(Team* team, const Model& model, const VelocityArrays& b
     for_each(team, "expected turns", model.active.size(), kBodyGrain, [&](std::size_t k) {
         const std::int32_t body = model.active[k];
         const std::size_t i = at(body);
-        if (turns_[i] == 0) return;
+        if (turns_[i] == kNot) return;
         const Body& b = model.bodies[i];
         const Vec3& now = bodies.turn_of(body);
         const Vec3 added = bodies.angular_velocity[i] - now;
@@ -43,10 +44,11 @@ void ExpectedTurns::find(Team* team, const Model& model, const VelocityArrays& b
         const Vec3 omega = known ? now + more : now;
         const auto left = [&] { return std::clamp(dot(more, added) / length_sq(added), 0.0, 1.0) * added; };
         const Vec3 on_arcs = known && added != Vec3{} ? now + left() : now;
-        if (!b.movable() || !(length_sq(omega) * dt * dt <= 1)) {
-            turns_[i] = 0;
+        if (!b.movable()) {
+            turns_[i] = kNot;
             return;
         }
+        if (!(length_sq(omega) * dt * dt <= 1)) turns_[i] = kFar;
         const Vec3 momentum = bodies.inertia[i] * omega;
         const WorldInertia inertia = world_inertia(model.shape_of(i), b.locked.rotation, bodies.turned[i].rotation);
         turn_[i] = {omega, rotate_free(inertia, b.locked.rotation, momentum, dt).rotation, on_arcs};
@@ -57,7 +59,7 @@ void ExpectedTurns::add_impulses(Team* team, const VelocityArrays& bodies, std::
                                  std::span<const Vec3> impulses) {
     torque_.assign(turns_.size(), {});
     pair_torque_.resize(contacts.size());
-    const auto acts = [&](const Contact& c) { return (turns_[at(c.a)] | turns_[at(c.b)]) != 0; };
+    const auto acts = [&](const Contact& c) { return (turns_[at(c.a)] | turns_[at(c.b)]) != kNot; };
     for_each(team, "torques of pairs", contacts.size(), kContactGrain, [&](std::size_t i) {
         if (!begins_pair(contacts, i) || !acts(contacts[i])) return;
         Torque sum;
@@ -76,6 +78,8 @@ void ExpectedTurns::add_impulses(Team* team, const VelocityArrays& bodies, std::
     }
 }
 
+bool ExpectedTurns::turns(std::int32_t body) const { return turns_[at(body)] == kNear; }
+
 const Vec3& ExpectedTurns::on_arcs(const VelocityArrays& bodies, std::int32_t body) const {
     return turns(body) && !bodies.unloaded.empty() ? turn_[at(body)].on_arcs : bodies.turn_of(body);
 }
@@ -85,7 +89,7 @@ const Vec3& ExpectedTurns::angular_velocity(const VelocityArrays& bodies, std::i
 }
 
 Vec3 ExpectedTurns::mean_less_now(std::int32_t body, const Vec3& arm) const {
-    if (turns_[at(body)] == 0) return {};
+    if (turns_[at(body)] == kNot) return {};
     const Turn& turn = turn_[at(body)];
     return (1 / time_step_) * (rotate(turn.rotation, arm) - arm) - cross(turn.angular_velocity, arm);
 }

@@ -21,7 +21,8 @@ class ExpectedTurns {
     /// The body is in contact, and turns. Side by side.
     void mark(std::int32_t body);
     [[nodiscard]] bool any() const { return any_; }
-    [[nodiscard]] bool turns(std::int32_t body) const { return turns_[static_cast<std::size_t>(body)] != 0; }
+    /// By up to a radian, further than which J at x^n knows little of its end.
+    [[nodiscard]] bool turns(std::int32_t body) const;
     /// rad/s, at the start of the step; of one that does not turn what `bodies` have.
     [[nodiscard]] const Vec3& angular_velocity(const VelocityArrays& bodies, std::int32_t body) const;
     /// rad/s, of which a body's arcs are (rolling.hpp): VelocityArrays::turn_of(), and what the impulses leave of what
@@ -33,7 +34,7 @@ class ExpectedTurns {
     void find(Team* team, const Model& model, const VelocityArrays& bodies, std::span<const Contact> contacts,
               std::span<const Vec3> impulses);
     /// m/s, of a point of the body at `arm` (m) from its centre of mass, against that: its mean velocity in the step,
-    /// less the one now. Nothing where the body turns by more than a radian: J at x^n knows little of its end then.
+    /// less the one now. Of an arm that turns by less than a radian, however far the body does about it.
     [[nodiscard]] Vec3 mean_less_now(std::int32_t body, const Vec3& arm) const;
 
   private:
@@ -50,7 +51,7 @@ class ExpectedTurns {
     };
     double time_step_ = 0;            ///< s
     bool any_ = false;                ///< is marked
-    std::vector<std::uint8_t> turns_; ///< by body
+    std::vector<std::uint8_t> turns_; ///< by body: not, by up to a radian, or farther
     std::vector<Turn> turn_;          ///< by body
     std::vector<Vec3> torque_;        ///< N m s, by body
     std::vector<Torque> pair_torque_; ///< at the first contact of each pair

@@ -81,10 +81,21 @@ Standing::Standing(std::span<const Contact> pair, const VelocityArrays& bodies, 
     : pair_(pair), bodies_(bodies), turning_(turning), time_step_(time_step), at_end_(at_end) {
     slides_ = pair.front().friction == 0;
     for (const std::int32_t body : {pair.front().a, pair.front().b}) {
+        const bool still = length_sq(bodies.turn_of(body)) == 0;
         // Prescribed ones are seen on their way (turned_under() in targets.cpp).
-        const double fastest = bodies.inverse_mass[at(body)] > 0 ? 1 / time_step : 0;
-        slides_ = slides_ || !(length(bodies.turn_of(body)) <= fastest);
+        slides_ = slides_ || (!still && !(bodies.inverse_mass[at(body)] > 0));
+        turns_far_ = turns_far_ || !(time_step * length(bodies.turn_of(body)) <= 1);
     }
+}
+
+/// Whether the pivot goes round a body by more than a radian. A top goes round its tip as far as it will.
+bool Standing::goes_round() const {
+    const auto goes = [&](std::int32_t body) {
+        const Vec3 arm = pivot_.origin - bodies_.position[at(body)];
+        return bodies_.inverse_mass[at(body)] > 0 &&
+               !(time_step_ * length(cross(bodies_.turn_of(body), arm)) <= length(arm));
+    };
+    return goes(pair_.front().a) || goes(pair_.front().b);
 }
 
 void Standing::find() {
@@ -92,6 +103,7 @@ void Standing::find() {
     if (slides_) return;
     for (const std::int32_t body : {pair_.front().a, pair_.front().b})
         if (!pivot_.turns() && bodies_.inverse_mass[at(body)] > 0) pivot_ = turning_.pivots[at(body)];
+    if (turns_far_ && (pivot_.kind != Pivot::Kind::point || goes_round())) pivot_ = {};
     if (pivot_.kind != Pivot::Kind::edge) return;
     edge_ = normalized(pivot_.edge);
     if (!at_end_) turn_about_edge();

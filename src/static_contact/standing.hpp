@@ -78,6 +78,7 @@ class Standing {
     void on_all(std::span<ArcContact> arcs);
 
   private:
+    [[nodiscard]] bool goes_round() const;
     void turn_about_edge();
     [[nodiscard]] Vec3 mean_less_now(const Contact& c, bool of_b) const;
 
@@ -86,7 +87,8 @@ class Standing {
     const TurningBodies& turning_;
     double time_step_;
     bool at_end_;
-    bool slides_ = false; ///< nothing holds it; or a body turns too far in the step
+    bool slides_ = false;    ///< nothing holds it, or what is prescribed turns
+    bool turns_far_ = false; ///< a body, by more than a radian in the step
     Pivot pivot_;
     Vec3 edge_;              ///< unit
     Vec3 spin_[2], rate_[2]; ///< rad/s, rad/s^2, of a and b on an edge

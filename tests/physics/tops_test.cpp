@@ -49,6 +49,39 @@ void heavy_top_precesses(const Run& run) {
     expect_no_rise(motion);
 }
 
+// A toy that turns by more than a radian in a step, about its tip, which hardly moves for it: it goes round at the rate of
+// steady precession, at its tilt.
+void fast_top_precesses(const Run& run, double spin) {
+    constexpr double kHigh = 0.05, kArm = 0.04, kMass = 0.2, kAcross = 2e-4, kAlong = 3e-4, kTilt = 0.3; // kg m^2
+    SceneDescription scene = make_scene_with(run.settings());
+    TriangleMesh mesh = make_cone(1, 24);
+    for (Vec3& v : mesh.vertices) v = kHigh * v;
+    const auto top = add_shape(scene, mesh, kMass);
+    scene.shapes.back().inertia = Mat3{{kAcross, 0, 0, 0, kAcross, 0, 0, 0, kAlong}};
+    scene.shapes.back().center_of_mass = Vec3{0, 0, kArm};
+    auto& body = add_body(scene, top, BodyType::dynamic, {0, 0, rest_gap(mesh)}, 0.5, 0);
+    body.rotation = rotation_from_vector({0, kTilt, 0});
+    const Vec3 axis = rotate(body.rotation, {0, 0, 1}), up{0, 0, 1};
+    const double about_tip = (kAcross + kMass * kArm * kArm) * std::cos(kTilt), l = kAlong * spin;
+    const double rate = (l - std::sqrt(l * l - 4 * about_tip * kMass * kGravity * kArm)) / (2 * about_tip);
+    body.angular_velocity = (spin - rate * std::cos(kTilt)) * axis + rate * up;
+    body.velocity = cross(body.angular_velocity, kArm * axis);
+    add_ground(scene, 20, 0.5, 0);
+    Motion motion(scene);
+    double tilt = 0, wandered = 0;
+    motion.run(2, [&](const StepReport&) {
+        const BodyState s = motion.body(0);
+        tilt = std::max(tilt, std::abs(std::acos(rotate(s.rotation, {0, 0, 1}).z) - kTilt));
+        wandered = std::max(wandered, std::hypot(s.position.x, s.position.y));
+    });
+    const double kept = motion.outcome().end / motion.outcome().start;
+    motion.print("tilt off by %.3g rad, tip by %.3g m, keeps %.5f of its energy", tilt, wandered, kept);
+    EXPECT_LT(tilt, 0.05);
+    EXPECT_LT(wandered, 0.01);
+    EXPECT_NEAR(kept, 1, 0.01);
+    expect_no_rise(motion);
+}
+
 void block_tips_over_its_edge(const Run& run) {
     Motion motion(tipping_block(run.settings()));
     const Tipping found = tipping(motion.record(kTippingTime));
@@ -88,6 +121,10 @@ void ring_on_a_knife_edge(const Run& run) {
     add_runs("Tops", "AsymmetricTopFlipsInTime", runs(), true, asymmetric_top_moves);
     add_runs("Tops", "SymmetricTopPrecesses", runs(), true, symmetric_top_moves);
     add_runs("Tops", "HeavyTopPrecesses", runs(), true, heavy_top_precesses);
+    for (const int spin : {60, 200})
+        add_runs("Tops", "TopOf" + std::to_string(spin) + "RadiansASecondPrecesses",
+                 {{"balanced", 24}, {"balanced", 60}, {"balanced", 120}, {"preview", 60}, {"accurate", 24}}, true,
+                 [=](const Run& r) { fast_top_precesses(r, spin); });
     add_runs("Tops", "BlockTipsOverItsEdge", runs(), true, block_tips_over_its_edge);
     add_runs("Tops", "EulersDisk", runs({120, 24, 480}), true, eulers_disk_moves); // 1/24 s is asked little
     add_runs("Tops", "RingSwingsOnAKnifeEdge", runs(), true, ring_on_a_knife_edge);

@@ -48,18 +48,6 @@ double due_precession() {
     return (spin - std::sqrt(spin * spin - 4 * about_tip * kGravity)) / (2 * about_tip);
 }
 
-/// An open cone, 1 m high, its tip at the origin.
-TriangleMesh make_cone(double radius, int segments) {
-    TriangleMesh mesh;
-    mesh.vertices.push_back({});
-    for (int i = 0; i < segments; ++i) {
-        const double angle = 2 * kPi * i / segments;
-        mesh.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), 1});
-        mesh.triangles.push_back({0, 1 + i, 1 + (i + 1) % segments});
-    }
-    return mesh;
-}
-
 constexpr double kBlockWidth = 0.2, kBlockHeight = 0.6, kBlockTilt = 0.3; // m, rad
 const double kBlockArm = 0.5 * std::hypot(kBlockWidth, kBlockHeight);     // m, from its edge to its centre
 
@@ -87,6 +75,17 @@ double due_block_angle(double time) {
 }
 
 } // namespace
+
+TriangleMesh make_cone(double radius, int segments) {
+    TriangleMesh mesh;
+    mesh.vertices.push_back({});
+    for (int i = 0; i < segments; ++i) {
+        const double angle = 2 * kPi * i / segments;
+        mesh.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), 1});
+        mesh.triangles.push_back({0, 1 + i, 1 + (i + 1) % segments});
+    }
+    return mesh;
+}
 
 SceneDescription heavy_top(const Start& start) {
     SceneDescription scene = make_scene_with(start.settings);

@@ -20,6 +20,9 @@ inline const Vec3 kTopMomentum{0.3, 0, 1.5};
 /// Its axis's distance at the end from where it is due.
 [[nodiscard]] double axis_off(const History& history);
 
+/// An open cone, 1 m high, its tip at the origin.
+[[nodiscard]] TriangleMesh make_cone(double radius, int segments);
+
 /// A top of a flat cone's shape that stands on its tip, which does not slide, tilted by alpha, and precesses steadily:
 /// about the vertical at the slower W of I1' W^2 cos(alpha) - I3 w3 W + m g l = 0, I1' about the tip.
 [[nodiscard]] SceneDescription heavy_top(const Start& start);
