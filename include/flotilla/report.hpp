@@ -73,7 +73,8 @@ struct StepReport {
 
     double energy = 0; ///< J, kinetic and potential
     Vec3 momentum;     ///< kg m/s, linear, of all dynamic bodies together
-    /// m, smallest distance of two bodies at the end poses; infinite where none are within their proximity distance.
+    /// m, smallest distance of two bodies, one of them awake, at the end poses, and with substeps at those of all inner
+    /// steps; infinite where none are within their proximity distance.
     double min_distance = std::numeric_limits<double>::infinity();
     std::uint64_t state_hash = 0;
 

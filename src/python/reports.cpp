@@ -40,7 +40,8 @@ void bind_sums(py::class_<StepReport>& type) {
     using R = StepReport;
     type.def_readonly("energy", &R::energy, "J, kinetic and potential");
     type.def_readonly("momentum", &R::momentum, "kg m/s, linear, of all dynamic bodies together, shape (3)");
-    type.def_readonly("min_distance", &R::min_distance, "m, smallest of two bodies at the end poses; inf: none near");
+    type.def_readonly("min_distance", &R::min_distance,
+                      "m, smallest of two bodies, one of them awake, at the ends of inner steps; inf: none near");
     type.def_readonly("state_hash", &R::state_hash,
                       "of all that can change a later bit; the same at any number of threads");
     type.def_readonly("angular_momentum", &R::angular_momentum, "kg m^2/s about the world's origin, shape (3)");
