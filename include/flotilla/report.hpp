@@ -45,7 +45,7 @@ enum StepWarning : std::uint32_t {
     kStaticLimit = 1u << 2,
     /// A scripted body did not go all its way, as bodies are in it or were of late (unsatisfiable_script).
     kScriptDelayed = 1u << 3,
-    /// A body that the failsafe held lost a rebound of stage 1 (dynamic_iterations).
+    /// A body that the failsafe held, or that was hit without end, lost a rebound of stage 1 (dynamic_iterations).
     kReboundLost = 1u << 4,
 };
 

@@ -291,7 +291,7 @@ void World::Impl::say_warnings(const StepReport& report) {
          {kDynamicLimit, "dynamic contact was given up: the failsafe had to finish"},
          {kStaticLimit, "a contact solve ended above its tolerance"},
          {kScriptDelayed, "a scripted body waited, as bodies are in its way or were of late"},
-         {kReboundLost, "a body that the failsafe held lost a rebound"}}};
+         {kReboundLost, "a body that the failsafe held, or that was hit without end, lost a rebound"}}};
     const std::uint32_t fresh = report.warnings & ~last_warnings;
     last_warnings = report.warnings;
     if (!log) return; // nothing may fail any more: the step is done

@@ -63,12 +63,11 @@ class Accumulation {
             set_aside();
             progress_.add(num_pairs(lists_.found, bodies_of_found), num_pairs(lists_.hits, bodies_of_hit),
                           take_largest_push(workers_));
-            if (!move() && lists_.found.empty()) continue; // all of it was set aside
-            if (lists_.moved.empty()) break;
+            if (!move() && !lists_.found.empty()) break; // what is not set aside
         }
-        if (!set_aside_.empty())
-            counters_.limit = !collide_together(view_, movers_, book_, workers_, *joint_, touching_, set_aside_,
-                                                lists_.found, counters_);
+        if (!set_aside_.empty() && !collide_together(view_, movers_, book_, workers_, *joint_, touching_, set_aside_, 1,
+                                                     lists_.found, counters_))
+            counters_.limit = true;
         return counters_;
     }
 
@@ -76,7 +75,7 @@ class Accumulation {
     /// Adds what was found to the hits, where it is not one of them.
     void keep() {
         std::vector<KeptHit>& hits = lists_.hits;
-        if (hits.empty()) keep_known();
+        if (!std::exchange(knows_, true)) keep_known();
         const std::size_t before = hits.size();
         for (KeptHit& hit : hits) hit.found = -1;
         for (const FoundHit& f : lists_.found) {
@@ -151,7 +150,8 @@ class Accumulation {
         collect(workers_, counters_);
     }
 
-    /// Islands that sweeps do not solve, as they were before the round.
+    /// Islands that sweeps do not solve, as they were before the round: what these did to them would tilt what is to be
+    /// hit flat.
     void set_aside() {
         if (std::ranges::find(unsolved_, 1) == unsolved_.end()) return;
         set_aside_.resize(view_.model.size());
@@ -269,6 +269,7 @@ class Accumulation {
     HitLists& lists_;
     StageCounters counters_;
     Progress progress_;
+    bool knows_ = false;                  ///< contacts at x^n are among the hits
     std::vector<std::uint8_t> unsolved_;  ///< by island, as flags: sweeps over its hits came to their bound
     std::vector<std::uint8_t> set_aside_; ///< by body, as flags: to be solved together; empty: none
 };

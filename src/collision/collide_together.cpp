@@ -17,8 +17,8 @@ constexpr double kUndone = 1.0 / 16;
 class CollideTogether {
   public:
     CollideTogether(const StepView& view, Movers movers, PairBook& book, Workers& workers, JointSolve& joint,
-                    const Touching& touching, std::vector<std::uint8_t> bodies, std::vector<FoundHit>& found,
-                    StageCounters& counters)
+                    const Touching& touching, std::vector<std::uint8_t> bodies, double most_restitution,
+                    std::vector<FoundHit>& found, StageCounters& counters)
         : view_(view),
           movers_(movers),
           book_(book),
@@ -26,36 +26,42 @@ class CollideTogether {
           left_(joint.left),
           touching_(touching),
           takes_part_(std::move(bodies)),
+          most_restitution_(most_restitution),
           found_(found),
           counters_(counters),
           joint_(view, movers, workers, joint, kMostCollisionsTogether, counters) {}
 
     bool run() {
-        for (int round = 0;; ++round) {
+        for (int round = 0; round <= kMostRoundsTogether; ++round) {
             look_for_hits(view_, book_, workers_, counters_, found_, [&](std::int32_t a, std::int32_t b) {
                 return (takes_part_[at(a)] | takes_part_[at(b)]) != 0 && !joint_.is_left(a) && !joint_.is_left(b);
             });
             const bool hastened = hasten_parting(view_, movers_, counters_, found_);
             if (found_.empty() && !hastened) return std::ranges::find(left_, 1) == left_.end();
             if (found_.empty()) continue;
-            keep(round);
+            keep(round >= kMostRoundsTogether);
             joint_.solve(true);
             for (const std::int32_t body : joint_.moved()) takes_part_[at(body)] = 1;
             delay();
         }
+        return false;
     }
 
   private:
     /// What is met in the last round is left.
-    void keep(int round) {
+    void keep(bool at_last) {
+        const bool at_first = joint_.hits().empty();
         const FoundHit* first = nullptr; // of the pair
         for (const FoundHit& found : found_) {
             if (first == nullptr || first->record != found.record) first = &found;
             const PairRecord& record = *found.record;
-            if (round >= kMostRoundsTogether || !first->landing)
+            const double restitution = pair_restitution(view_.model, record.a, record.b);
+            if (at_last || !first->landing || restitution > most_restitution_) {
                 joint_.leave(record.a, record.b);
-            else
-                joint_.add(met_hit(found, *first->landing, round == 0));
+                continue;
+            }
+            joint_.add(met_hit(found, *first->landing, at_first));
+            counters_.rebound_lost = counters_.rebound_lost || restitution > 0;
         }
     }
 
@@ -133,6 +139,7 @@ class CollideTogether {
     const std::vector<std::uint8_t>& left_;
     const Touching& touching_;
     std::vector<std::uint8_t> takes_part_; ///< by body, as flags
+    double most_restitution_;
     std::vector<FoundHit>& found_;
     StageCounters& counters_;
     JointHits joint_;
@@ -143,10 +150,12 @@ class CollideTogether {
 } // namespace
 
 bool collide_together(const StepView& view, Movers movers, PairBook& book, Workers& workers, JointSolve& joint,
-                      const Touching& touching, std::vector<std::uint8_t> bodies, std::vector<FoundHit>& found,
-                      StageCounters& counters) {
+                      const Touching& touching, std::vector<std::uint8_t> bodies, double most_restitution,
+                      std::vector<FoundHit>& found, StageCounters& counters) {
     joint.left.assign(view.model.size(), 0);
-    return CollideTogether(view, movers, book, workers, joint, touching, std::move(bodies), found, counters).run();
+    return CollideTogether(view, movers, book, workers, joint, touching, std::move(bodies), most_restitution, found,
+                           counters)
+        .run();
 }
 
 } // namespace flotilla

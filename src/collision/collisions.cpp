@@ -2,6 +2,7 @@
 #include "collision/collisions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "base/index.hpp"
@@ -150,16 +151,23 @@ class SequentialCollisions {
             note_progress();
             resolve_active();
         }
-        counters_.limit =
-            joint_ == nullptr ||
-            !collide_together(view_, movers_, book_, workers_, *joint_, scratch_.touching,
-                              std::vector<std::uint8_t>(view_.model.size(), 1), scratch_.hits.found, counters_);
+        counters_.limit = joint_ == nullptr || !solve_together();
         return counters_;
     }
 
   private:
     [[nodiscard]] int sweeps_left() const {
         return view_.model.settings.collision_iterations - static_cast<int>(counters_.sweeps);
+    }
+
+    /// Where sweeps have used rebounds up, to a sixteenth.
+    bool solve_together() {
+        constexpr double kUsedUp = 1.0 / 16;
+        const double most_restitution =
+            std::pow(kUsedUp, 1 / static_cast<double>(std::max<std::int64_t>(1, counters_.sweeps)));
+        return collide_together(view_, movers_, book_, workers_, *joint_, scratch_.touching,
+                                std::vector<std::uint8_t>(view_.model.size(), 1), most_restitution, scratch_.hits.found,
+                                counters_);
     }
 
     bool goes_on() {

@@ -27,6 +27,8 @@ void apply_impulse(Clusters& clusters, Worker& worker, std::int32_t a, std::int3
     if (!clusters[a].infinite() && !clusters[b].infinite()) {
         clusters.note_exchanged(a, point.arm_a, -impulse);
         clusters.note_exchanged(b, point.arm_b, impulse);
+    } else {
+        clusters.note_infinite(a), clusters.note_infinite(b);
     }
     clusters.apply(a, point.arm_a, -impulse);
     clusters.apply(b, point.arm_b, impulse);

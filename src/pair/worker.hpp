@@ -22,6 +22,7 @@ struct StageCounters {
     std::int64_t settled = 0;                 ///< pairs that hit and have no impulse: stage 5's
     double detection_ms = 0, response_ms = 0; ///< of all threads together
     bool limit = false;                       ///< ended by its iteration limit
+    bool rebound_lost = false;                ///< of hits that have a restitution (collide_together)
 };
 
 /// How a pair of points comes to meet, along their normal.

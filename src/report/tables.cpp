@@ -78,7 +78,7 @@ constexpr std::array kWarnings{
                 "raise static_iterations, or static_tolerance"},
     WarningText{kScriptDelayed, "a scripted body waited, as bodies are in its way or were of late",
                 "see unsatisfiable_script"},
-    WarningText{kReboundLost, "a held body lost a rebound", "raise dynamic_iterations"},
+    WarningText{kReboundLost, "a held body, or one hit without end, lost a rebound", "raise dynamic_iterations"},
 };
 
 std::string joined(const std::vector<std::string>& words) {

@@ -56,6 +56,7 @@ void Clusters::start(std::size_t i, const Trajectories& trajectories, const Moti
     c.momentum = motion.momentum;
     c.late = {};
     c.exchanged = {};
+    c.met_infinite = false;
 }
 
 void Clusters::set_script(std::int32_t id, const Motion& motion) {
@@ -130,6 +131,7 @@ void Clusters::take(std::int32_t id, const ClusterChange& change) {
     c.momentum = change.momentum;
     c.late = change.late;
     c.exchanged = change.exchanged;
+    c.met_infinite = change.met_infinite;
     c.internal_proved = change.internal_proved;
     work_[at(id)] = change.work;
 }
@@ -219,6 +221,7 @@ std::int32_t Clusters::merge(std::int32_t a, std::int32_t b, bool rigid, double 
     to.exchanged.angular += from.exchanged.angular + cross(to_com - to.com0, to.exchanged.linear) +
                             cross(from.com0 - to.com0, from.exchanged.linear);
     to.exchanged.linear += from.exchanged.linear;
+    to.met_infinite = to.met_infinite || from.met_infinite;
     if (rigid)
         set_rigid(to, trajectories);
     else

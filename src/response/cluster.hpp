@@ -36,6 +36,7 @@ struct Cluster {
     Vec3 velocity, momentum;     ///< m/s; kg m^2/s about com0
     Motion late;                 ///< what of these the way of the step is without: see delay()
     Impulses exchanged;          ///< with other clusters of finite mass since start(), those merged into it aside
+    bool met_infinite = false;   ///< had an impulse of a body of infinite mass since start()
     AxisLocks locked;            ///< its members' together, see gather()
     std::vector<std::int32_t> resolved_against; ///< infinite-mass bodies since the last merge (G4)
 
@@ -49,6 +50,7 @@ struct ClusterChange {
     Vec3 velocity, momentum;
     Motion late;
     Impulses exchanged;
+    bool met_infinite = false;
     double work = 0;
     bool internal_proved = true;
 };
@@ -82,6 +84,7 @@ class Clusters {
     [[nodiscard]] Impulsive impulsive(std::int32_t id) const;
     /// Applies an impulse at `arm` from the cluster's centre of mass; the trajectory follows with evolve().
     void apply(std::int32_t id, const Vec3& arm, const Vec3& impulse);
+    void note_infinite(std::int32_t id) { (*this)[id].met_infinite = true; }
     /// Notes that the impulse came from another cluster of finite mass.
     void note_exchanged(std::int32_t id, const Vec3& arm, const Vec3& impulse);
     /// Takes an impulse of a cluster of one body back out of the way of this step, not out of its velocity: it came
@@ -93,7 +96,7 @@ class Clusters {
     /// What another rank changed in its copy (parallel/division.hpp), from there to here.
     [[nodiscard]] ClusterChange change(std::int32_t id) const {
         const Cluster& c = (*this)[id];
-        return {c.velocity, c.momentum, c.late, c.exchanged, work(id), c.internal_proved};
+        return {c.velocity, c.momentum, c.late, c.exchanged, c.met_infinite, work(id), c.internal_proved};
     }
     void take(std::int32_t id, const ClusterChange& change);
     void take_motion(std::size_t body, const Motion& motion) { motion_[body] = motion; }

@@ -15,6 +15,8 @@ namespace {
 constexpr int kSweeps = 200;
 /// The share of the fastest approach met in a round that is left undone.
 constexpr double kTolerance = 1e-4;
+/// The same of what sweeps that came to their bound may leave. More is a blow that does not get through.
+constexpr double kLeft = 1.0 / 16;
 
 /// The largest eigenvalue of a symmetric matrix in the plane across a unit vector, where it has two: from their sum and
 /// that of their squares.
@@ -206,8 +208,18 @@ class Island {
         }
         bool changes = true;
         for (int i = 0; i < kSweeps && changes; ++i) changes = sweep(i % 2 != 0);
-        ended_ = ended_ && !changes;
+        ended_ = ended_ && (!changes || left_undone() <= kLeft * fastest_);
         for (const Turn& turn : turns_) hits_[at(turn.hit)].seen = turn.seen;
+    }
+
+    /// m/s, the fastest approach of what takes part, to what it is to rebound with.
+    [[nodiscard]] double left_undone() {
+        double most = 0;
+        for (const Turn& turn : turns_) {
+            const KeptHit& hit = hits_[at(turn.hit)];
+            if (hit.live) most = std::max(most, hit.aim - dot(hit.point.normal, relative(hit)));
+        }
+        return most;
     }
 
     /// Whether an impulse changed.

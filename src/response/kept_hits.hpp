@@ -59,7 +59,7 @@ struct HitBodies {
     std::vector<std::uint8_t> saved; ///< in `before`
 };
 
-/// Solves the hits at the given places, those of one island in their order. Whether sweeps ended before their bound.
+/// Solves the hits at the given places, those of one island in their order. Whether sweeps got through with them.
 bool solve_hits(std::span<KeptHit> hits, std::span<const std::int32_t> island, HitBodies& bodies);
 
 } // namespace flotilla

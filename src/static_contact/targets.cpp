@@ -125,7 +125,7 @@ class PairTargets {
         const double due = due_distance(input_.squeezed, c.a, c.b, set_.rest[first]);
         const double rest = std::min(set_.rest[first], out_.between.room(first));
         const bool yields = (due < set_.rest[first] && holds_between(first, end)) || out_.between.yields(first);
-        const bool pressed = out_.between.pressed(first);
+        const bool pressed = c.friction > 0 && out_.between.pressed(first); // else nothing comes of a load
         for (std::size_t i = first; i < end; ++i)
             set(i, {std::min(due, rest), rest, yields, pressed}, band(i, rolls ? share : 1));
     }

@@ -88,11 +88,16 @@ void Stepper::drop_line_spin(std::span<const Pose> end, std::span<Motion> motion
     }
 }
 
+/// Whether nothing but bodies of finite mass had to do with where a cluster went.
+bool Stepper::keeps_momentum(const Cluster& c) const {
+    const auto slowed = [&](std::int32_t member) { return slowed_[at(member)] != 0; };
+    return !c.infinite() && !c.met_infinite && c.resolved_against.empty() && std::ranges::none_of(c.members, slowed);
+}
+
 /// What is in the motion that a cluster made and not in the velocities of those who took the other side of it: what
 /// clusters of finite mass gave it in stage 5, and what raised its bodies in stage 3.
 Impulses Stepper::impulses_not_kept(const Cluster& c, std::span<const Motion> from, double accelerated) const {
-    const auto slowed = [&](std::int32_t member) { return slowed_[at(member)] != 0; };
-    if (c.infinite() || std::ranges::any_of(c.members, slowed)) return {}; // less than all of it is kept
+    if (!keeps_momentum(c)) return {};
     Impulses sum = c.exchanged;
     const double dt = (0.5 - accelerated) * model_.settings.time_step;
     for (const std::int32_t member : c.members) {
@@ -156,12 +161,17 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<const 
             for (std::size_t k = 0; k < c.members.size(); ++k) motion[member(k)] = made[k];
         const double taken = std::min(real, planned);
         if (taken > allowed) {
-            const double share = std::sqrt(std::max(0.0, allowed) / taken);
+            Vec3 kept; // m/s, of all members
+            for (const std::int32_t m : c.members)
+                if (keeps_momentum(c)) kept += c.inverse_mass * (model_.bodies[at(m)].mass * motion[at(m)].velocity);
+            const double least = keeps_momentum(c) ? 0.5 / c.inverse_mass * length_sq(kept) : 0.0;
+            const double share = std::sqrt(std::max(0.0, allowed - least) / (taken - least));
             for (std::size_t k = 0; k < c.members.size(); ++k) {
                 const Motion pull = pulled(member(k));
+                const Vec3 stays = keeps_momentum(c) ? kept : pull.velocity;
                 Motion& m = motion[member(k)];
-                m.velocity = pull.velocity + share * (m.velocity - pull.velocity);
-                m.momentum = pull.momentum + share * (m.momentum - pull.momentum);
+                m.velocity = stays + std::min(1.0, share) * (m.velocity - stays);
+                m.momentum = pull.momentum + std::min(1.0, share) * (m.momentum - pull.momentum);
             }
         }
         if (real < planned || taken > allowed) report.warnings |= kReboundLost;

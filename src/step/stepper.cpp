@@ -257,6 +257,7 @@ void Stepper::collisions(std::span<Motion> collided, std::span<Motion> late, Ste
     add_counters(c, report);
     report.collisions = c.impulses;
     if (c.limit) report.warnings |= kCollisionLimit;
+    if (c.rebound_lost) report.warnings |= kReboundLost;
     copy_active<Motion>(clusters_.motion(), collided);
     any_late_ = false;
     for (const std::int32_t i : model_.active) {

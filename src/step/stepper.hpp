@@ -233,6 +233,7 @@ class Stepper {
     [[nodiscard]] double load_work(std::size_t i, const Motion& collided, const Pose& end) const;
     void turn_momenta(std::span<const Motion> kept, double accelerated, std::span<Motion> motion);
     void drop_line_spin(std::span<const Pose> end, std::span<Motion> motion) const;
+    [[nodiscard]] bool keeps_momentum(const Cluster& c) const;
     [[nodiscard]] Impulses impulses_not_kept(const Cluster& c, std::span<const Motion> from, double accelerated) const;
     void held_velocities(std::span<const Motion> collided, std::span<const Motion> from, double accelerated,
                          std::span<Motion> motion, std::span<const Pose> end, StepReport& report);

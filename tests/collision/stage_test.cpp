@@ -69,6 +69,21 @@ TEST_P(CollisionStage, AHeavyBodyStopsAtALightOneBeforeAWall) {
         }
 }
 
+// Where sweeps get through there is nothing to solve together, and where rebounds are not used up nothing is.
+TEST_P(CollisionStage, ReboundsStayWhereHitsMayBeSolvedTogether) {
+    SceneDescription few = scene();
+    few.settings.collision_iterations = 3;
+    for (const SceneDescription& s : {row(scene(), {10, 0, 0, 0, 0}, 1), row(few, {10, 0, 0, 0, 0, 0, 0, 0, 0}, 1)}) {
+        StageWorld alone(s), world(s);
+        test::JointSolver solver(world);
+        const StageCounters expected = collide(alone), counters = collide(world, &solver.joint);
+        EXPECT_EQ(counters.limit, expected.limit);
+        EXPECT_FALSE(counters.rebound_lost);
+        for (std::int32_t i = 0; i < std::ssize(s.bodies); ++i)
+            EXPECT_EQ(world.velocity(i), alone.velocity(i)) << "body " << i;
+    }
+}
+
 TEST_P(CollisionStage, WhatDoesNotMeetIsLeftAlone) {
     StageWorld world(row(scene(), {-1, 0, 1}, 1));
     const std::vector<Pose> ends = world.ends();

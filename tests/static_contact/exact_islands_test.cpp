@@ -202,7 +202,6 @@ TEST(ExactIslands, AColumnAtRestIsSolvedHoweverManyContactsItHas) {
     EXPECT_LE(violation(w), 2 * kExactShare * 10);
 }
 
-// A heavy box on twenty light ones, which the sweeps leave far from solved.
 // Boxes that fill a crate stand in columns, and are beside one another.
 TEST(ExactIslands, NothingIsSlenderThatTouchesAllRound) {
     ContactScratch::Island column;
@@ -216,6 +215,7 @@ TEST(ExactIslands, NothingIsSlenderThatTouchesAllRound) {
     EXPECT_FALSE(is_slender(crate));
 }
 
+// A heavy box on twenty light ones, which the sweeps leave far from solved.
 TEST(ExactIslands, WhereFewAreAskedForAColumnAtRestGetsNewtonsSteps) {
     ContactWorld w = make_loaded_column(20), swept = w;
     ContactSolveOptions options = exact_at(1e-4);

@@ -179,7 +179,7 @@ SceneDescription flying_blocks(std::uint64_t seed) {
 // nothing of.
 TEST(ForcedFailsafe, MergesKeepTheMomentumOfAll) {
     std::int64_t merges = 0;
-    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
         World world(flying_blocks(seed));
         const Vec3 start = world.step().momentum;
         double changed = 0;

@@ -10,7 +10,7 @@ class StepWarning(enum.IntFlag):
     DYNAMIC_LIMIT = 1 << 1  # dynamic_iterations ended dynamic contact: the failsafe had to finish
     STATIC_LIMIT = 1 << 2  # a contact solve ended above its tolerance
     SCRIPT_DELAYED = 1 << 3  # a scripted body waited, as bodies are in its way or were of late
-    REBOUND_LOST = 1 << 4  # a body that the failsafe held lost a rebound
+    REBOUND_LOST = 1 << 4  # a body that the failsafe held, or that was hit without end, lost a rebound
 
 
 class ClusterState(enum.IntEnum):
