@@ -88,10 +88,11 @@ void Stepper::drop_line_spin(std::span<const Pose> end, std::span<Motion> motion
     }
 }
 
-/// Whether nothing but bodies of finite mass had to do with where a cluster went.
+/// Whether nothing but bodies of finite mass had to do with where a cluster went: no rails either.
 bool Stepper::keeps_momentum(const Cluster& c) const {
     const auto slowed = [&](std::int32_t member) { return slowed_[at(member)] != 0; };
-    return !c.infinite() && !c.met_infinite && c.resolved_against.empty() && std::ranges::none_of(c.members, slowed);
+    const bool free = !c.infinite() && !c.met_infinite && !c.locked.any() && c.resolved_against.empty();
+    return free && std::ranges::none_of(c.members, slowed);
 }
 
 /// What is in the motion that a cluster made and not in the velocities of those who took the other side of it: what
@@ -115,7 +116,7 @@ Impulses Stepper::impulses_not_kept(const Cluster& c, std::span<const Motion> fr
 /// it really made if that holds less kinetic energy than what it would have (src/failsafe/README.md). Beyond that rule:
 /// the failsafe displaces bodies as neither velocity knows of, so the velocities taken are scaled to at most the
 /// kinetic energy of v^ plus the work of gravity along the displacement really made; otherwise a body that was held up
-/// would keep the energy of a fall that it did not make. What the second half of the step adds is left to stage 7: what
+/// would keep the energy of a fall that it did not make; where momentum is kept, against their mean. What the second half of the step adds is left to stage 7: what
 /// stands on something is carried there, and without that load it would stand on nothing, in every step anew.
 void Stepper::held_velocities(std::span<const Motion> collided, std::span<const Motion> from, double accelerated,
                               std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
