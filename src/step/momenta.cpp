@@ -114,10 +114,11 @@ Impulses Stepper::impulses_not_kept(const Cluster& c, std::span<const Motion> fr
 
 /// A body that the failsafe kept from falling must not go on accelerating: a cluster takes the velocity of the motion
 /// it really made if that holds less kinetic energy than what it would have (src/failsafe/README.md). Beyond that rule:
-/// the failsafe displaces bodies as neither velocity knows of, so the velocities taken are scaled to at most the
-/// kinetic energy of v^ plus the work of gravity along the displacement really made; otherwise a body that was held up
-/// would keep the energy of a fall that it did not make; where momentum is kept, against their mean. What the second half of the step adds is left to stage 7: what
-/// stands on something is carried there, and without that load it would stand on nothing, in every step anew.
+/// the failsafe displaces bodies as neither velocity knows of, so the velocities taken are scaled, where momentum is
+/// kept against their mean, to at most the kinetic energy of v^ plus the work of gravity along the displacement really
+/// made; otherwise a body that was held up would keep the energy of a fall that it did not make. What the second half
+/// of the step adds is left to stage 7: what stands on something is carried there, and without that load it would stand
+/// on nothing, in every step anew.
 void Stepper::held_velocities(std::span<const Motion> collided, std::span<const Motion> from, double accelerated,
                               std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     const double dt = model_.settings.time_step;
