@@ -11,9 +11,6 @@
 namespace flotilla {
 namespace {
 
-/// What a solve may leave undone, of a rest distance in the step.
-constexpr double kUndone = 1.0 / 16;
-
 /// Velocities that part need no impulse: their ways are as sweeps left them, where nothing else is solved.
 bool parts(const FoundHit& found) { return !found.landing || found.landing->parts; }
 
@@ -39,7 +36,8 @@ class CollideTogether {
             look_for_hits(view_, book_, workers_, counters_, found_, [&](std::int32_t a, std::int32_t b) {
                 return (takes_part_[at(a)] | takes_part_[at(b)]) != 0 && !joint_.is_left(a) && !joint_.is_left(b);
             });
-            if (joint_.hits().empty() && std::ranges::all_of(found_, parts)) return found_.empty();
+            if (found_.empty()) return std::ranges::find(left_, 1) == left_.end();
+            if (joint_.hits().empty() && std::ranges::all_of(found_, parts)) return false;
             const bool hastened = hasten_parting(view_, movers_, counters_, found_);
             if (found_.empty() && !hastened) return std::ranges::find(left_, 1) == left_.end();
             if (found_.empty()) continue;
@@ -87,7 +85,7 @@ class CollideTogether {
         c.slip = dot(p.normal, chords) * p.normal - chords;
         c.friction = p.friction;
         c.feature_key = static_cast<std::uint64_t>(joint_.tries(a, b));
-        c.tolerance = kUndone * landing.lengths.rest / view_.dt;
+        c.tolerance = kUndoneTogether * landing.lengths.rest / view_.dt;
         return out;
     }
 

@@ -12,8 +12,6 @@ namespace flotilla {
 namespace {
 
 constexpr std::size_t kPairGrain = 16; // pairs of a task
-/// What a solve may leave undone, of a rest distance in the step: hits are answered by several of them.
-constexpr double kUndone = 1.0 / 16;
 
 /// Of an island. Cups in each other hit at more and more points until they stay: twelve at more than 128.
 constexpr std::ptrdiff_t kMostHits = 512;
@@ -64,7 +62,7 @@ MetHit met_hit(const StepView& view, const ClusterHit& found, int tries, int mos
     c.slip = dot(n, chords) * n - chords;
     c.friction = swept.point.friction;
     c.feature_key = static_cast<std::uint64_t>(tries);
-    c.tolerance = kUndone * lengths.rest / view.dt;
+    c.tolerance = kUndoneTogether * lengths.rest / view.dt;
     return out;
 }
 

@@ -24,11 +24,14 @@ void apply_impulse(Clusters& clusters, Worker& worker, std::int32_t a, std::int3
     if (worker.pushed.empty() || worker.pushed.back() != CandidatePair{a, b}) worker.pushed.push_back({a, b});
     if (clusters[a].infinite()) clusters.add_work(b, dot(impulse, clusters.velocity_at(a, point.arm_a)));
     if (clusters[b].infinite()) clusters.add_work(a, -dot(impulse, clusters.velocity_at(b, point.arm_b)));
-    if (!clusters[a].infinite() && !clusters[b].infinite()) {
+    // Operations side by side share bodies of infinite mass, which none of them writes.
+    if (clusters[a].infinite()) {
+        if (!clusters[b].infinite()) clusters.note_infinite(b);
+    } else if (clusters[b].infinite()) {
+        clusters.note_infinite(a);
+    } else {
         clusters.note_exchanged(a, point.arm_a, -impulse);
         clusters.note_exchanged(b, point.arm_b, impulse);
-    } else {
-        clusters.note_infinite(a), clusters.note_infinite(b);
     }
     clusters.apply(a, point.arm_a, -impulse);
     clusters.apply(b, point.arm_b, impulse);

@@ -31,6 +31,8 @@ using SolveHits = std::function<std::span<const std::uint8_t>(
 
 /// Rounds, and tries of a pair: of 10,435 solves that ended 10,406 did so within ten.
 inline constexpr int kMostRoundsTogether = 16;
+/// What a solve may leave undone, of a rest distance in the step: hits are answered by several of them.
+inline constexpr double kUndoneTogether = 1.0 / 16;
 
 /// What solves hits, and the bodies that it did not help, as flags by body.
 struct JointSolve {

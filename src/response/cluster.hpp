@@ -84,6 +84,7 @@ class Clusters {
     [[nodiscard]] Impulsive impulsive(std::int32_t id) const;
     /// Applies an impulse at `arm` from the cluster's centre of mass; the trajectory follows with evolve().
     void apply(std::int32_t id, const Vec3& arm, const Vec3& impulse);
+    /// Notes that an impulse on the cluster came from a body of infinite mass.
     void note_infinite(std::int32_t id) { (*this)[id].met_infinite = true; }
     /// Notes that the impulse came from another cluster of finite mass.
     void note_exchanged(std::int32_t id, const Vec3& arm, const Vec3& impulse);

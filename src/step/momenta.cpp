@@ -163,14 +163,15 @@ void Stepper::held_velocities(std::span<const Motion> collided, std::span<const 
             for (std::size_t k = 0; k < c.members.size(); ++k) motion[member(k)] = made[k];
         const double taken = std::min(real, planned);
         if (taken > allowed) {
+            const bool keeps = keeps_momentum(c);
             Vec3 kept; // m/s, of all members
             for (const std::int32_t m : c.members)
-                if (keeps_momentum(c)) kept += c.inverse_mass * (model_.bodies[at(m)].mass * motion[at(m)].velocity);
-            const double least = keeps_momentum(c) ? 0.5 / c.inverse_mass * length_sq(kept) : 0.0;
+                if (keeps) kept += c.inverse_mass * (model_.bodies[at(m)].mass * motion[at(m)].velocity);
+            const double least = keeps ? 0.5 / c.inverse_mass * length_sq(kept) : 0.0;
             const double share = std::sqrt(std::max(0.0, allowed - least) / (taken - least));
             for (std::size_t k = 0; k < c.members.size(); ++k) {
                 const Motion pull = pulled(member(k));
-                const Vec3 stays = keeps_momentum(c) ? kept : pull.velocity;
+                const Vec3 stays = keeps ? kept : pull.velocity;
                 Motion& m = motion[member(k)];
                 m.velocity = stays + std::min(1.0, share) * (m.velocity - stays);
                 m.momentum = pull.momentum + std::min(1.0, share) * (m.momentum - pull.momentum);
