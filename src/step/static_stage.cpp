@@ -226,7 +226,8 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
                                              std::span<const Pose> poses, ContactStage stage,
                                              const StepReport& report) {
     const bool final_stage = stage == ContactStage::final;
-    auto& [velocities, targets, impulses, carried, bounds, loads, stored, ahead, landing, stiffness, solver] = static_;
+    auto& [velocities, targets, impulses, carried, bounds, loads, stored, ahead, landing, shared, stiffness, solver] =
+        static_;
     stiffness.relax(velocities);
     velocities.load(&workers_.team, model_, pairs_.lists.still_version, poses, motion);
     velocities.set_rest_speeds(&workers_.team, model_, options_.tuning);
@@ -254,6 +255,8 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     if (!options.bounds.empty())
         std::ranges::copy(loads, impulses.begin()); // within them, and near what is to be found
     give_landing_loads(model_, targets, accelerated * model_.settings.time_step, impulses, velocities, landing);
+    if (model_.settings.warm_start && model_.settings.tangents != Tangents::random && bounds.empty())
+        even_loads(&workers_.team, targets.contacts, impulses, shared);
     options.team = &workers_.team;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);
     options.presses = targets.presses;

@@ -14,6 +14,7 @@
 #include "failsafe/failsafe.hpp"
 #include "islands/sleeping.hpp"
 #include "pair/contact_search.hpp"
+#include "static_contact/even_loads.hpp"
 #include "static_contact/geometric_stiffness.hpp"
 #include "static_contact/landing_load.hpp"
 #include "static_contact/solve_contacts.hpp"
@@ -308,6 +309,7 @@ class Stepper {
         std::vector<std::int32_t> stored; ///< of `targets`, those whose impulses are kept
         std::vector<WarmImpulse> ahead;   ///< of stage 7's contacts ahead
         LandingLoads landing;
+        std::vector<std::vector<SharedLoad>> shared;
         GeometricStiffness stiffness;
         ContactScratch solver;
     };

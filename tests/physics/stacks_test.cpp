@@ -44,6 +44,23 @@ void stays_still(const Run& run, int boxes) {
     EXPECT_LT(fastest, 1e-4);
 }
 
+// Statics does not say how the corners of a box share its load: all alike, where nothing tells them apart.
+void corners_carry_alike(const Run& run, int boxes) {
+    Motion motion(resting_stack(run.settings(), std::vector<double>(static_cast<std::size_t>(boxes), 1.0)));
+    motion.run(1);
+    const double seconds = run.settings().time_step;
+    double farthest = 0; // from the due share, of that
+    for (const ContactState& c : motion.world().contacts()) {
+        const std::int32_t below = std::min(c.body_a, c.body_b), above = std::max(c.body_a, c.body_b);
+        const bool on_ground = above == boxes;
+        const double due = (on_ground ? boxes : boxes - 1 - below) * kGravity * seconds / 4;
+        farthest = std::max(farthest, std::abs(std::abs(c.impulse.z) / due - 1));
+    }
+    motion.print("%zu contacts, the farthest from its share by %.2g of it", motion.world().contacts().size(), farthest);
+    EXPECT_EQ(motion.world().contacts().size(), static_cast<std::size_t>(4 * boxes));
+    EXPECT_LT(farthest, 1e-3);
+}
+
 void dropped_apart(const Run& run, int boxes, double gap) {
     constexpr double kEdge = 1;
     Motion motion(stack(run.settings(), std::vector<double>(static_cast<std::size_t>(boxes), 1.0), kEdge, gap));
@@ -371,6 +388,9 @@ void cups_nest(const Run& run, int cups, double friction, int start) {
         add_runs("Stacks", std::to_string(boxes) + "BoxesRest", boxes <= 20 ? runs() : once, boxes <= 20,
                  [=](const Run& r) { stands(r, equal); });
     }
+    for (const int boxes : {1, 3})
+        add_runs("Stacks", "CornersOf" + std::to_string(boxes) + "BoxesCarryAlike", runs({24, 120}), boxes == 3,
+                 [=](const Run& r) { corners_carry_alike(r, boxes); });
     for (const double ratio : {1e1, 1e2, 1e3, 1e4, 1e5, 1e6}) {
         add_runs("Stacks", "HeavyOnLight" + power(ratio), runs(), true, [=](const Run& r) { stands(r, {1, ratio}); });
         add_runs("Stacks", "LightOnHeavy" + power(ratio), runs(), true, [=](const Run& r) { stands(r, {ratio, 1}); });
