@@ -176,6 +176,7 @@ void solve(Island& island, const ContactBodies& bodies, const ContactSolveOption
         return scatter(island, bodies, s, e);
     }
     island.stands = island.stands && !stats.solved && !stats.yielded;
+    island.yields = stats.yielded && is_pressed(e);
     island.residual = stats.residual;
     island.solved = stats.solved || stats.residual <= island.tolerance;
     island.factorisations = stats.iterations;

@@ -323,7 +323,7 @@ ContactSolveStats summarize(const ContactScratch& s) {
     for (const Island& island : s.islands) {
         stats.iterations = std::max(stats.iterations, island.iterations);
         stats.visits += island.visits;
-        if (!island.bounded) {
+        if (!island.bounded && !island.yields) {
             stats.residual = std::max(stats.residual, island.residual);
             stats.unsolved_islands += island.solved ? 0 : 1;
         }

@@ -109,6 +109,7 @@ struct ContactScratch {
         bool moves = false;   ///< bodies that sweeps left unsolved, and fast among each other
         bool cold = false;    ///< the warm start was taken back
         bool bounded = false; ///< bounds of friction are given for some of its contacts
+        bool yields = false;  ///< what a script presses on has no solution but one that yields, and that was found
         bool stands = false;  ///< a script presses on it, and it is left as it is: at rest
     };
     /// Of a body in the metric of kinetic energy, kg and kg m^2.

@@ -475,6 +475,7 @@ void fingers_hold_a_plate(const Run& run, double thick, double nearer, double ma
     Motion motion(scene);
     motion.run(2.5);
     const double lifted = motion.body(0).center_of_mass.z - rest;
+    const auto above = motion.outcome().above;
     double most = 0, least = std::numeric_limits<double>::infinity();
     while (motion.world().time() < 3.5) {
         motion.step();
@@ -488,6 +489,7 @@ void fingers_hold_a_plate(const Run& run, double thick, double nearer, double ma
     EXPECT_NEAR(moved, 0, 1e-5);
     EXPECT_NEAR(least, 1, 1e-3);
     EXPECT_NEAR(most, 1, 1e-3);
+    EXPECT_EQ(motion.outcome().above, above); // that it lacks its rest distance is no fault of a solve
 }
 
 // Four blades at 20 rad/s among balls that have room beside them: what is driven before a blade is a jam of a step, and
