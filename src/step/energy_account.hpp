@@ -8,7 +8,8 @@
 // without scripts never exceeds its lowest value so far by more than the lift of all bodies.
 //
 // What rises beyond that is taken from the velocities of the island: relative to its centre of mass where nothing of
-// infinite mass touches it, which keeps its momentum, else relative to the world. How often that happens:
+// infinite mass touches it and none of its bodies was held or slowed, which keeps its momentum, else relative to the
+// world. How often that happens:
 // bench/results/energy.md.
 #pragma once
 
@@ -32,6 +33,8 @@ class EnergyAccount {
     void start(Team& team, const Model& model, std::span<const Pose> pose, std::span<const Motion> motion);
     /// The bodies exchanged momentum, or could have.
     void join(const Model& model, std::int32_t a, std::int32_t b);
+    /// The body does not keep its momentum, as if it touched infinite mass: it was held in the step, or slowed down.
+    void ground(std::int32_t body) { grounded_[static_cast<std::size_t>(body)] = 1; }
     /// Work of scripted bodies on a body, J. Counts where it is positive for the island.
     void add_work(std::int32_t body, double work) { work_[static_cast<std::size_t>(body)] += work; }
 
@@ -81,7 +84,7 @@ class EnergyAccount {
         double mass = 0;     ///< kg
         Vec3 momentum;       ///< kg m/s
         double lift = 0, most_lift = 0;
-        bool grounded = false; ///< touches infinite mass, or is locked along some axis, which is as much
+        bool grounded = false; ///< touches infinite mass, or is locked along some axis or slowed, which is as much
     };
     /// What an island's bodies do with their velocities and their lift.
     struct Verdict {

@@ -198,6 +198,9 @@ void Stepper::add_script_work(std::span<const Pose> poses) {
 /// The account of the step's energy, after stage 7 (energy_account.hpp).
 void Stepper::settle_energy(std::span<Motion> motion, std::span<const Pose> end, StepReport& report) {
     join_contacts();
+    // What was held or slowed fell less than its momentum says. No motion of the island in itself pays for that.
+    for (const std::int32_t i : model_.active)
+        if (slowed_[at(i)] != 0 || clusters_[clusters_.of(at(i))].rung == Rung::held) energy_.ground(i);
     add_script_work(end);
     for (const std::int32_t i : model_.active)
         if (model_.bodies[at(i)].movable() && model_.bodies[at(i)].driven())
