@@ -208,7 +208,7 @@ class World {
     [[nodiscard]] std::int64_t steps() const;
     [[nodiscard]] double time() const; ///< s
     [[nodiscard]] const Settings& settings() const;
-    /// InputError where there is no such body; so do turn() and way().
+    /// InputError where there is no such place; of a body that was removed, what it was last. So do turn() and way().
     [[nodiscard]] BodyState body(std::size_t index) const;
     /// The rotation vector of a body's motion in the last inner step, with whole turns, radians, world axes.
     [[nodiscard]] Vec3 turn(std::size_t index) const;
