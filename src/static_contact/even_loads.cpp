@@ -75,13 +75,10 @@ class Patch {
     }
     /// How far to go: no contact pulls, and friction that holds stays within its cones.
     [[nodiscard]] double part_of_way() const {
-        const bool slides = std::ranges::any_of(loads_, [&](const SharedLoad& l) {
-            return std::hypot(l.along_x, l.along_y) > kAllFriction * friction(l) * l.normal;
-        });
         double part = 1;
         for (const SharedLoad& l : loads_) {
             part = std::min(part, part_above_zero(l.normal, normal_at(l)));
-            if (!slides)
+            if (!slides_)
                 part = std::min(part, part_above_zero(friction(l) * l.normal - std::hypot(l.along_x, l.along_y),
                                                       friction(l) * normal_at(l) - std::hypot(x_at(l), y_at(l))));
         }
@@ -99,7 +96,8 @@ class Patch {
         for (SharedLoad& l : loads_) l.x -= x / n, l.y -= y / n;
     }
     [[nodiscard]] double friction(const SharedLoad& l) const { return pair_[l.contact].friction; }
-    /// Force and torque, and the affine and rigid fields that have them.
+    /// Force and torque, and the fields that have them: affine normal impulses, and friction as of a rigid body that
+    /// moves, or where the patch slides in proportion to the normal impulses: what slid as it had to goes on so.
     void fit() {
         double xx = 0, xy = 0, yy = 0, by_x = 0, by_y = 0;
         for (const SharedLoad& l : loads_) {
@@ -116,10 +114,18 @@ class Patch {
         const bool line = !(product > kLine * sum * sum);
         slope_x_ = line ? by_x / sum : (yy * by_x - xy * by_y) / product;
         slope_y_ = line ? by_y / sum : (xx * by_y - xy * by_x) / product;
+        slides_ = std::ranges::any_of(loads_, [&](const SharedLoad& l) {
+            return square(l.along_x) + square(l.along_y) > square(kAllFriction * friction(l) * l.normal);
+        });
     }
     [[nodiscard]] double normal_at(const SharedLoad& l) const { return mean_ + slope_x_ * l.x + slope_y_ * l.y; }
-    [[nodiscard]] double x_at(const SharedLoad& l) const { return mean_x_ - turn_ * l.y; }
-    [[nodiscard]] double y_at(const SharedLoad& l) const { return mean_y_ + turn_ * l.x; }
+    [[nodiscard]] double x_at(const SharedLoad& l) const {
+        return slides_ ? l.along_x * share_at(l) : mean_x_ - turn_ * l.y;
+    }
+    [[nodiscard]] double y_at(const SharedLoad& l) const {
+        return slides_ ? l.along_y * share_at(l) : mean_y_ + turn_ * l.x;
+    }
+    [[nodiscard]] double share_at(const SharedLoad& l) const { return l.normal > 0 ? normal_at(l) / l.normal : 0; }
 
     std::span<const Contact> pair_;
     std::span<Vec3> impulses_;
@@ -128,6 +134,7 @@ class Patch {
     TangentPair tangents_;
     double mean_ = 0, slope_x_ = 0, slope_y_ = 0; // N s, N s / m
     double mean_x_ = 0, mean_y_ = 0, turn_ = 0;
+    bool slides_ = false; // a contact has all its friction
 };
 
 void share_in_pair(std::span<const Contact> pair, std::span<Vec3> impulses, std::vector<SharedLoad>& loads) {
