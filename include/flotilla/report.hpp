@@ -41,8 +41,8 @@ enum StepWarning : std::uint32_t {
     /// Algorithm 2 was given up, at dynamic_iterations or as more sweeps gained nothing: the failsafe had to finish.
     kDynamicLimit = 1u << 1,
     /// A contact solve ended above its tolerance (of fast bodies: and above the rounding of its normals): at
-    /// static_iterations, or as more sweeps gained nothing. Not what a script squeezes to less than its rest distance:
-    /// that has no solution but one that yields.
+    /// static_iterations, or as more sweeps gained nothing. Not where a script squeezes up to eight bodies to less than
+    /// their rest distance: that has no solution but one that yields.
     kStaticLimit = 1u << 2,
     /// A scripted body did not go all its way, as bodies are in it or were of late (unsatisfiable_script).
     kScriptDelayed = 1u << 3,

@@ -19,10 +19,12 @@ constexpr std::size_t kMostPatches = 6;
 constexpr double kOneNormal = 1e-9;
 /// Sine of the angle by which the line between two points may leave their plane.
 constexpr double kOnePlane = 1e-4;
-/// Of the square of both moments' sum: a patch less than a thousandth as wide as long is a line.
-constexpr double kLine = 1e-6;
+/// Of the square of both moments' sum: a patch less than a millionth as wide as long is a line.
+constexpr double kLine = 1e-12;
 /// Of the mean load, within which it is even: rounding.
 constexpr double kEven = 1e-12;
+/// Of the mean load: less is none, and does not say who slides.
+constexpr double kUnloaded = 1e-9;
 /// Of mu l_n, beyond which a contact has all its friction.
 constexpr double kAllFriction = 1 - 1e-6;
 
@@ -36,12 +38,18 @@ bool in_one_plane(const Contact& first, const Contact& c) {
     return square(dot(apart, first.normal)) <= square(kOnePlane) * dot(apart, apart);
 }
 
+bool in_any(std::span<const Contact> pair, std::span<const std::size_t> leaders, std::size_t i) {
+    return std::ranges::any_of(leaders, [&](std::size_t k) { return in_one_plane(pair[k], pair[i]); });
+}
+
 /// The largest part of the way at which what goes from `begin` to `end` is not below zero.
 double part_above_zero(double begin, double end) { return end < 0 ? std::clamp(begin / (begin - end), 0.0, 1.0) : 1; }
 
 class Patch {
   public:
-    Patch(std::span<const Contact> pair, std::size_t first, std::span<Vec3> impulses, std::vector<SharedLoad>& loads)
+    /// The contacts in the plane of `first` but for those of other patches, which `leaders` begin.
+    Patch(std::span<const Contact> pair, std::size_t first, std::span<const std::size_t> leaders,
+          std::span<Vec3> impulses, std::vector<SharedLoad>& loads)
         : pair_(pair),
           impulses_(impulses),
           loads_(loads),
@@ -49,7 +57,8 @@ class Patch {
           tangents_(any_tangents(normal_)) {
         loads.clear();
         for (std::size_t i = 0; i < pair.size(); ++i)
-            if (touches(pair[i], impulses[i]) && in_one_plane(pair[first], pair[i])) add(i, pair[first].point);
+            if (touches(pair[i], impulses[i]) && in_one_plane(pair[first], pair[i]) && !in_any(pair, leaders, i))
+                add(i, pair[first].point);
     }
 
     void share() {
@@ -114,18 +123,23 @@ class Patch {
         const bool line = !(product > kLine * sum * sum);
         slope_x_ = line ? by_x / sum : (yy * by_x - xy * by_y) / product;
         slope_y_ = line ? by_y / sum : (xx * by_y - xy * by_x) / product;
-        slides_ = std::ranges::any_of(loads_, [&](const SharedLoad& l) {
-            return square(l.along_x) + square(l.along_y) > square(kAllFriction * friction(l) * l.normal);
+        slides_ = std::ranges::all_of(loads_, [&](const SharedLoad& l) {
+            return is_unloaded(l) || std::hypot(l.along_x, l.along_y) > kAllFriction * friction(l) * l.normal;
         });
     }
     [[nodiscard]] double normal_at(const SharedLoad& l) const { return mean_ + slope_x_ * l.x + slope_y_ * l.y; }
     [[nodiscard]] double x_at(const SharedLoad& l) const {
-        return slides_ ? l.along_x * share_at(l) : mean_x_ - turn_ * l.y;
+        return slides_ ? sliding(l, l.along_x) : mean_x_ - turn_ * l.y;
     }
     [[nodiscard]] double y_at(const SharedLoad& l) const {
-        return slides_ ? l.along_y * share_at(l) : mean_y_ + turn_ * l.x;
+        return slides_ ? sliding(l, l.along_y) : mean_y_ + turn_ * l.x;
     }
-    [[nodiscard]] double share_at(const SharedLoad& l) const { return l.normal > 0 ? normal_at(l) / l.normal : 0; }
+    /// All the friction of its load, in the direction that it has. What was handed in may lie outside its cone, by any
+    /// ratio: normals turn from step to step.
+    [[nodiscard]] double sliding(const SharedLoad& l, double along) const {
+        return is_unloaded(l) ? 0 : friction(l) * normal_at(l) * (along / std::hypot(l.along_x, l.along_y));
+    }
+    [[nodiscard]] bool is_unloaded(const SharedLoad& l) const { return !(l.normal > kUnloaded * mean_); }
 
     std::span<const Contact> pair_;
     std::span<Vec3> impulses_;
@@ -134,31 +148,30 @@ class Patch {
     TangentPair tangents_;
     double mean_ = 0, slope_x_ = 0, slope_y_ = 0; // N s, N s / m
     double mean_x_ = 0, mean_y_ = 0, turn_ = 0;
-    bool slides_ = false; // a contact has all its friction
+    bool slides_ = false; // all that carry have all their friction
 };
 
 void share_in_pair(std::span<const Contact> pair, std::span<Vec3> impulses, std::vector<SharedLoad>& loads) {
     std::array<std::size_t, kMostPatches> leaders{};
     std::size_t patches = 0;
-    for (std::size_t i = 0; i + kFewest <= pair.size() && patches < kMostPatches; ++i) {
-        if (!(dot(impulses[i], pair[i].normal) > 0)) continue;
+    for (std::size_t i = 0; i < pair.size() && patches < kMostPatches; ++i) {
         const auto known = std::span(leaders).first(patches);
-        if (std::ranges::any_of(known, [&](std::size_t k) { return in_one_plane(pair[k], pair[i]); })) continue;
+        if (!(dot(impulses[i], pair[i].normal) > 0) || in_any(pair, known, i)) continue;
+        Patch(pair, i, known, impulses, loads).share();
         leaders[patches++] = i;
-        Patch(pair, i, impulses, loads).share();
     }
 }
 
 } // namespace
 
-void even_loads(Team* team, std::span<const Contact> contacts, std::span<Vec3> impulses,
+void even_loads(Team* team, std::span<const Contact> contacts, std::span<const double> bounds, std::span<Vec3> impulses,
                 std::vector<std::vector<SharedLoad>>& scratch) {
     scratch.resize(static_cast<std::size_t>(team->size()));
     const auto share_from = [&](std::size_t i, int thread) {
         if (!begins_pair(contacts, i)) return;
         std::size_t end = i + 1;
         while (end < contacts.size() && !begins_pair(contacts, end)) ++end;
-        if (end - i < kFewest) return;
+        if (end - i < kFewest || (!bounds.empty() && bounds[i] >= 0)) return;
         share_in_pair(contacts.subspan(i, end - i), impulses.subspan(i, end - i),
                       scratch[static_cast<std::size_t>(thread)]);
     };

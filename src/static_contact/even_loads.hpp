@@ -27,9 +27,10 @@ struct SharedLoad {
 };
 
 /// Shares the impulses (N s, on b, by contact) of each patch: contacts of a pair with one normal, in one plane, that
-/// touch. Friction of a patch that holds is shared by the same law, as far as its cones allow; that of one which slides
-/// goes with the normal impulses. `scratch`: by thread.
-void even_loads(Team* team, std::span<const Contact> contacts, std::span<Vec3> impulses,
+/// touch. Friction is shared by the same law, as far as its cones allow; where all that carry slide, it goes with the
+/// normal impulses. Pairs that have bounds of friction (ContactSolveOptions::bounds) are left as they are. `scratch` is
+/// by thread.
+void even_loads(Team* team, std::span<const Contact> contacts, std::span<const double> bounds, std::span<Vec3> impulses,
                 std::vector<std::vector<SharedLoad>>& scratch);
 
 } // namespace flotilla

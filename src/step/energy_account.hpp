@@ -9,8 +9,7 @@
 //
 // What rises beyond that is taken from the velocities of the island: relative to its centre of mass where nothing of
 // infinite mass touches it and none of its bodies was held or slowed, which keeps its momentum, else relative to the
-// world. How often that happens:
-// bench/results/energy.md.
+// world. How often that happens: bench/results/energy.md.
 #pragma once
 
 #include <span>

@@ -255,8 +255,8 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     if (!options.bounds.empty())
         std::ranges::copy(loads, impulses.begin()); // within them, and near what is to be found
     give_landing_loads(model_, targets, accelerated * model_.settings.time_step, impulses, velocities, landing);
-    if (model_.settings.warm_start && model_.settings.tangents != Tangents::random && bounds.empty())
-        even_loads(&workers_.team, targets.contacts, impulses, shared);
+    if (model_.settings.warm_start && model_.settings.tangents != Tangents::random)
+        even_loads(&workers_.team, targets.contacts, options.bounds, impulses, shared);
     options.team = &workers_.team;
     options.step = 2 * static_cast<std::uint64_t>(report.step) + (final_stage ? 1 : 0);
     options.presses = targets.presses;

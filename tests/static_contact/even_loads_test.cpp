@@ -34,7 +34,7 @@ struct Sides {
     void share() {
         Team team;
         std::vector<std::vector<SharedLoad>> scratch;
-        even_loads(&team, contacts, impulses, scratch);
+        even_loads(&team, contacts, {}, impulses, scratch);
     }
     [[nodiscard]] Vec3 force() const {
         Vec3 sum;
@@ -96,6 +96,41 @@ TEST(EvenLoads, FrictionOfASideThatHoldsStaysWithinItsCones) {
     expect_near(sides.torque(), torque);
     EXPECT_TRUE(sides.within_cones());
     EXPECT_LT(std::abs(sides.impulses[0].z - sides.impulses[1].z), 1e-3);
+}
+
+TEST(EvenLoads, WhereOneCornerSlidesForceAndTorqueStay) {
+    Sides sides;
+    sides.add_square({{1.5, 0, 3}, {0.1, 0, 1}, {0.1, 0, 3}, {0.1, 0, 1}});
+    const Vec3 force = sides.force(), torque = sides.torque();
+    sides.share();
+    expect_near(sides.force(), force);
+    expect_near(sides.torque(), torque);
+    EXPECT_TRUE(sides.within_cones());
+}
+
+TEST(EvenLoads, WhatSlidesInOneDirectionGoesOnSo) {
+    Sides sides;
+    sides.add_square({{1.5, 0, 3}, {0.5, 0, 1}, {1.5, 0, 3}, {0.5, 0, 1}});
+    const Vec3 torque = sides.torque();
+    sides.share();
+    for (const Vec3& l : sides.impulses) expect_near(l, {1, 0, 2});
+    expect_near(sides.torque(), torque);
+}
+
+TEST(EvenLoads, FrictionOutsideItsConeDoesNotGrow) {
+    for (const double load : {1e-8, 1e-310, 0.0}) {
+        Sides sides;
+        sides.add_square({{5, 0, 3}, {5, 0, load}, {5, 0, 3}, {5, 0, 1}});
+        sides.share();
+        for (const Vec3& l : sides.impulses) EXPECT_LE(length(l), 6) << load;
+    }
+}
+
+TEST(EvenLoads, TheOrderOfContactsIsNoMatter) {
+    Sides sides;
+    sides.add_square({{}, {0, 0, 4}, {}, {0, 0, 4}});
+    sides.share();
+    for (const Vec3& l : sides.impulses) expect_near(l, {0, 0, 2});
 }
 
 TEST(EvenLoads, EachSideOfABodySharesItsOwn) {
