@@ -186,7 +186,7 @@ void corner_passes_corner(const Run& run, double heading, double phase) {
 }
 
 // A cube between two jaws on rails that forces press on it, a tenth more than holds its weight: it stays. With the
-// loads of its corners as sweeps find them it swung about the one that had most of them, and was down by 26 mm.
+// loads of its corners as sweeps find them it swung about the one that had most of them, and was down by up to 17 mm.
 void pressed_jaws_hold_a_cube(const Run& run) {
     constexpr double kEdge = 0.1, kMass = 1, kFriction = 0.5, kApart = 5e-4, kPress = 1.1, kTime = 0.25;
     SceneDescription scene = make_scene_with(run.settings());
