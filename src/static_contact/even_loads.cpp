@@ -106,7 +106,7 @@ class Patch {
     }
     [[nodiscard]] double friction(const SharedLoad& l) const { return pair_[l.contact].friction; }
     /// Force and torque, and the fields that have them: affine normal impulses, and friction as of a rigid body that
-    /// moves, or where the patch slides in proportion to the normal impulses: what slid as it had to goes on so.
+    /// moves, or where all of the patch slides in proportion to the normal impulses: what slid as it had to goes on so.
     void fit() {
         double xx = 0, xy = 0, yy = 0, by_x = 0, by_y = 0;
         for (const SharedLoad& l : loads_) {
@@ -124,7 +124,8 @@ class Patch {
         slope_x_ = line ? by_x / sum : (yy * by_x - xy * by_y) / product;
         slope_y_ = line ? by_y / sum : (xx * by_y - xy * by_x) / product;
         slides_ = std::ranges::all_of(loads_, [&](const SharedLoad& l) {
-            return is_unloaded(l) || std::hypot(l.along_x, l.along_y) > kAllFriction * friction(l) * l.normal;
+            return is_unloaded(l) ||
+                   square(l.along_x) + square(l.along_y) > square(kAllFriction * friction(l) * l.normal);
         });
     }
     [[nodiscard]] double normal_at(const SharedLoad& l) const { return mean_ + slope_x_ * l.x + slope_y_ * l.y; }
