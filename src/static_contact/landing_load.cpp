@@ -15,6 +15,10 @@ namespace {
 
 /// N s: the inverse of a subnormal number may not be finite.
 constexpr double kLeastCarried = std::numeric_limits<double>::min();
+/// What a pair's load makes of the lighter body, in terms of what the loads make of the one that presses. What carries
+/// it on, at the other side of that body, is left to the solve, which has to find both to a share of the velocity that
+/// the one alone would give.
+constexpr double kMostHeavier = 16;
 
 /// What the loads of a pair's bodies press on each other: that of the one that is pressed more.
 struct Press {
@@ -127,6 +131,12 @@ void give_landing_loads(const Model& model, const ContactTargets& targets, doubl
     const auto press = [&](const LandingPair& pair) {
         return press_of_loads(model, bodies, targets.contacts[pair.first()], accelerated);
     };
+    const auto most_of = [&](const LandingPair& pair, const Press& loads) {
+        const Contact& c = targets.contacts[pair.first()];
+        const std::int32_t other = loads.body == c.a ? c.b : c.a;
+        const double of_other = bodies.inverse_mass[at(other)], own = bodies.inverse_mass[at(loads.body)];
+        return of_other > 0 ? kMostHeavier * loads.impulse * (own / of_other) : std::numeric_limits<double>::infinity();
+    };
     // A body has one weight, on however many it rolls.
     out.carried.resize(model.size());
     for (const std::size_t inside : out.pairs) out.carried[at(press(LandingPair(targets, inside, impulses)).body)] = 0;
@@ -139,7 +149,7 @@ void give_landing_loads(const Model& model, const ContactTargets& targets, doubl
         const Press loads = press(pair);
         const double all = out.carried[at(loads.body)];
         if (!(pair.carried() >= kLeastCarried)) continue;
-        const double load = pair.carried() * std::min(1.0, loads.impulse / all);
+        const double load = std::min(pair.carried() * std::min(1.0, loads.impulse / all), most_of(pair, loads));
         pair.take_over(out.taken);
         for (std::size_t k = pair.first(); k < pair.end(); ++k) {
             if (!pair.takes(k)) continue;

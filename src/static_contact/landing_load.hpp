@@ -11,7 +11,9 @@
 // Where the corner that is left stands (rolling.hpp) it alone has its share, and the solve finds the rest where the
 // next one lands.
 //
-// The load is the body's own weight, at most what it rested on carried in the step before, shared as that was.
+// The load is the body's own weight, at most what it rested on carried in the step before, shared as that was. What
+// presses on a body many times lighter goes through that at once: at its other side the solve has to find it, and to
+// take back what the one side alone would make of the light body. So that has a bound (kMostHeavier).
 #pragma once
 
 #include <span>
