@@ -24,15 +24,33 @@ double pull_on(const Model& model, std::size_t i) {
     return std::min(gravity, least_acceleration(model, i));
 }
 
-/// m/s.
-double quiet_speed(const Model& model, std::size_t i) {
+} // namespace
+
+double quiet_speed(const Model& model, std::size_t body) {
     const Settings& s = model.settings;
     const double least = kLeastQuiet * length(model.gravity) * s.time_step;
     const double quiet = s.static_tolerance >= 0 ? kQuietTolerances * s.static_tolerance : s.tolerance_share * least;
-    return std::min(std::max(quiet, least), kMostQuiet * pull_on(model, i) * s.time_step);
+    return std::min(std::max(quiet, least), kMostQuiet * pull_on(model, body) * s.time_step);
 }
 
-} // namespace
+bool slides_on(const Model& model, const Contact& c, const State& state) {
+    constexpr double kSlides = 2 / kQuietTolerances;
+    if (c.friction >= 2 * kMostQuiet) return false; // stops within a step what is quiet
+    double quiet = 0, stops = 0;                    // m/s
+    Vec3 slip;
+    for (const std::int32_t body : {c.a, c.b}) {
+        const std::size_t i = at(body);
+        const bool movable = model.bodies[i].movable();
+        if (movable) quiet = std::max(quiet, quiet_speed(model, i));
+        if (movable) stops = std::max(stops, c.friction * pull_on(model, i) * model.settings.time_step);
+        const Motion& m = state.motion[i];
+        const Vec3 omega = movable ? angular_velocity(model, i, state.pose[i].rotation, m.momentum) : m.momentum;
+        const Vec3 v = m.velocity + cross(omega, point_on(c, body) - state.pose[i].com);
+        slip += body == c.b ? v : -v;
+    }
+    slip -= dot(slip, c.normal) * c.normal;
+    return length(slip) > std::max(kSlides * quiet, stops);
+}
 
 std::int32_t steps_to_rest(const Model& model, std::size_t body) {
     constexpr double kMost = 1 << 30;

@@ -6,13 +6,21 @@
 #include <span>
 
 #include "islands/contact_graph.hpp"
+#include "state/contact.hpp"
 #include "state/model.hpp"
 
 namespace flotilla {
 
+/// m/s, below which a body may be at rest: 1/256 of what gravity adds in a step, sixteen times what static contact may
+/// leave undone of that; more where its tolerance is greater.
+[[nodiscard]] double quiet_speed(const Model& model, std::size_t body);
+
+/// Whether a contact slides by more than static contact leaves undone, and than its friction stops within a step:
+/// however slow it is, that does not come to rest.
+[[nodiscard]] bool slides_on(const Model& model, const Contact& contact, const State& state);
+
 /// Counts the quiet steps of the bodies after a step; `disturbed` bodies begin anew. A body is quiet while
-/// |v| + |omega| radius is less than 1/256 of what gravity adds in a step, sixteen times what static contact may leave
-/// undone of that; more where its tolerance is greater.
+/// |v| + |omega| radius is less than quiet_speed().
 void count_quiet_steps(const Model& model, std::span<const std::uint8_t> disturbed, State& state);
 
 /// Steps that the body must be quiet for before it may fall asleep: twelve, and as many as it takes to fall by its

@@ -47,6 +47,27 @@ void holds(const Run& run, double share, double time, double most) {
     }
 }
 
+// Nothing stops it, however slow it is: it does not fall asleep.
+void slow_cube_slides_on(const Run& run, const Vec3& velocity, double spin) {
+    constexpr double kTime = 6, kSide = 0.5;
+    SceneDescription scene = make_scene_with(run.settings());
+    const TriangleMesh cube = make_box(kSide, kSide, kSide);
+    add_ground(scene, 20, 0, 0);
+    auto& body =
+        add_body(scene, add_shape(scene, cube, 100), BodyType::dynamic, {0, 0, 0.5 * kSide + rest_gap(cube)}, 0, 0);
+    body.velocity = velocity;
+    body.angular_velocity = {0, 0, spin};
+    Motion motion(scene);
+    const Vec3 start = motion.body(1).position;
+    motion.run(kTime);
+    const double way = length(motion.body(1).position - start), due = length(velocity) * motion.world().time();
+    motion.print("slides %.6g m, due %.6g, spins at %.6g rad/s, due %.6g", way, due, motion.body(1).angular_velocity.z,
+                 spin);
+    EXPECT_NEAR(way, due, 1e-3 * due + 1e-6);
+    EXPECT_NEAR(motion.body(1).angular_velocity.z, spin, 1e-3 * spin + 1e-9);
+    EXPECT_EQ(motion.outcome().asleep, 0);
+}
+
 void slides(const Run& run, TriangleMesh mesh, double half_height, double angle, double friction, double time) {
     const Slope slope{angle, 0};
     Motion motion(on_slope(run.settings(), slope, friction, std::move(mesh), half_height));
@@ -252,6 +273,14 @@ void pressed_jaws_hold_a_cube(const Run& run) {
               {"reference", 60},
               {"reference", 120}},
              true, pressed_jaws_hold_a_cube);
+    for (const int rate : {24, 240}) {
+        const double slow = 0.6e-3 * 24 / rate; // of the speed at which bodies fall asleep 0.4
+        add_runs("Friction", "SlowCubeSlidesOn", {{"balanced", rate}, {"preview", rate}}, true, [=](const Run& r) {
+            slow_cube_slides_on(r, {slow, 0, 0}, 0);
+        });
+        add_runs("Friction", "SlowCubeSpinsOn", {{"balanced", rate}}, true,
+                 [=](const Run& r) { slow_cube_slides_on(r, {}, 2 * slow); });
+    }
     add_runs("Friction", "SpinningBlockSlidesStraight", runs(), true, spinning_block_slides_straight);
     add_runs("Friction", "PainleveRodAbove4Thirds", runs(), true, [](const Run& r) { painleve_rod(r, 1.6); });
     add_runs("Friction", "PainleveRodBelow4Thirds", once, true, [](const Run& r) { painleve_rod(r, 1.2); });
