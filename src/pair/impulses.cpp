@@ -2,20 +2,11 @@
 #include "pair/impulses.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/index.hpp"
 #include "base/stopwatch.hpp"
 
 namespace flotilla {
-
-double pair_friction(const Model& model, std::int32_t a, std::int32_t b) {
-    return std::sqrt(model.bodies[at(a)].friction * model.bodies[at(b)].friction);
-}
-
-double pair_restitution(const Model& model, std::int32_t a, std::int32_t b) {
-    return std::max(model.bodies[at(a)].restitution, model.bodies[at(b)].restitution);
-}
 
 void apply_impulse(Clusters& clusters, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
                    const Vec3& impulse) {

@@ -23,10 +23,6 @@ class Movers {
     double dt_; ///< s
 };
 
-/// Pair friction is the geometric mean, pair restitution the maximum (src/state/README.md).
-[[nodiscard]] double pair_friction(const Model& model, std::int32_t a, std::int32_t b);
-[[nodiscard]] double pair_restitution(const Model& model, std::int32_t a, std::int32_t b);
-
 /// Applies an impulse to two clusters.
 void apply_impulse(Clusters& clusters, Worker& worker, std::int32_t a, std::int32_t b, const ContactPoint& point,
                    const Vec3& impulse);

@@ -2,6 +2,7 @@
 #include "state/model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/hasher.hpp"
@@ -9,6 +10,15 @@
 #include "state/locked_rotation.hpp"
 
 namespace flotilla {
+
+double pair_friction(const Model& model, std::int32_t a, std::int32_t b) {
+    return std::sqrt(model.bodies[at(a)].friction * model.bodies[at(b)].friction);
+}
+
+double pair_restitution(const Model& model, std::int32_t a, std::int32_t b) {
+    return std::max(model.bodies[at(a)].restitution, model.bodies[at(b)].restitution);
+}
+
 Pose make_pose(const RigidShape& shape, const Vec3& com, const Quat& rotation) {
     return {com, rotation, com - rotate(rotation, shape.center_of_mass)};
 }

@@ -64,6 +64,10 @@ struct Model {
     }
 };
 
+/// Pair friction is the geometric mean, pair restitution the maximum (src/state/README.md).
+[[nodiscard]] double pair_friction(const Model& model, std::int32_t a, std::int32_t b);
+[[nodiscard]] double pair_restitution(const Model& model, std::int32_t a, std::int32_t b);
+
 /// The pose with a given centre of mass and rotation.
 [[nodiscard]] Pose make_pose(const RigidShape& shape, const Vec3& com, const Quat& rotation);
 /// The pose of a body whose mesh origin stands at `origin`.

@@ -54,28 +54,36 @@ Vec3 turn_before(const Model& model, const VelocityArrays& bodies, std::int32_t 
     return torque == Vec3{} ? omega : omega - model.settings.time_step * (bodies.inverse_inertia[at(body)] * torque);
 }
 
+/// m/s^2, what loads do to a body that can move.
+Vec3 gained(const Model& model, const VelocityArrays& bodies, std::int32_t body) {
+    return bodies.inverse_mass[at(body)] > 0 ? acceleration(model, at(body)) : Vec3{};
+}
+
+/// m/s, the approach at a contact without what loads have added in the step, negative where it parts.
+double approach_before(const Model& model, const Contact& c, const VelocityArrays& bodies) {
+    const auto before = [&](std::int32_t body) {
+        const Vec3 added = model.settings.time_step * gained(model, bodies, body);
+        return (bodies.velocity[at(body)] - added) +
+               cross(turn_before(model, bodies, body), point_on(c, body) - bodies.position[at(body)]);
+    };
+    return -dot(c.normal, before(c.b) - before(c.a));
+}
+
 /// The approach, m/s, that a pair which stage 1 has not seen takes into the next step. Stage 5 may have kept the bodies
 /// from moving as far as their velocities say, which count the whole acceleration of the step: a body that is held up
 /// would go on accelerating. What they keep is the approach that they began the step with and what gravity adds on the
 /// way that they really made.
 double kept_approach(const Model& model, const Contact& c, std::span<const Pose> start, std::span<const Pose> end,
                      const VelocityArrays& bodies) {
-    const auto gained = [&](std::int32_t body) {
-        return bodies.inverse_mass[at(body)] > 0 ? acceleration(model, at(body)) : Vec3{};
-    };
-    const auto before = [&](std::int32_t body) {
-        const Vec3 added = model.settings.time_step * gained(body);
-        return (bodies.velocity[at(body)] - added) +
-               cross(turn_before(model, bodies, body), point_on(c, body) - bodies.position[at(body)]);
-    };
     const auto start_of = [&](std::int32_t body) { // of the body's point that is at the contact now
         const Pose &from = start[at(body)], &to = end[at(body)];
         return from.com + rotate(from.rotation * conjugate(to.rotation), point_on(c, body) - to.com);
     };
-    const double approach = std::max(0.0, -dot(c.normal, before(c.b) - before(c.a)));
+    const double approach = std::max(0.0, approach_before(model, c, bodies));
     const double way = std::max(0.0, dot(c.normal, start_of(c.b) - start_of(c.a)));
-    const double pull = std::max({std::abs(dot(c.normal, model.gravity)), std::abs(dot(c.normal, gained(c.a))),
-                                  std::abs(dot(c.normal, gained(c.b)))});
+    const double pull =
+        std::max({std::abs(dot(c.normal, model.gravity)), std::abs(dot(c.normal, gained(model, bodies, c.a))),
+                  std::abs(dot(c.normal, gained(model, bodies, c.b)))});
     return std::sqrt(approach * approach + 2 * pull * way);
 }
 
@@ -248,13 +256,27 @@ class PairTargets {
         if (!out_.presses.empty()) out_.presses[i] = due.pressed ? (input_.raises ? 0.0 : most_press(i)) : press(i);
         out_.carries[i] = arcs.carries != 0 ? 1 : 0;
         c.friction *= arcs.friction;
-        if ((input_.keep_approach || with_sleeper(c)) && set_.processed[i] == 0)
+        if ((input_.keep_approach || with_sleeper(c)) && (set_.processed[i] == 0 || comes_anew(c)))
             c.target = std::min(c.target, -kept_approach(model_, c, input_.start, input_.poses, bodies_));
         const Vec3 slip = input_.final_stage ? arcs.stands : arcs.stands + turned_under(c, as_one);
         c.slip = slip - dot(c.normal, slip) * c.normal;
         c.point += arcs.shift;
         c.sticks = model_.settings.tangents == Tangents::random &&
                    sticks(c, std::min(most_slip_, set_.rest[i] / dt_), bodies_, out_.turning.last);
+    }
+
+    /// Whether a pair that rebounds comes at a contact from another direction than those that stage 1 knew: faster than
+    /// it leaves anything that it meets, and not where the pair touched before. A ball that hit one side of a corner
+    /// came to the other side by gravity alone; as two bodies they are two pairs.
+    [[nodiscard]] bool comes_anew(const Contact& c) const {
+        const Settings& s = model_.settings;
+        const double least =
+            s.approach_threshold >= 0 ? s.approach_threshold : most_acceleration(model_, c.a, c.b) * dt_;
+        if (!(approach_before(model_, c, bodies_) > least) || !(pair_restitution(model_, c.a, c.b) > 0)) return false;
+        const auto by_pair = [](const PairNormal& known) { return std::pair(known.a, known.b); };
+        const auto known = std::ranges::equal_range(input_.known_normals, std::pair(c.a, c.b), {}, by_pair);
+        return std::ranges::none_of(
+            known, [&](const PairNormal& of_pair) { return dot(of_pair.normal, c.normal) >= angle_cos_; });
     }
 
     /// m/s, by how much a prescribed body that turns is faster where the other one is in the middle of the step than it

@@ -28,12 +28,21 @@ namespace flotilla {
     return s.static_tolerance >= 0 || s.tolerance_share < 1;
 }
 
+/// A direction in which a pair was in contact.
+struct PairNormal {
+    std::int32_t a, b; ///< a < b
+    Vec3 normal;       ///< unit, from a to b
+};
+
 /// What targets depend on, beside contacts and velocities.
 struct TargetInput {
     bool final_stage = false; ///< stage 7
     /// Pairs that stage 1 did not process keep the approach that their motion in the step gave them, for the bounce of
     /// the next step.
     bool keep_approach = false;
+    /// In stage 7, of the contacts at x^n of pairs that rebound, sorted by pairs: in another direction a pair that was
+    /// in contact, or that stage 1 made part, is not processed.
+    std::span<const PairNormal> known_normals;
     std::span<const Pose> start;         ///< x^n
     std::span<const Pose> poses;         ///< of the contacts: x^n, or x^{n+1} in stage 7
     std::span<const Motion> last_motion; ///< v^n: which contacts stick

@@ -142,10 +142,21 @@ void Stepper::find_contacts_at_end(StepReport& report) {
     const PhaseWatch detection(report, Phase::static_detection, workers_.team);
     note_strays(report.step);
     contacts_.list_pairs(workers_.team, places_, start_pairs_);
+    list_known_normals();
     find_contacts(view(), pairs_, workers_, {report.step}, search_, contacts_);
     contacts_step_ = report.step;
     contacts_.mark_processed(workers_.team, start_pairs_);
     set_counters(contacts_.counters, report);
+}
+
+/// Of the contacts at x^n.
+void Stepper::list_known_normals() {
+    known_normals_.clear();
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+        const Contact& c = contacts_.contacts[i];
+        if (contacts_.ahead[i] == 0 && pair_restitution(model_, c.a, c.b) > 0)
+            known_normals_.push_back({c.a, c.b, c.normal});
+    }
 }
 
 /// Pairs that have no room, from here on. Islands that cannot pay for it were not asked to part. What a script squeezes
@@ -243,8 +254,9 @@ ContactSolveStats Stepper::solve_contacts_at(const ContactSet& contacts, std::sp
     load_warm(&workers_.team, contacts.contacts, {state_.warm[before], {}, 0}, carried);
     const bool raises = kept && stage == ContactStage::half;
     set_targets(&workers_.team, model_, contacts, velocities,
-                {final_stage, keep_approach, state_.pose, poses, state_.motion, level_, stage == ContactStage::kept,
-                 state_.squeezed, state_.rest_distances,
+                {final_stage, keep_approach,
+                 final_stage ? std::span<const PairNormal>(known_normals_) : std::span<const PairNormal>(), state_.pose,
+                 poses, state_.motion, level_, stage == ContactStage::kept, state_.squeezed, state_.rest_distances,
                  final_stage || !any_late_ ? std::span<const Motion>() : std::span<const Motion>(buffers_.late),
                  scripts_stopped_ ? scripts_.due_motion() : std::span<const Motion>(), raises, impulses, carried,
                  accelerated * model_.settings.time_step, options_.tuning},

@@ -208,6 +208,7 @@ class Stepper {
                         std::span<Motion> next, StepReport& report);
     void final_static_contact(std::span<const Pose> end, std::span<Motion> next, StepReport& report);
     void find_contacts_at_end(StepReport& report);
+    void list_known_normals();
     void note_squeezed();
     void note_carried_ahead();
     void give_held_impulses();
@@ -343,6 +344,7 @@ class Stepper {
     std::vector<CandidatePair> start_pairs_;
     ContactSet contacts_;
     std::int64_t contacts_step_ = -1;        ///< the step at whose end they are contacts
+    std::vector<PairNormal> known_normals_;  ///< at x^n, of pairs that rebound, for stage 7
     std::vector<Contact> sleeping_contacts_; ///< found when their bodies fell asleep; not searched for again
     bool looks_ahead_ = false;               ///< may_look_ahead()
     LookAheadScratch ahead_;

@@ -444,7 +444,67 @@ void heavy_falls_on_light(const Run& run, double ratio) {
     EXPECT_LE(pushed, run.dt() > 1.0 / 30 ? 2 : 1);
 }
 
+/// A plate of two triangles from a corner along two edges.
+void add_plate(TriangleMesh& mesh, const Vec3& corner, const Vec3& along, const Vec3& across) {
+    const auto n = static_cast<std::int32_t>(mesh.vertices.size());
+    for (const Vec3& v : {corner, corner + along, corner + along + across, corner + across}) mesh.vertices.push_back(v);
+    mesh.triangles.push_back({n, n + 1, n + 2});
+    mesh.triangles.push_back({n, n + 2, n + 3});
+}
+
+/// A ball with restitution 1 and without friction that meets both sides of a body within a step or so, from many places.
+/// The least of its energy that is left, J of J.
+template <class Start>
+double least_kept(const Run& run, const TriangleMesh& sides, double time, double base, int starts, Start&& place) {
+    constexpr double kRadius = 0.1;
+    double least = 1;
+    for (int k = 0; k < starts; ++k) {
+        SceneDescription scene = make_scene_with(run.settings());
+        auto& ball = add_body(scene, add_shape(scene, make_sphere(kRadius, 2), 1), BodyType::dynamic, {}, 0, 1);
+        place(k, ball);
+        add_body(scene, add_shape(scene, sides), BodyType::fixed, {}, 0, 1);
+        Motion motion(scene);
+        motion.run(time);
+        least = std::min(least, (motion.outcome().end_total - base) / (motion.outcome().start_total - base));
+        expect_no_rise(motion);
+    }
+    return least;
+}
+
+// Each side of a body gives the rebound of its own.
+void bounces_in_a_corner(const Run& run) {
+    TriangleMesh room;
+    add_plate(room, {-9, -9, 0}, {18, 0, 0}, {0, 18, 0});
+    add_plate(room, {1, -9, 0}, {0, 18, 0}, {0, 0, 9});
+    const double kept = least_kept(run, room, 0.45, 0, 40, [](int k, BodyDescription& ball) {
+        ball.position = {0.5, 0, 0.7 + 1e-3 * k};
+        ball.velocity = {2, 0, -2};
+    });
+    std::printf("Impact.BallBouncesInACorner/%s: keeps %.4f of its energy\n", run.name().c_str(), kept);
+    EXPECT_GT(kept, 0.99);
+}
+
+// It slides down one side of a valley, touching that all the time, and meets the other one at a right angle.
+void slides_to_the_other_side(const Run& run) {
+    constexpr double kAway = 0.1006; // m, a rest distance and a hair
+    const double c = std::sqrt(0.5);
+    TriangleMesh valley;
+    add_plate(valley, {0, -5, 0}, {9, 0, 9}, {0, 10, 0});
+    add_plate(valley, {0, -5, 0}, {-9, 0, 9}, {0, 10, 0});
+    const double bottom = kGravity * c * 2 * kAway; // J
+    const double kept = least_kept(run, valley, 0.7, bottom, 60, [&](int k, BodyDescription& ball) {
+        const double along = 0.6 + 4e-3 * k;
+        ball.position = {c * (along - kAway), 0, c * (along + kAway)};
+    });
+    std::printf("Impact.BallSlidesToTheOtherSide/%s: keeps %.4f of its energy\n", run.name().c_str(), kept);
+    EXPECT_GT(kept, 0.97);
+}
+
 [[maybe_unused]] const bool registered = [] {
+    const std::vector<Run> corners = {
+        {"balanced", 24}, {"balanced", 60}, {"balanced", 240}, {"preview", 24}, {"accurate", 24}};
+    add_runs("Impact", "BallBouncesInACorner", corners, true, bounces_in_a_corner);
+    add_runs("Impact", "BallSlidesToTheOtherSide", corners, true, slides_to_the_other_side);
     for (const double ratio : {100.0, 1e3})
         add_runs("Impact", "HeavyFallsOnLight" + std::to_string(static_cast<int>(ratio)), runs_of_impacts(), true,
                  [=](const Run& r) { heavy_falls_on_light(r, ratio); });
