@@ -178,7 +178,7 @@ class Accumulation {
             if (hit.found < 0) continue;
             const std::optional<Landing>& landing = lists_.found[at(hit.found)].landing;
             const CandidatePair pair{hit.a, hit.b};
-            if (!landing || !(may_be_late(hit.a, hit.b) || may_be_late(hit.b, hit.a))) continue;
+            if (!landing || !(may_be_late(hit, hit.a, hit.b) || may_be_late(hit, hit.b, hit.a))) continue;
             const auto change = [&](std::int32_t body, const Vec3& arm) {
                 return dot(hit.point.normal, point_velocity(lists_.bodies.body[at(body)], arm) -
                                                  point_velocity(view_.clusters.impulsive(body), arm));
@@ -191,14 +191,14 @@ class Accumulation {
         return any ? least : 0;
     }
 
-    [[nodiscard]] bool may_be_late(std::int32_t body, std::int32_t other) const {
-        return touching_.may_be_late(view_.clusters[body], body, other);
+    [[nodiscard]] bool may_be_late(const KeptHit& hit, std::int32_t body, std::int32_t other) const {
+        return touching_.may_be_late(view_.clusters[body], body, other, hit.point.normal);
     }
 
     void delay(const KeptHit& hit, double late) {
         Clusters& clusters = movers_.clusters();
-        if (may_be_late(hit.a, hit.b)) clusters.delay(hit.a, hit.point.arm_a, -late * hit.change);
-        if (may_be_late(hit.b, hit.a)) clusters.delay(hit.b, hit.point.arm_b, late * hit.change);
+        if (may_be_late(hit, hit.a, hit.b)) clusters.delay(hit.a, hit.point.arm_a, -late * hit.change);
+        if (may_be_late(hit, hit.b, hit.a)) clusters.delay(hit.b, hit.point.arm_b, late * hit.change);
     }
 
     void load_bodies() {

@@ -2,6 +2,7 @@
 #include "collision/late_hits.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "base/index.hpp"
@@ -10,6 +11,11 @@
 
 namespace flotilla {
 namespace {
+
+/// How much of a blow may act along the normal of a contact that does not answer to it. Were it all that draws the body
+/// away from the contact, two balls side by side, which a third one meets at once, would leave at 0.81 m/s and more in
+/// place of 1.04.
+constexpr double kAside = 1.0 / 16;
 
 /// m/s^2, what loads do to a body along the normal.
 double load(const StepView& view, std::int32_t body, const Vec3& normal) {
@@ -55,21 +61,30 @@ bool more_than_all(const Cluster& c, const Vec3& arm, const Vec3& impulse) {
 } // namespace
 
 void Touching::start(std::size_t bodies, std::span<const Contact> contacts) {
-    touched_.assign(bodies, kNone);
-    const auto touch = [&](std::int32_t body, std::int32_t other) {
-        std::int32_t& touched = touched_[at(body)];
-        touched = touched == kNone || touched == other ? other : kSeveral;
-    };
+    first_.assign(bodies + 1, 0);
+    for (const Contact& c : contacts)
+        for (const std::int32_t body : {c.a, c.b}) ++first_[at(body) + 1];
+    for (std::size_t i = 0; i < bodies; ++i) first_[i + 1] += first_[i];
+    next_.assign(first_.begin(), first_.end() - 1);
+    touches_.resize(2 * contacts.size());
     for (const Contact& c : contacts) {
-        touch(c.a, c.b);
-        touch(c.b, c.a);
+        touches_[next_[at(c.a)]++] = {c.b, c.normal};
+        touches_[next_[at(c.b)]++] = {c.a, c.normal};
     }
+}
+
+bool Touching::may_be_late(const Cluster& cluster, std::int32_t body, std::int32_t other, const Vec3& normal) const {
+    if (cluster.any_late()) return true;
+    const auto touches = std::span(touches_).subspan(first_[at(body)], first_[at(body) + 1] - first_[at(body)]);
+    return std::ranges::all_of(touches, [&](const Touch& touch) {
+        return touch.other == other || std::abs(dot(touch.normal, normal)) <= kAside;
+    });
 }
 
 OfBoth late_shares(const StepView& view, const Touching& touching, const CandidatePair& pair, const Landing& landing,
                    const OfBoth& change) {
-    const bool a = touching.may_be_late(view.clusters[pair.a], pair.a, pair.b);
-    const bool b = touching.may_be_late(view.clusters[pair.b], pair.b, pair.a);
+    const bool a = touching.may_be_late(view.clusters[pair.a], pair.a, pair.b, landing.normal);
+    const bool b = touching.may_be_late(view.clusters[pair.b], pair.b, pair.a, landing.normal);
     const double of_late = (a ? change.a : 0.0) + (b ? change.b : 0.0);
     if (!(of_late > 0)) return {};
     // Where no loads work on the way, no height has to make up for that.

@@ -27,16 +27,20 @@ namespace flotilla {
 class Touching {
   public:
     void start(std::size_t bodies, std::span<const Contact> contacts);
-    /// Whether a part of a blow by the other may be late for the body: where it touches nothing, but maybe the other,
-    /// or something is late for it already. Elsewhere its contacts answer from the start of the step on.
-    [[nodiscard]] bool may_be_late(const Cluster& cluster, std::int32_t body, std::int32_t other) const {
-        const std::int32_t touched = touched_[static_cast<std::size_t>(body)];
-        return touched == kNone || touched == other || cluster.any_late();
-    }
+    /// Whether a part of a blow by the other, along `normal`, may be late for the body: where it touches nothing but
+    /// maybe the other, or only what it moves along, at right angles to the blow, or where something is late for it
+    /// already. Elsewhere its contacts answer from the start of the step on.
+    [[nodiscard]] bool may_be_late(const Cluster& cluster, std::int32_t body, std::int32_t other,
+                                   const Vec3& normal) const;
 
   private:
-    static constexpr std::int32_t kNone = -1, kSeveral = -2;
-    std::vector<std::int32_t> touched_; ///< by body
+    struct Touch {
+        std::int32_t other;
+        Vec3 normal; ///< unit
+    };
+    std::vector<std::size_t> first_; ///< by body, and the end of the last
+    std::vector<std::size_t> next_;  ///< scratch
+    std::vector<Touch> touches_;     ///< by body
 };
 
 /// Contacts at x^n, sorted by bodies, and the rest distances of their pairs, m.

@@ -500,11 +500,56 @@ void slides_to_the_other_side(const Run& run) {
     EXPECT_GT(kept, 0.97);
 }
 
+/// A cube that comes down or along to a plate, past one that it touches all the way: m, the most that it is short of it in
+/// the step in which it stops, from 16 places. `down`: of gravity; the way is along x, the plate beside it below z = 0.
+double stops_short(const Run& run, double speed, const Vec3& down) {
+    constexpr double kSide = 0.3, kThick = 0.5, kFar = 20, kMass = 1, kHalf = 0.5 * kSide;
+    const TriangleMesh cube = make_box(kSide, kSide, kSide);
+    double most = 0;
+    for (int k = 0; k < 16; ++k) {
+        SceneDescription scene = make_scene_with(run.settings());
+        scene.gravity = kGravity * down;
+        const Vec3 start{-kHalf - 0.4 - 0.013 * k, 0, kHalf + rest_gap(cube)};
+        add_body(scene, add_shape(scene, cube, kMass), BodyType::dynamic, start, 0, 0).velocity = {speed, 0, 0};
+        add_body(scene, add_shape(scene, make_box(kFar, 4, kThick)), BodyType::fixed, {0, 0, -0.5 * kThick}, 0, 0);
+        add_body(scene, add_shape(scene, make_box(kThick, 2, 2)), BodyType::fixed, {0.5 * kThick, 0, 1.01}, 0, 0);
+        Motion motion(scene);
+        double fastest = 0, last = 0;
+        motion.run(0.6, [&](const StepReport&) {
+            const BodyState s = motion.body(0);
+            fastest = std::max(fastest, s.velocity.x);
+            if (last > 0.5 * fastest && s.velocity.x < 0.1 * fastest)
+                most = std::max(most, -kHalf - s.center_of_mass.x);
+            last = s.velocity.x;
+        });
+        EXPECT_LT(last, 0.1 * fastest);
+        expect_no_rise(motion);
+    }
+    return most;
+}
+
+// What slides over a floor into a block stops at the block, not where it was a step before.
+void slides_into_a_block(const Run& run) {
+    for (const double speed : {3.0, 8.0}) {
+        const double most = stops_short(run, speed, {0, 0, -1});
+        std::printf("Impact.SlidesIntoABlock/%s: %g m/s, %.3g m short of it\n", run.name().c_str(), speed, most);
+        EXPECT_LT(most, 4e-3);
+    }
+}
+
+void falls_along_a_wall(const Run& run) {
+    const double most = stops_short(run, 0, {1, 0, 0});
+    std::printf("Impact.FallsAlongAWall/%s: %.3g m above the floor\n", run.name().c_str(), most);
+    EXPECT_LT(most, 4e-3);
+}
+
 [[maybe_unused]] const bool registered = [] {
     const std::vector<Run> corners = {
         {"balanced", 24}, {"balanced", 60}, {"balanced", 240}, {"preview", 24}, {"accurate", 24}};
     add_runs("Impact", "BallBouncesInACorner", corners, true, bounces_in_a_corner);
     add_runs("Impact", "BallSlidesToTheOtherSide", corners, true, slides_to_the_other_side);
+    add_runs("Impact", "SlidesIntoABlock", corners, true, slides_into_a_block);
+    add_runs("Impact", "FallsAlongAWall", corners, true, falls_along_a_wall);
     for (const double ratio : {100.0, 1e3})
         add_runs("Impact", "HeavyFallsOnLight" + std::to_string(static_cast<int>(ratio)), runs_of_impacts(), true,
                  [=](const Run& r) { heavy_falls_on_light(r, ratio); });
