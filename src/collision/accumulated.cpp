@@ -192,7 +192,8 @@ class Accumulation {
     }
 
     [[nodiscard]] bool may_be_late(const KeptHit& hit, std::int32_t body, std::int32_t other) const {
-        return touching_.may_be_late(view_.clusters[body], body, other, hit.point.normal);
+        const Vec3& n = hit.point.normal;
+        return touching_.may_be_late(view_.clusters[body], body, other, body == hit.b ? n : -n);
     }
 
     void delay(const KeptHit& hit, double late) {

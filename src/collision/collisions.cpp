@@ -288,7 +288,7 @@ class SequentialCollisions {
 StageCounters handle_collisions(const StepView& view, Movers movers, PairBook& book, Workers& workers,
                                 const ContactsAtStart& known, JointSolve* joint, CollisionScratch& scratch) {
     if (view.model.settings.collision_iterations == 0) joint = nullptr;
-    scratch.touching.start(view.model.size(), known.contacts);
+    scratch.touching.start(view.model.size(), known);
     if (view.model.settings.collisions == Collisions::accumulated)
         return accumulate_collisions(view, movers, book, workers, known, scratch.touching, joint, scratch.hits);
     return SequentialCollisions(view, movers, book, workers, joint, scratch).run();

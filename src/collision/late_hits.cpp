@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "base/index.hpp"
 #include "pair/impulses.hpp"
@@ -58,32 +59,49 @@ bool more_than_all(const Cluster& c, const Vec3& arm, const Vec3& impulse) {
     return after > std::max(before, kinetic_energy(c, c.velocity, c.momentum));
 }
 
+/// Whether the impulses, from the given one on, have one of the contact's pair. Goes on to the first of a later pair.
+template <class Iterator>
+bool carried(Iterator& impulse, Iterator end, const Contact& c) {
+    const auto before = [&] { return std::pair(impulse->a, impulse->b) < std::pair(c.a, c.b); };
+    const auto of_pair = [&] { return impulse->a == c.a && impulse->b == c.b; };
+    while (impulse != end && before()) ++impulse;
+    bool any = false;
+    for (; impulse != end && of_pair(); ++impulse) any = any || impulse->impulse != Vec3{};
+    return any;
+}
+
 } // namespace
 
-void Touching::start(std::size_t bodies, std::span<const Contact> contacts) {
+void Touching::start(std::size_t bodies, const ContactsAtStart& known) {
+    const std::span<const Contact> contacts = known.contacts;
     first_.assign(bodies + 1, 0);
     for (const Contact& c : contacts)
         for (const std::int32_t body : {c.a, c.b}) ++first_[at(body) + 1];
     for (std::size_t i = 0; i < bodies; ++i) first_[i + 1] += first_[i];
     next_.assign(first_.begin(), first_.end() - 1);
     touches_.resize(2 * contacts.size());
-    for (const Contact& c : contacts) {
-        touches_[next_[at(c.a)]++] = {c.b, c.normal};
-        touches_[next_[at(c.b)]++] = {c.a, c.normal};
+    auto impulse = known.impulses.begin();
+    bool loaded = false;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const Contact& c = contacts[i];
+        if (begins_pair(contacts, i)) loaded = carried(impulse, known.impulses.end(), c);
+        touches_[next_[at(c.a)]++] = {c.b, loaded, -c.normal};
+        touches_[next_[at(c.b)]++] = {c.a, loaded, c.normal};
     }
 }
 
-bool Touching::may_be_late(const Cluster& cluster, std::int32_t body, std::int32_t other, const Vec3& normal) const {
+bool Touching::may_be_late(const Cluster& cluster, std::int32_t body, std::int32_t other, const Vec3& away) const {
     if (cluster.any_late()) return true;
     const auto touches = std::span(touches_).subspan(first_[at(body)], first_[at(body) + 1] - first_[at(body)]);
     return std::ranges::all_of(touches, [&](const Touch& touch) {
-        return touch.other == other || std::abs(dot(touch.normal, normal)) <= kAside;
+        const double along = dot(touch.away, away);
+        return touch.other == other || std::abs(along) <= kAside || (!touch.loaded && along < 0);
     });
 }
 
 OfBoth late_shares(const StepView& view, const Touching& touching, const CandidatePair& pair, const Landing& landing,
                    const OfBoth& change) {
-    const bool a = touching.may_be_late(view.clusters[pair.a], pair.a, pair.b, landing.normal);
+    const bool a = touching.may_be_late(view.clusters[pair.a], pair.a, pair.b, -landing.normal);
     const bool b = touching.may_be_late(view.clusters[pair.b], pair.b, pair.a, landing.normal);
     const double of_late = (a ? change.a : 0.0) + (b ? change.b : 0.0);
     if (!(of_late > 0)) return {};

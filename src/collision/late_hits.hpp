@@ -20,33 +20,37 @@
 #include "pair/step_view.hpp"
 #include "pair/worker.hpp"
 #include "state/contact.hpp"
+#include "state/model.hpp"
 
 namespace flotilla {
+
+/// Contacts at x^n, sorted by bodies, the rest distances of their pairs, m, and what they carried in the step before.
+struct ContactsAtStart {
+    std::span<const Contact> contacts;
+    std::span<const double> rest;
+    std::span<const WarmImpulse> impulses; ///< sorted by bodies
+};
 
 /// What bodies touch at x^n.
 class Touching {
   public:
-    void start(std::size_t bodies, std::span<const Contact> contacts);
-    /// Whether a part of a blow by the other, along `normal`, may be late for the body: where it touches nothing but
-    /// maybe the other, or only what it moves along, at right angles to the blow, or where something is late for it
-    /// already. Elsewhere its contacts answer from the start of the step on.
+    void start(std::size_t bodies, const ContactsAtStart& known);
+    /// Whether a part of a blow by the other may be late for the body; `away`: unit, the direction of the blow on it.
+    /// So it is where the body touches nothing but maybe the other, or only what it moves along, at right angles to the
+    /// blow, or what comes along with it against the blow and carries nothing: boxes that fall one on the other. So it
+    /// is, too, where something is late for it already. Elsewhere its contacts answer from the start of the step on.
     [[nodiscard]] bool may_be_late(const Cluster& cluster, std::int32_t body, std::int32_t other,
-                                   const Vec3& normal) const;
+                                   const Vec3& away) const;
 
   private:
     struct Touch {
         std::int32_t other;
-        Vec3 normal; ///< unit
+        bool loaded; ///< the pair carried something
+        Vec3 away;   ///< unit, in which it pushes the body
     };
     std::vector<std::size_t> first_; ///< by body, and the end of the last
     std::vector<std::size_t> next_;  ///< scratch
     std::vector<Touch> touches_;     ///< by body
-};
-
-/// Contacts at x^n, sorted by bodies, and the rest distances of their pairs, m.
-struct ContactsAtStart {
-    std::span<const Contact> contacts;
-    std::span<const double> rest;
 };
 
 /// Of the bodies a and b of a pair.

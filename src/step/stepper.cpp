@@ -250,7 +250,8 @@ void Stepper::collisions(std::span<Motion> collided, std::span<Motion> late, Ste
     JointSolve* joint = solves_together() ? &joint_collisions_ : nullptr;
     const auto handle = [&] {
         const ContactSet& known = contacts_at_start();
-        return handle_collisions(view(), movers(), pairs_, workers_, {known.contacts, known.rest}, joint, collisions_);
+        return handle_collisions(view(), movers(), pairs_, workers_,
+                                 {known.contacts, known.rest, state_.warm[ContactStage::final]}, joint, collisions_);
     };
     StageCounters c = handle();
     while (wake_hit()) c = handle();

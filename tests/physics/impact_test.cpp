@@ -543,6 +543,30 @@ void falls_along_a_wall(const Run& run) {
     EXPECT_LT(most, 4e-3);
 }
 
+// Boxes that fall one on the other, a millimetre apart: the lowest one is stopped by the floor at the floor.
+void fall_one_on_the_other(const Run& run, int boxes) {
+    constexpr double kSide = 0.3, kApart = 1e-3, kMass = 1, kHalf = 0.5 * kSide;
+    double most = 0; // m, above the floor
+    for (int k = 0; k < 16; ++k) {
+        SceneDescription scene = make_scene_with(run.settings());
+        const auto box = add_shape(scene, make_box(kSide, kSide, kSide), kMass);
+        for (int i = 0; i < boxes; ++i)
+            add_body(scene, box, BodyType::dynamic, {0, 0, kHalf + 0.6 + 0.013 * k + i * (kSide + kApart)}, 0.3, 0);
+        add_ground(scene, 9, 0.3, 0);
+        Motion motion(scene);
+        double last = 0;
+        motion.run(0.8, [&](const StepReport&) {
+            const BodyState s = motion.body(0);
+            if (last < -2 && s.velocity.z > -0.5) most = std::max(most, s.center_of_mass.z - kHalf);
+            last = s.velocity.z;
+        });
+        EXPECT_GT(last, -0.5);
+        expect_no_rise(motion);
+    }
+    std::printf("Impact.BoxesFallOneOnTheOther/%s: %.3g m above the floor\n", run.name().c_str(), most);
+    EXPECT_LT(most, 4e-3);
+}
+
 [[maybe_unused]] const bool registered = [] {
     const std::vector<Run> corners = {
         {"balanced", 24}, {"balanced", 60}, {"balanced", 240}, {"preview", 24}, {"accurate", 24}};
@@ -550,6 +574,9 @@ void falls_along_a_wall(const Run& run) {
     add_runs("Impact", "BallSlidesToTheOtherSide", corners, true, slides_to_the_other_side);
     add_runs("Impact", "SlidesIntoABlock", corners, true, slides_into_a_block);
     add_runs("Impact", "FallsAlongAWall", corners, true, falls_along_a_wall);
+    for (const int boxes : {2, 5})
+        add_runs("Impact", std::to_string(boxes) + "BoxesFallOneOnTheOther", corners, true,
+                 [=](const Run& r) { fall_one_on_the_other(r, boxes); });
     for (const double ratio : {100.0, 1e3})
         add_runs("Impact", "HeavyFallsOnLight" + std::to_string(static_cast<int>(ratio)), runs_of_impacts(), true,
                  [=](const Run& r) { heavy_falls_on_light(r, ratio); });
