@@ -110,9 +110,9 @@ void check(const EditedBodies& e) {
     std::set<std::string_view> names;
     for (std::size_t i = 0; i < n; ++i) {
         const BodyDescription& body = e.bodies[i];
-        if (e.present[i] > 1 || body.shape < 0 || static_cast<std::size_t>(body.shape) >= e.shapes.size() ||
-            body.type > BodyType::kinematic)
-            damaged();
+        if (e.present[i] > 1 || body.shape < 0 || body.type > BodyType::kinematic) damaged();
+        if (static_cast<std::size_t>(body.shape) >= e.shapes.size())
+            throw InputError("snapshot of another scene or other settings");
         if (e.present[i] == 0) continue;
         if (was_removed(e.shapes[static_cast<std::size_t>(body.shape)])) damaged();
         if (!names.insert(body.name).second) damaged();

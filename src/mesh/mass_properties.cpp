@@ -301,7 +301,9 @@ MassProperties spread_mass_properties(const TriangleMesh& mesh, double mass, con
 MassProperties solid_mass_properties(const TriangleMesh& mesh, double density, const std::string& name) {
     require_positive(density, "density", name);
     const Closedness c = closedness(mesh);
-    if (!c.closed) refuse(name, "a density needs a closed mesh, this one has a boundary (use surface_density or mass)");
+    if (!c.closed)
+        refuse(name, "a density needs a closed mesh, this one has a boundary, edges of an odd number of triangles (use "
+                     "surface_density or mass)");
     if (!c.oriented)
         refuse(name, "a density needs a consistently oriented mesh, this one has neighbouring triangles that "
                      "face opposite sides");

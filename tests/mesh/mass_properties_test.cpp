@@ -379,7 +379,8 @@ TEST(MassProperties, RefuseWhatHasNone) {
     EXPECT_EQ(message_of([&] { (void)solid_mass_properties(box, std::numeric_limits<double>::infinity(), "s"); }),
               "shape 's': density must be positive and finite");
     EXPECT_EQ(message_of([&] { (void)solid_mass_properties(plate, 1, "s"); }),
-              "shape 's': a density needs a closed mesh, this one has a boundary (use surface_density or mass)");
+              "shape 's': a density needs a closed mesh, this one has a boundary, edges of an odd number of triangles "
+              "(use surface_density or mass)");
     EXPECT_EQ(message_of([&] { (void)solid_mass_properties(flipped, 1, "s"); }),
               "shape 's': a density needs a consistently oriented mesh, this one has neighbouring triangles that face "
               "opposite sides");

@@ -271,8 +271,8 @@ std::vector<BadScene> bad_masses() {
          {"/shapes/0: shape 's': its surface area is zero: all its triangles are degenerate"}},
         {"density of an open mesh",
          shape(R"("density": 5)"),
-         {"/shapes/0: shape 's': a density needs a closed mesh, this one has a boundary (use surface_density or "
-          "mass)"}},
+         {"/shapes/0: shape 's': a density needs a closed mesh, this one has a boundary, edges of an odd number of "
+          "triangles (use surface_density or mass)"}},
         {"inertia not positive",
          shape(R"("mass": 1, "inertia": [1, 1, -1])"),
          {"/shapes/0: shape 's': inertia must be positive definite"}},
