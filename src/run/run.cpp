@@ -260,11 +260,11 @@ World make_world(const SceneDescription& scene, const std::string& source, const
 void add_edited(const io::RunBodies& edited, const SceneDescription& scene, io::RunScene& bodies) {
     const Scene built = build_scene(scene);
     std::vector<std::int32_t> shape_of = built.shape_of;
-    for (const ShapeDescription& shape : edited.added_shapes()) {
+    for (std::size_t k = 0; k < edited.added_shapes().size(); ++k) {
         SceneDescription alone;
         alone.settings = scene.settings;
-        alone.shapes.push_back(shape);
-        const io::RunScene added = io::make_run_scene(build_scene(alone, "edits: shape " + in_quotes(shape.name)));
+        alone.shapes.push_back(edited.added_shapes()[k]);
+        const io::RunScene added = io::make_run_scene(build_scene(alone, edited.adder_of_shape(k)));
         shape_of.push_back(static_cast<std::int32_t>(bodies.shapes.size()));
         bodies.shapes.push_back(added.shapes.front());
     }
@@ -385,10 +385,7 @@ struct RefusedEdit {
 /// Those that are due before the next step.
 void make_edits(io::RunBodies& edited, World& world) {
     for (const Edit& edit : edited.advance(world.steps())) {
-        const auto after = [&](const std::exception& e) {
-            return (edit.place.empty() ? "edit" : edit.place + ": edit") + " after step " + std::to_string(edit.step) +
-                   ": " + e.what();
-        };
+        const auto after = [&](const std::exception& e) { return io::name_of(edit) + ": " + e.what(); };
         try {
             world.apply(edit);
         } catch (const OverlapError& e) {
@@ -397,6 +394,15 @@ void make_edits(io::RunBodies& edited, World& world) {
             throw RefusedEdit{std::make_exception_ptr(InputError(after(e), e.problems()))};
         }
     }
+}
+
+/// Those of the run's last step and later ones are made by no run of so many steps: --resume with more makes them.
+void note_edits_left(const RunOptions& options) {
+    const auto first = std::ranges::find_if(options.edits, [&](const Edit& e) { return e.step >= options.steps; });
+    if (first == options.edits.end()) return;
+    const auto left = options.edits.end() - first; // they are sorted by step
+    note(options, io::name_of(*first) + (left > 1 ? " and " + std::to_string(left - 1) + " more" : "") +
+                      ": not made, the run ends after step " + std::to_string(options.steps));
 }
 
 /// What cannot be written is known before the folder changes, where an earlier run may be. The folder itself is made
@@ -490,6 +496,7 @@ RunTotals run_scene(const SceneDescription& scene, const std::string& source, co
         if (options.after_step) goes_on = options.after_step(report);
     }
     summary.complete = world.steps() >= options.steps;
+    if (summary.complete && edited) note_edits_left(options);
     summary.threads = world.threads();
     if (recorder) {
         recorder->close(summary.complete);

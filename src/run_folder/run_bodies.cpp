@@ -23,6 +23,10 @@ NamedPair sorted(const std::string& a, const std::string& b) { return {std::min(
 
 } // namespace
 
+std::string name_of(const Edit& edit) {
+    return (edit.place.empty() ? "edit" : edit.place + ": edit") + " after step " + std::to_string(edit.step);
+}
+
 RunBodies::RunBodies(const SceneDescription& scene, std::span<const Edit> edits)
     : edits_(edits), time_step_(scene.settings.time_step), next_body_(scene.bodies.size()), bodies_(scene.bodies) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -40,6 +44,7 @@ RunBodies::RunBodies(const SceneDescription& scene, std::span<const Edit> edits)
     for (const Edit& edit : edits) {
         if (const auto* e = std::get_if<edits::AddShape>(&edit.change)) {
             added_shapes_.push_back(e->shape);
+            shape_adders_.push_back(name_of(edit));
             std::string& name = added_shapes_.back().name;
             if (name.empty()) name = default_shape_name(shapes);
             const auto free = std::find_if(shapes.begin() + scene_shapes, shapes.end(),

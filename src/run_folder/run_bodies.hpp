@@ -19,6 +19,9 @@ namespace flotilla::io {
 /// BodyActivity's cluster in a frame, of a body that is not there.
 inline constexpr std::uint8_t kAbsent = 255;
 
+/// "file: /edits/3: edit after step 7" for messages.
+std::string name_of(const Edit& edit);
+
 class RunBodies {
   public:
     /// Of the scene only the time step, names, shapes, types, groups and what is ignored count. The edits are sorted by
@@ -32,6 +35,8 @@ class RunBodies {
     [[nodiscard]] const std::vector<BodyDescription>& bodies() const { return bodies_; }
     /// Those that edits added, removed ones too.
     [[nodiscard]] const std::vector<ShapeDescription>& added_shapes() const { return added_shapes_; }
+    /// The edit that added it, as messages name it.
+    [[nodiscard]] const std::string& adder_of_shape(std::size_t added) const { return shape_adders_[added]; }
     [[nodiscard]] std::int32_t place_of(std::size_t body) const { return place_of_[body]; } ///< -1: it is not there
     [[nodiscard]] std::int32_t body_at(std::int32_t place) const { return body_at_[static_cast<std::size_t>(place)]; }
     [[nodiscard]] BodyType type_of(std::size_t body) const { return type_[body]; }
@@ -56,6 +61,7 @@ class RunBodies {
     std::size_t made_ = 0, next_body_ = 0;
     std::vector<BodyDescription> bodies_;
     std::vector<ShapeDescription> added_shapes_;
+    std::vector<std::string> shape_adders_;
     std::vector<std::int32_t> place_of_, body_at_;
     std::vector<BodyType> type_;
     std::vector<std::string> group_;

@@ -16,6 +16,7 @@ namespace flotilla::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class EditsCommand : public testing::Test {
   protected:
@@ -92,6 +93,28 @@ TEST_F(EditsCommand, RefusedEditsEndARunThatCanBeRead) {
     const std::string wrong = folder_.write("wrong.json", "{\"flotilla_edits\": 1, \"edits\": [{\"step\": 1}]}");
     EXPECT_EQ(run_flotilla(run(wrong, "other", "--steps 2")).exit_code, 2);
     EXPECT_EQ(run_flotilla(run(path("none.json"), "other", "--steps 2")).exit_code, 5);
+}
+
+TEST_F(EditsCommand, FaultyShapesAndEditsAfterTheEndAreNamed) {
+    const auto file = [&](const char* name, const char* second_edge) {
+        return folder_.write(name, std::string(R"({"flotilla_edits": 1, "edits": [
+  {"step": 9, "wake": "body5"}, {"step": 8, "wake": "body5"},
+  {"step": 2, "add_shape": {"name": "flat", "mass": 1, "triangles": [[0, 1, 2]],
+                            "vertices": [[0, 0, 0], [1, 0, 0], )") +
+                                       second_edge + "]}}]}");
+    };
+    const CommandOutput degenerate = run_flotilla(run(file("degenerate.json", "[2, 0, 0]"), "none", "--steps 8"));
+    EXPECT_EQ(degenerate.exit_code, 2);
+    EXPECT_THAT(degenerate.err, HasSubstr("degenerate.json: /edits/2: edit after step 2: "));
+    EXPECT_THAT(degenerate.err, HasSubstr("shape 'flat': its surface area is zero"));
+    const std::string sound = file("sound.json", "[0, 1, 0]");
+    const CommandOutput short_run = run_flotilla(run(sound, "run", "--steps 8"));
+    EXPECT_EQ(short_run.exit_code, 0) << short_run.err;
+    EXPECT_THAT(short_run.err, HasSubstr("sound.json: /edits/1: edit after step 8 and 1 more: not made, the run ends "
+                                         "after step 8"));
+    const CommandOutput longer = run_flotilla(run(sound, "run", "--steps 10 --resume"));
+    EXPECT_EQ(longer.exit_code, 0) << longer.err;
+    EXPECT_THAT(longer.err, Not(HasSubstr("not made")));
 }
 
 TEST_F(EditsCommand, ScenesThatIgnorePairsAreVerifiedButForThem) {
