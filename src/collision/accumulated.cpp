@@ -178,7 +178,8 @@ class Accumulation {
             if (hit.found < 0) continue;
             const std::optional<Landing>& landing = lists_.found[at(hit.found)].landing;
             const CandidatePair pair{hit.a, hit.b};
-            if (!landing || !(may_be_late(hit, hit.a, hit.b) || may_be_late(hit, hit.b, hit.a))) continue;
+            if (!landing) continue;
+            if (const auto [a, b] = may_be_late(hit); !a && !b) continue;
             const auto change = [&](std::int32_t body, const Vec3& arm) {
                 return dot(hit.point.normal, point_velocity(lists_.bodies.body[at(body)], arm) -
                                                  point_velocity(view_.clusters.impulsive(body), arm));
@@ -191,15 +192,15 @@ class Accumulation {
         return any ? least : 0;
     }
 
-    [[nodiscard]] bool may_be_late(const KeptHit& hit, std::int32_t body, std::int32_t other) const {
-        const Vec3& n = hit.point.normal;
-        return touching_.may_be_late(view_.clusters[body], body, other, body == hit.b ? n : -n);
+    [[nodiscard]] std::pair<bool, bool> may_be_late(const KeptHit& hit) const {
+        return touching_.may_be_late(view_.clusters, hit.a, hit.b, hit.point.normal);
     }
 
     void delay(const KeptHit& hit, double late) {
         Clusters& clusters = movers_.clusters();
-        if (may_be_late(hit, hit.a, hit.b)) clusters.delay(hit.a, hit.point.arm_a, -late * hit.change);
-        if (may_be_late(hit, hit.b, hit.a)) clusters.delay(hit.b, hit.point.arm_b, late * hit.change);
+        const auto [late_a, late_b] = may_be_late(hit);
+        if (late_a) clusters.delay(hit.a, hit.point.arm_a, -late * hit.change);
+        if (late_b) clusters.delay(hit.b, hit.point.arm_b, late * hit.change);
     }
 
     void load_bodies() {

@@ -94,8 +94,9 @@ class CollideTogether {
         late_.assign(view_.model.size(), 1);
         for (const MetHit& hit : joint_.hits()) {
             const std::int32_t a = hit.contact.a, b = hit.contact.b;
-            if (!touching_.may_be_late(view_.clusters[a], a, b, -hit.contact.normal)) late_[at(a)] = 0;
-            if (!touching_.may_be_late(view_.clusters[b], b, a, hit.contact.normal)) late_[at(b)] = 0;
+            const auto [late_a, late_b] = touching_.may_be_late(view_.clusters, a, b, hit.contact.normal);
+            if (!late_a) late_[at(a)] = 0;
+            if (!late_b) late_[at(b)] = 0;
         }
     }
 

@@ -14,7 +14,9 @@
 // are after a hit at that time, and keep their angular momentum.
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "pair/step_view.hpp"
@@ -35,19 +37,25 @@ struct ContactsAtStart {
 class Touching {
   public:
     void start(std::size_t bodies, const ContactsAtStart& known);
-    /// Whether a part of a blow by the other may be late for the body; `away`: unit, the direction of the blow on it.
-    /// So it is where the body touches nothing but maybe the other, or only what it moves along, at right angles to the
-    /// blow, or what comes along with it against the blow and carries nothing: boxes that fall one on the other. So it
-    /// is, too, where something is late for it already. Elsewhere its contacts answer from the start of the step on.
-    [[nodiscard]] bool may_be_late(const Cluster& cluster, std::int32_t body, std::int32_t other,
-                                   const Vec3& away) const;
+    /// Whether a part of a blow by a on b, along the unit normal from a to b, may be late for them. Never for what has
+    /// infinite mass. So it is where a body touches nothing but maybe the other, or where something is late for it
+    /// already; and, if the other's part is as well or the other has infinite mass, where it touches besides only what
+    /// it moves along, at right angles to the blow, or, hit by what has infinite mass or is late itself, what comes
+    /// along with it against the blow and carries nothing: boxes that fall one on the other. Elsewhere its contacts
+    /// answer from the start of the step on.
+    [[nodiscard]] std::pair<bool, bool> may_be_late(const Clusters& clusters, std::int32_t a, std::int32_t b,
+                                                    const Vec3& normal) const;
 
   private:
+    /// Whether what a body touches lets a part of a blow be late for it: for it alone, or with the other's.
+    enum class Late : std::uint8_t { no, with_other, alone };
     struct Touch {
         std::int32_t other;
         bool loaded; ///< the pair carried something
         Vec3 away;   ///< unit, in which it pushes the body
     };
+    [[nodiscard]] Late late_of(const Clusters& clusters, std::int32_t body, std::int32_t other, const Vec3& away) const;
+
     std::vector<std::size_t> first_; ///< by body, and the end of the last
     std::vector<std::size_t> next_;  ///< scratch
     std::vector<Touch> touches_;     ///< by body

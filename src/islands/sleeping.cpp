@@ -33,6 +33,9 @@ double quiet_speed(const Model& model, std::size_t body) {
     return std::min(std::max(quiet, least), kMostQuiet * pull_on(model, body) * s.time_step);
 }
 
+namespace {
+
+/// Whether a contact slides by more than static contact leaves undone, and than its friction stops within a step.
 bool slides_on(const Model& model, const Contact& c, const State& state) {
     constexpr double kSlides = 2 / kQuietTolerances;
     if (c.friction >= 2 * kMostQuiet) return false; // stops within a step what is quiet
@@ -50,6 +53,20 @@ bool slides_on(const Model& model, const Contact& c, const State& state) {
     }
     slip -= dot(slip, c.normal) * c.normal;
     return length(slip) > std::max(kSlides * quiet, stops);
+}
+
+} // namespace
+
+void disturb_sliding(const Model& model, std::span<const Contact> contacts, const State& state, SleepScratch& scratch,
+                     std::span<std::uint8_t> disturbed) {
+    const auto movable = [&](std::int32_t body) { return model.bodies[at(body)].movable(); };
+    if (contacts.empty()) return;
+    scratch.joined.assign(model.size(), 0);
+    for (const Contact& c : contacts)
+        if (movable(c.a) && movable(c.b)) scratch.joined[at(c.a)] = scratch.joined[at(c.b)] = 1;
+    for (const Contact& c : contacts)
+        if ((scratch.joined[at(c.a)] | scratch.joined[at(c.b)]) == 0 && slides_on(model, c, state))
+            disturbed[at(c.a)] = disturbed[at(c.b)] = 1;
 }
 
 std::int32_t steps_to_rest(const Model& model, std::size_t body) {

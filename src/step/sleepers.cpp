@@ -179,8 +179,7 @@ void Stepper::put_to_sleep() {
     for (const Contact& c : contacts_.contacts)
         if (touching_.empty() || touching_.back() != BodyPair{c.a, c.b}) touching_.push_back({c.a, c.b});
     disturb_parted();
-    for (const Contact& c : contacts_.contacts)
-        if (slides_on(model_, c, state_)) disturbed_[at(c.a)] = disturbed_[at(c.b)] = 1;
+    disturb_sliding(model_, contacts_.contacts, state_, sleep_, disturbed_);
     count_quiet_steps(model_, disturbed_, state_);
     if (!fall_asleep(model_, touching_, sleep_, state_)) return;
     mark_asleep();

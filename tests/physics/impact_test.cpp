@@ -543,6 +543,36 @@ void falls_along_a_wall(const Run& run) {
     EXPECT_LT(most, 4e-3);
 }
 
+// A cube slides into others that stand side by side without friction: whatever they do, the mean of their places moves
+// as their momentum says, although the floor takes part in none of it.
+void slides_into_a_row(const Run& run, int boxes, double restitution) {
+    constexpr double kSide = 0.3, kApart = 1e-3, kSpeed = 3;
+    const TriangleMesh cube = make_box(kSide, kSide, kSide);
+    double most = 0; // m
+    for (int k = 0; k < 6; ++k) {
+        SceneDescription scene = make_scene_with(run.settings());
+        const auto shape = add_shape(scene, cube, 1);
+        const double z = 0.5 * kSide + rest_gap(cube), behind = kSide + 0.6 + 0.013 * k;
+        add_body(scene, shape, BodyType::dynamic, {-behind, 0, z}, 0, restitution).velocity = {kSpeed, 0, 0};
+        for (int i = 0; i < boxes; ++i)
+            add_body(scene, shape, BodyType::dynamic, {i * (kSide + kApart), 0, z}, 0, restitution);
+        add_ground(scene, 18, 0, 0);
+        Motion motion(scene);
+        const auto mean = [&] {
+            double sum = 0;
+            for (int i = 0; i <= boxes; ++i) sum += motion.body(static_cast<std::size_t>(i)).center_of_mass.x;
+            return sum / (boxes + 1);
+        };
+        const double start = mean();
+        motion.run(0.8, [&](const StepReport& r) {
+            most = std::max(most, std::abs(mean() - start - kSpeed * r.time / (boxes + 1)));
+        });
+        expect_no_rise(motion);
+    }
+    std::printf("Impact.SlidesIntoARowOf%d/%s: the mean strays by %.2g m\n", boxes, run.name().c_str(), most);
+    EXPECT_LT(most, 1e-4);
+}
+
 // Boxes that fall one on the other, a millimetre apart: the lowest one is stopped by the floor at the floor.
 void fall_one_on_the_other(const Run& run, int boxes) {
     constexpr double kSide = 0.3, kApart = 1e-3, kMass = 1, kHalf = 0.5 * kSide;
@@ -574,6 +604,12 @@ void fall_one_on_the_other(const Run& run, int boxes) {
     add_runs("Impact", "BallSlidesToTheOtherSide", corners, true, slides_to_the_other_side);
     add_runs("Impact", "SlidesIntoABlock", corners, true, slides_into_a_block);
     add_runs("Impact", "FallsAlongAWall", corners, true, falls_along_a_wall);
+    for (const int boxes : {2, 4})
+        for (const int e : {0, 100})
+            add_runs("Impact",
+                     "SlidesIntoARowOf" + std::to_string(boxes) + "WithRestitution" + std::to_string(e) + "Percent",
+                     {{"preview", 60}, {"balanced", 24}, {"balanced", 60}, {"accurate", 24}}, true,
+                     [=](const Run& r) { slides_into_a_row(r, boxes, 0.01 * e); });
     for (const int boxes : {2, 5})
         add_runs("Impact", std::to_string(boxes) + "BoxesFallOneOnTheOther", corners, true,
                  [=](const Run& r) { fall_one_on_the_other(r, boxes); });
