@@ -52,14 +52,54 @@ std::optional<Vec3> displacing_impulse(const Impulsive& a, const Impulsive& b, d
     return contact_impulse(a, b, point, target);
 }
 
-/// Whether two bodies meet on a side, not at a point or along a line.
-bool meets_flat(const StepView& view, Worker& worker, const ClusterHit& hit, const SweptContact& contact,
-                double reach) {
+/// Sets the place of the impulse where two bodies meet on a side or along a line, all of whose points are to do alike:
+/// on a side the centres of mass, on a line where an impulse moves all of it alike. At one end of an edge that lands
+/// flat it turned a stick of 2 cm by 0.08 rad about its length, and the blow of the next step, on the lower corner
+/// alone, made that 66 rad/s.
+void meet_alike(const StepView& view, Worker& worker, const ClusterHit& hit, double reach, ContactPoint& point) {
     constexpr std::size_t kSpan = 3; // beside the points of the hit itself
-    if (view.clusters[hit.a].members.size() > 1 || view.clusters[hit.b].members.size() > 1) return false;
-    worker.hits.clear();
-    find_simultaneous_hits(view, worker.footprints, hit, contact.point, reach, {}, worker.hits);
-    return worker.hits.size() >= kSpan;
+    const std::int32_t a = view.clusters.of(at(hit.a)), b = view.clusters.of(at(hit.b));
+    if (view.clusters[a].members.size() > 1 || view.clusters[b].members.size() > 1) return;
+    std::vector<ContactPoint>& others = worker.hits;
+    others.clear();
+    find_simultaneous_hits(view, worker.footprints, hit, point, reach, {}, others);
+    if (others.empty()) return;
+    if (others.size() >= kSpan) {
+        point.arm_a = point.arm_b = {};
+        return;
+    }
+    const auto farthest = [&](const ContactPoint& from) {
+        return *std::ranges::max_element(others, {},
+                                         [&](const ContactPoint& p) { return length_sq(p.arm_b - from.arm_b); });
+    };
+    const ContactPoint one = farthest(point);
+    ContactPoint other = farthest(one);
+    if (length_sq(point.arm_b - one.arm_b) >= length_sq(other.arm_b - one.arm_b)) other = point;
+    const auto on_line = [&, along = normalized(other.arm_b - one.arm_b)](const ContactPoint& p) {
+        return length(cross(along, p.arm_b - one.arm_b)) <= reach;
+    };
+    if (!on_line(point) || !std::ranges::all_of(others, on_line)) return; // corners of a side
+    const Impulsive body_a = view.clusters.impulsive(a), body_b = view.clusters.impulsive(b);
+    const auto velocity = [&](const ContactPoint& p) {
+        return point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
+    };
+    if (std::abs(dot(point.normal, velocity(one) - velocity(other))) * view.dt > reach) return; // they turn
+    const auto between = [&](double share) {
+        ContactPoint p = point;
+        p.arm_a = (1 - share) * one.arm_a + share * other.arm_a,
+        p.arm_b = (1 - share) * one.arm_b + share * other.arm_b;
+        return p;
+    };
+    // Mobility is quadratic along the line; where it is least an impulse changes all of the line's velocities alike.
+    const auto mobility = [&](double share) {
+        const ContactPoint p = between(share);
+        return normal_mobility(body_a, body_b, p, collision_matrix(body_a, body_b, p.arm_a, p.arm_b));
+    };
+    const double m0 = mobility(0), m1 = mobility(1), bend = m0 + m1 - 2 * mobility(0.5);
+    if (!(bend > 0)) return;
+    const Vec3 before = velocity(point);
+    point = between(std::clamp(0.5 + 0.25 * (m0 - m1) / bend, 0.0, 1.0));
+    point.relative_velocity += velocity(point) - before;
 }
 
 } // namespace
@@ -109,8 +149,10 @@ Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pa
         const PairLengths lengths = pair_lengths(view.model, view.state, hit.a, hit.b);
         const double centres = dot(contact.point.normal, body_b.velocity - body_a.velocity);
         const HitAnswer answer = answer_to(view.dt, contact, centres, lengths, i, std::min(iterations, kMostTries));
-        if (answer.on_centres || (answer.target < 0 && meets_flat(view, worker, hit, contact, lengths.rest)))
+        if (answer.on_centres)
             contact.point.arm_a = contact.point.arm_b = {};
+        else if (answer.target < 0)
+            meet_alike(view, worker, hit, lengths.rest, contact.point);
         const auto impulse = displacing_impulse(body_a, body_b, view.dt, answer.target, contact.point);
         if (!impulse) return out;
         push(movers, worker, a, b, contact.point, *impulse);

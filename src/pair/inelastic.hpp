@@ -33,7 +33,7 @@ struct HitAnswer {
 
 /// Handles hits in consecutive order, at most `iterations` of them, each with the impulse that brings the bodies to
 /// their rest distance at the end of the step: v'_n = (d_rest - d)/dt. Bodies that meet on a side go there without a
-/// turn.
+/// turn, those that meet along a line without one that parts its ends.
 Resolution resolve_inelastic(const StepView& view, Movers& movers, PairTable& pairs, Worker& worker,
                              const CandidatePair& clusters, int iterations);
 

@@ -573,6 +573,32 @@ void slides_into_a_row(const Run& run, int boxes, double restitution) {
     EXPECT_LT(most, 1e-4);
 }
 
+// A stick that lands on a whole edge does not roll about its length: both ends of the edge meet the floor alike, in the
+// step that brings it there as well, which gravity's last half alone may do.
+void stick_lands_on_an_edge(const Run& run, double restitution) {
+    constexpr double kLength = 1, kThick = 0.02;
+    double most = 0; // rad/s
+    for (const double tilt : {0.05, 0.15, 0.3, 0.5})
+        for (int k = 0; k < 12; ++k) {
+            SceneDescription scene = make_scene_with(run.settings());
+            const double height = 0.3 + 0.5 * k / 11;
+            const double low = 0.5 * (kLength * std::sin(tilt) + kThick * std::cos(tilt));
+            const auto stick = add_shape(scene, make_box(kLength, kThick, kThick), 1);
+            add_body(scene, stick, BodyType::dynamic, {0, 0, height + low}, 0.3, restitution).rotation =
+                rotation_from_vector({0, 0, 0.5}) * rotation_from_vector({0, tilt, 0});
+            add_ground(scene, 29, 0.3, restitution);
+            Motion motion(scene);
+            motion.run(std::sqrt(2 * height / kGravity) + 0.5, [&](const StepReport&) {
+                const BodyState s = motion.body(0);
+                most = std::max(most, std::abs(dot(rotate(s.rotation, {1, 0, 0}), s.angular_velocity)));
+            });
+            expect_no_rise(motion);
+        }
+    std::printf("Impact.StickLandsOnAnEdge/%s: spins about its length by %.3g rad/s at most\n", run.name().c_str(),
+                most);
+    EXPECT_LT(most, 1);
+}
+
 // Boxes that fall one on the other, a millimetre apart: the lowest one is stopped by the floor at the floor.
 void fall_one_on_the_other(const Run& run, int boxes) {
     constexpr double kSide = 0.3, kApart = 1e-3, kMass = 1, kHalf = 0.5 * kSide;
@@ -604,6 +630,10 @@ void fall_one_on_the_other(const Run& run, int boxes) {
     add_runs("Impact", "BallSlidesToTheOtherSide", corners, true, slides_to_the_other_side);
     add_runs("Impact", "SlidesIntoABlock", corners, true, slides_into_a_block);
     add_runs("Impact", "FallsAlongAWall", corners, true, falls_along_a_wall);
+    for (const int e : {10, 50})
+        add_runs("Impact", "StickLandsOnAnEdgeWithRestitution" + std::to_string(e) + "Percent",
+                 {{"balanced", 24}, {"balanced", 60}, {"accurate", 24}}, true,
+                 [=](const Run& r) { stick_lands_on_an_edge(r, 0.01 * e); });
     for (const int boxes : {2, 4})
         for (const int e : {0, 100})
             add_runs("Impact",
