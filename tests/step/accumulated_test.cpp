@@ -99,14 +99,19 @@ TEST(Accumulated, AFallingColumnTakesFewLooks) {
     EXPECT_LT(2 * operations(Collisions::accumulated), operations(Collisions::sequential));
 }
 
+// At rest at 8.3 s, asleep twelve steps later. How long a pile takes is chance: of 64 three to seven take longer.
 TEST(Accumulated, PreviewPilesComeToRest) {
-    const SceneDescription scene = with(make_scene("boats-in-bowl", 32, 1), preset("preview"));
-    World world(scene);
-    StepReport last;
-    std::int64_t held = 0;
-    for (int n = 0; n < 200; ++n) last = world.step(), held += last.held;
-    EXPECT_EQ(last.sleeping, 30);
-    EXPECT_EQ(held, 0);
+    int in_time = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        World world(with(make_scene("boats-in-bowl", 32, seed), preset("preview")));
+        StepReport last;
+        std::int64_t held = 0;
+        while (world.steps() < 260 && last.sleeping < 30) last = world.step(), held += last.held;
+        EXPECT_EQ(last.sleeping, 30) << "seed " << seed;
+        EXPECT_EQ(held, 0) << "seed " << seed;
+        in_time += world.steps() <= 200 + 12 ? 1 : 0;
+    }
+    EXPECT_GE(in_time, 6) << "of 8";
 }
 
 } // namespace
