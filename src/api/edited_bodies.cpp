@@ -13,6 +13,7 @@
 #include "base/hasher.hpp"
 #include "base/vec3.hpp"
 #include "scene/description_checks.hpp"
+#include "state/snapshot.hpp"
 
 namespace flotilla {
 namespace {
@@ -111,8 +112,7 @@ void check(const EditedBodies& e) {
     for (std::size_t i = 0; i < n; ++i) {
         const BodyDescription& body = e.bodies[i];
         if (e.present[i] > 1 || body.shape < 0 || body.type > BodyType::kinematic) damaged();
-        if (static_cast<std::size_t>(body.shape) >= e.shapes.size())
-            throw InputError("snapshot of another scene or other settings");
+        if (static_cast<std::size_t>(body.shape) >= e.shapes.size()) refuse_other_scene();
         if (e.present[i] == 0) continue;
         if (was_removed(e.shapes[static_cast<std::size_t>(body.shape)])) damaged();
         if (!names.insert(body.name).second) damaged();

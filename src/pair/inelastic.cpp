@@ -2,9 +2,12 @@
 #include "pair/inelastic.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <optional>
+#include <span>
 
 #include "base/index.hpp"
 #include "pair/cluster_query.hpp"
@@ -52,6 +55,50 @@ std::optional<Vec3> displacing_impulse(const Impulsive& a, const Impulsive& b, d
     return contact_impulse(a, b, point, target);
 }
 
+/// m/s, of the rigid bodies' points, b against a.
+Vec3 relative_velocity(const Impulsive& a, const Impulsive& b, const ContactPoint& p) {
+    return point_velocity(b, p.arm_b) - point_velocity(a, p.arm_a);
+}
+
+/// The ends of the line on which the points of a hit lie, its own and at least one other; nothing where they are the
+/// corners of a side.
+std::optional<std::array<ContactPoint, 2>> ends_of_line(const ContactPoint& point, std::span<const ContactPoint> others,
+                                                        double reach) {
+    const auto apart = [](const ContactPoint& p, const ContactPoint& q) { return length_sq(p.arm_b - q.arm_b); };
+    const auto farthest = [&](const ContactPoint& from) {
+        return *std::ranges::max_element(others, {}, [&](const ContactPoint& p) { return apart(p, from); });
+    };
+    const ContactPoint one = farthest(point);
+    ContactPoint other = farthest(one);
+    if (apart(point, one) >= apart(other, one)) other = point;
+    const auto on_line = [&, along = normalized(other.arm_b - one.arm_b)](const ContactPoint& p) {
+        return length(cross(along, p.arm_b - one.arm_b)) <= reach;
+    };
+    if (!on_line(point) || !std::ranges::all_of(others, on_line)) return std::nullopt;
+    return std::array{one, other};
+}
+
+/// Moves the point to where an impulse changes the normal velocities of all points between the ends alike. That is
+/// where the mobility is least, which is quadratic in the place.
+void move_between(const std::array<ContactPoint, 2>& ends, const Impulsive& a, const Impulsive& b,
+                  ContactPoint& point) {
+    const auto between = [&](double share) {
+        ContactPoint p = point;
+        p.arm_a = (1 - share) * ends[0].arm_a + share * ends[1].arm_a;
+        p.arm_b = (1 - share) * ends[0].arm_b + share * ends[1].arm_b;
+        return p;
+    };
+    const auto mobility = [&](double share) {
+        const ContactPoint p = between(share);
+        return normal_mobility(a, b, p, collision_matrix(a, b, p.arm_a, p.arm_b));
+    };
+    const double first = mobility(0), last = mobility(1), bend = first + last - 2 * mobility(0.5);
+    if (!(bend > 0)) return;
+    const ContactPoint hit = point;
+    point = between(std::clamp(0.5 + 0.25 * (first - last) / bend, 0.0, 1.0));
+    point.relative_velocity += relative_velocity(a, b, point) - relative_velocity(a, b, hit);
+}
+
 /// Sets the place of the impulse where two bodies meet on a side or along a line, all of whose points are to do alike:
 /// on a side the centres of mass, on a line where an impulse moves all of it alike. At one end of an edge that lands
 /// flat it turned a stick of 2 cm by 0.08 rad about its length, and the blow of the next step, on the lower corner
@@ -60,46 +107,18 @@ void meet_alike(const StepView& view, Worker& worker, const ClusterHit& hit, dou
     constexpr std::size_t kSpan = 3; // beside the points of the hit itself
     const std::int32_t a = view.clusters.of(at(hit.a)), b = view.clusters.of(at(hit.b));
     if (view.clusters[a].members.size() > 1 || view.clusters[b].members.size() > 1) return;
-    std::vector<ContactPoint>& others = worker.hits;
-    others.clear();
-    find_simultaneous_hits(view, worker.footprints, hit, point, reach, {}, others);
-    if (others.empty()) return;
-    if (others.size() >= kSpan) {
+    worker.hits.clear();
+    find_simultaneous_hits(view, worker.footprints, hit, point, reach, {}, worker.hits);
+    if (worker.hits.empty()) return;
+    if (worker.hits.size() >= kSpan) {
         point.arm_a = point.arm_b = {};
         return;
     }
-    const auto farthest = [&](const ContactPoint& from) {
-        return *std::ranges::max_element(others, {},
-                                         [&](const ContactPoint& p) { return length_sq(p.arm_b - from.arm_b); });
-    };
-    const ContactPoint one = farthest(point);
-    ContactPoint other = farthest(one);
-    if (length_sq(point.arm_b - one.arm_b) >= length_sq(other.arm_b - one.arm_b)) other = point;
-    const auto on_line = [&, along = normalized(other.arm_b - one.arm_b)](const ContactPoint& p) {
-        return length(cross(along, p.arm_b - one.arm_b)) <= reach;
-    };
-    if (!on_line(point) || !std::ranges::all_of(others, on_line)) return; // corners of a side
+    const auto ends = ends_of_line(point, worker.hits, reach);
+    if (!ends) return;
     const Impulsive body_a = view.clusters.impulsive(a), body_b = view.clusters.impulsive(b);
-    const auto velocity = [&](const ContactPoint& p) {
-        return point_velocity(body_b, p.arm_b) - point_velocity(body_a, p.arm_a);
-    };
-    if (std::abs(dot(point.normal, velocity(one) - velocity(other))) * view.dt > reach) return; // they turn
-    const auto between = [&](double share) {
-        ContactPoint p = point;
-        p.arm_a = (1 - share) * one.arm_a + share * other.arm_a,
-        p.arm_b = (1 - share) * one.arm_b + share * other.arm_b;
-        return p;
-    };
-    // Mobility is quadratic along the line; where it is least an impulse changes all of the line's velocities alike.
-    const auto mobility = [&](double share) {
-        const ContactPoint p = between(share);
-        return normal_mobility(body_a, body_b, p, collision_matrix(body_a, body_b, p.arm_a, p.arm_b));
-    };
-    const double m0 = mobility(0), m1 = mobility(1), bend = m0 + m1 - 2 * mobility(0.5);
-    if (!(bend > 0)) return;
-    const Vec3 before = velocity(point);
-    point = between(std::clamp(0.5 + 0.25 * (m0 - m1) / bend, 0.0, 1.0));
-    point.relative_velocity += velocity(point) - before;
+    const Vec3 parts = relative_velocity(body_a, body_b, (*ends)[0]) - relative_velocity(body_a, body_b, (*ends)[1]);
+    if (std::abs(dot(point.normal, parts)) * view.dt <= reach) move_between(*ends, body_a, body_b, point);
 }
 
 } // namespace

@@ -20,7 +20,7 @@ namespace flotilla::io {
 inline constexpr std::uint8_t kAbsent = 255;
 
 /// "file: /edits/3: edit after step 7" for messages.
-std::string name_of(const Edit& edit);
+[[nodiscard]] std::string name_of(const Edit& edit);
 
 class RunBodies {
   public:

@@ -185,6 +185,8 @@ std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene) {
     return out.take();
 }
 
+void refuse_other_scene() { throw InputError("snapshot of another scene or other settings"); }
+
 State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene, const Model& model) {
     std::uint64_t magic = 0, version = 0, of_scene = 0;
     if (bytes.size() < 3 * sizeof magic) throw InputError("no snapshot");
@@ -192,7 +194,7 @@ State read_snapshot(std::span<const std::byte> bytes, std::uint64_t scene, const
     in.read(magic), in.read(version), in.read(of_scene);
     if (magic != kMagic) throw InputError("no snapshot");
     if (version != kVersion) throw InputError("snapshot of another version of flotilla");
-    if (of_scene != scene) throw InputError("snapshot of another scene or other settings");
+    if (of_scene != scene) refuse_other_scene();
     State state;
     visit(state, [&in](auto& part) { in.read(part); });
     std::uint64_t hash = 0;

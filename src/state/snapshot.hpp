@@ -18,6 +18,9 @@ namespace flotilla {
 /// `state`, bit for bit, with the hash of the scene that it belongs to and its own. Little-endian.
 [[nodiscard]] std::vector<std::byte> write_snapshot(const State& state, std::uint64_t scene);
 
+/// InputError: a snapshot is of another scene.
+[[noreturn]] void refuse_other_scene();
+
 /// What write_snapshot wrote of a run of the model. Throws InputError where `bytes` is no snapshot, is damaged, or
 /// belongs to another scene. A hash can be made to fit: whatever is read has a place for every body, names only
 /// bodies that there are, and is within reach of a run.

@@ -170,5 +170,22 @@ TEST(EditedRuns, DamagedSnapshotsAreRefused) {
     }
 }
 
+// Shapes of the scene are not written; one that another scene does not have tells that it is another.
+TEST(EditedRuns, SnapshotsOfScenesWithMoreShapesAreNamedSo) {
+    SceneDescription scene = tub(), fewer = tub();
+    const std::int32_t shape = scenario::add_shape(scene, make_box(0.2, 0.2, 0.2), 1);
+    World world(scene, "scene", {1}), other(fewer, "scene", {1});
+    BodyDescription body;
+    body.name = "late", body.shape = shape, body.position = {0, 0, 50};
+    (void)world.add_body(body);
+    (void)world.step();
+    try {
+        other.restore(world.snapshot());
+        FAIL() << "it was taken";
+    } catch (const InputError& e) {
+        EXPECT_STREQ(e.what(), "snapshot of another scene or other settings");
+    }
+}
+
 } // namespace
 } // namespace flotilla::test
